@@ -1,0 +1,36 @@
+# Every foreign library, found once. A room names the ones it uses under USES (they show in its headers) or HIDES.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)                 # Eigen3::Eigen
+find_package(tl-expected REQUIRED)                      # tl::expected
+find_package(fmt REQUIRED)                              # fmt::fmt
+find_package(spdlog REQUIRED)                           # spdlog::spdlog
+find_package(CLI11 REQUIRED)                            # CLI11::CLI11
+find_package(nlohmann_json REQUIRED)                    # nlohmann_json::nlohmann_json
+find_package(tomlplusplus REQUIRED)                     # tomlplusplus::tomlplusplus
+find_package(glfw3 REQUIRED)                            # glfw
+find_package(embree 3 REQUIRED)                         # embree
+find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)
+pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
+pkg_check_modules(OPENNI2 REQUIRED IMPORTED_TARGET libopenni2)
+pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavcodec libavutil)
+
+find_path(ASIO_INCLUDE_DIR asio.hpp REQUIRED)
+add_library(copresence_asio INTERFACE)
+target_include_directories(copresence_asio SYSTEM INTERFACE ${ASIO_INCLUDE_DIR})
+target_compile_definitions(copresence_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED)
+target_link_libraries(copresence_asio INTERFACE Threads::Threads)
+
+# OpenCV's headers flood C++20 with warnings unless they are system headers.
+add_library(copresence_opencv INTERFACE)
+target_include_directories(copresence_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})
+target_link_libraries(copresence_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs)
+
+if(BUILD_TESTING)
+  find_package(GTest REQUIRED)                          # GTest::gtest_main, GTest::gmock
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  include(GoogleTest)
+endif()
+if(COPRESENCE_BENCHMARKS)
+  find_package(benchmark REQUIRED)                      # benchmark::benchmark_main
+endif()

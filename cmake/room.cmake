@@ -1,0 +1,48 @@
+# A room is a folder that is a target: a static library whose headers compile alone and which names what it depends on.
+#
+#   add_room(depth HEADERS a.h SOURCES a.cpp USES copresence::frame HIDES copresence_opencv)
+#
+# makes the library copresence_depth with the alias copresence::depth. USES are public (other rooms, libraries whose types
+# show in the headers), HIDES are private. A room without SOURCES is header-only.
+function(add_room name)
+  cmake_parse_arguments(ROOM "" "" "HEADERS;SOURCES;USES;HIDES" ${ARGN})
+  set(target copresence_${name})
+  if(ROOM_SOURCES)
+    add_library(${target} STATIC ${ROOM_SOURCES})
+    target_link_libraries(${target} PUBLIC copresence::rules ${ROOM_USES} PRIVATE ${ROOM_HIDES})
+    set(scope PUBLIC)
+  else()
+    add_library(${target} INTERFACE)
+    target_link_libraries(${target} INTERFACE copresence::rules ${ROOM_USES})
+    set(scope INTERFACE)
+  endif()
+  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ROOM_HEADERS})
+  add_library(copresence::${name} ALIAS ${target})
+endfunction()
+
+# One test program for one room. LABEL is unit (below a second, no hardware, no GL, no network), gl (headless EGL) or
+# pipeline (real processes over loopback).
+#
+#   add_room_test(depth LABEL unit SOURCES depth_codec_test.cpp USES copresence::depth)
+function(add_room_test name)
+  cmake_parse_arguments(TEST "" "LABEL;TIMEOUT" "SOURCES;USES" ${ARGN})
+  if(NOT TEST_TIMEOUT)
+    set(TEST_TIMEOUT 120)
+  endif()
+  set(target ${name}_test)
+  add_executable(${target} ${TEST_SOURCES})
+  target_link_libraries(${target} PRIVATE copresence::rules ${TEST_USES} GTest::gmock GTest::gtest_main)
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+    PROPERTIES LABELS ${TEST_LABEL} TIMEOUT ${TEST_TIMEOUT})
+endfunction()
+
+# One benchmark program for one room: numbers only, never a verdict.
+function(add_room_benchmark name)
+  cmake_parse_arguments(BENCHMARK "" "" "SOURCES;USES" ${ARGN})
+  set(target ${name}_benchmark)
+  add_executable(${target} ${BENCHMARK_SOURCES})
+  target_link_libraries(${target} PRIVATE copresence::rules ${BENCHMARK_USES} benchmark::benchmark_main)
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/benchmarks)
+  set_property(GLOBAL APPEND PROPERTY COPRESENCE_BENCHMARK_TARGETS ${target})
+endfunction()

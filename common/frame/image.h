@@ -1,0 +1,90 @@
+#pragma once
+
+// Pixels in memory: width x height, row by row from the top, no padding between rows.
+// Thread: a value; distinct images are independent.
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace copresence {
+
+template <class Pixel>
+class Image {
+ public:
+  Image() = default;
+  Image(int width, int height, Pixel fill = Pixel{})
+      : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * height, fill) {
+    assert(width >= 0 && height >= 0);
+  }
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  bool empty() const { return pixels_.empty(); }
+
+  /// Requires 0 <= x < width(), 0 <= y < height().
+  Pixel& operator()(int x, int y) { return pixels_[index(x, y)]; }
+  const Pixel& operator()(int x, int y) const { return pixels_[index(x, y)]; }
+
+  std::span<Pixel> row(int y) { return {pixels_.data() + index(0, y), static_cast<std::size_t>(width_)}; }
+  std::span<const Pixel> row(int y) const {
+    return {pixels_.data() + index(0, y), static_cast<std::size_t>(width_)};
+  }
+
+  std::span<Pixel> pixels() { return pixels_; }
+  std::span<const Pixel> pixels() const { return pixels_; }
+  Pixel* data() { return pixels_.data(); }
+  const Pixel* data() const { return pixels_.data(); }
+
+  /// Same shape afterwards as asked for; the pixels' values are unspecified. Keeps its memory where it can.
+  void resize(int width, int height) {
+    assert(width >= 0 && height >= 0);
+    width_ = width;
+    height_ = height;
+    pixels_.resize(static_cast<std::size_t>(width) * height);
+  }
+
+  friend bool operator==(const Image&, const Image&) = default;
+
+ private:
+  std::size_t index(int x, int y) const {
+    assert(x >= 0 && x < width_ && y >= 0 && y < height_);
+    return static_cast<std::size_t>(y) * width_ + x;
+  }
+
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<Pixel> pixels_;
+};
+
+template <class A, class B>
+bool same_shape(const Image<A>& a, const Image<B>& b) {
+  return a.width() == b.width() && a.height() == b.height();
+}
+
+struct Rgb8 {
+  std::uint8_t r = 0, g = 0, b = 0;
+  friend bool operator==(const Rgb8&, const Rgb8&) = default;
+};
+static_assert(sizeof(Rgb8) == 3);
+
+struct Rgba8 {
+  std::uint8_t r = 0, g = 0, b = 0, a = 255;
+  friend bool operator==(const Rgba8&, const Rgba8&) = default;
+};
+static_assert(sizeof(Rgba8) == 4);
+
+/// What is known about the depth of one pixel. The values travel in the coded state mask.
+enum class DepthState : std::uint8_t {
+  kHole = 0,      ///< no depth; the depth image holds 0 there
+  kMeasured = 1,  ///< the sensor's own value, never changed by us
+  kFilled = 2,    ///< closed by hole filling
+};
+
+using DepthImage = Image<std::uint16_t>;  ///< along the optical axis, in the stream's DepthUnit; 0 = none
+using StateImage = Image<DepthState>;
+using ColorImage = Image<Rgb8>;
+
+}  // namespace copresence

@@ -1,0 +1,62 @@
+#pragma once
+
+// What a video codec takes and gives: planes of 8-bit or 10-bit samples, full range, no padding.
+
+#include <array>
+#include <cassert>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace copresence {
+
+enum class PixelFormat : std::uint8_t {
+  kGray8 = 1,    ///< 4:0:0, 8 bit
+  kGray10 = 2,   ///< 4:0:0, 10 bit, one sample in two bytes, host order
+  kYuv420 = 3,   ///< 8 bit, chroma halved both ways
+  kYuv444 = 4,   ///< 8 bit, chroma as large as luma
+};
+
+std::string_view name(PixelFormat format);  ///< gray8, gray10, yuv420, yuv444
+
+class Picture {
+ public:
+  Picture() = default;
+  /// Samples are 0. Requires even sizes.
+  Picture(PixelFormat format, int width, int height);
+
+  PixelFormat format() const { return format_; }
+  int width() const { return width_; }    ///< of luma
+  int height() const { return height_; }
+  int planes() const { return format_ == PixelFormat::kGray8 || format_ == PixelFormat::kGray10 ? 1 : 3; }
+  int plane_width(int plane) const { return plane && format_ == PixelFormat::kYuv420 ? width_ / 2 : width_; }
+  int plane_height(int plane) const { return plane && format_ == PixelFormat::kYuv420 ? height_ / 2 : height_; }
+  int bytes_per_sample() const { return format_ == PixelFormat::kGray10 ? 2 : 1; }
+  bool empty() const { return width_ == 0; }
+
+  /// One plane's samples, row by row. plane8 Requires an 8-bit format, plane10 kGray10.
+  std::span<std::uint8_t> plane8(int plane) { return plane_of<std::uint8_t>(*this, plane); }
+  std::span<const std::uint8_t> plane8(int plane) const { return plane_of<const std::uint8_t>(*this, plane); }
+  std::span<std::uint16_t> plane10() { return plane_of<std::uint16_t>(*this, 0); }
+  std::span<const std::uint16_t> plane10() const { return plane_of<const std::uint16_t>(*this, 0); }
+
+  friend bool operator==(const Picture&, const Picture&) = default;
+
+ private:
+  template <class Sample, class Self>
+  static std::span<Sample> plane_of(Self& self, int plane) {
+    assert(plane >= 0 && plane < self.planes() && int(sizeof(Sample)) == self.bytes_per_sample());
+    auto* first = self.samples_.data() + self.plane_offset(plane);
+    return {reinterpret_cast<Sample*>(first),
+            static_cast<std::size_t>(self.plane_width(plane)) * self.plane_height(plane)};
+  }
+  std::size_t plane_offset(int plane) const;
+
+  PixelFormat format_ = PixelFormat::kGray8;
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<std::uint8_t> samples_;  // all planes, one after the other; new[] aligns them for 16 bits
+};
+
+}  // namespace copresence

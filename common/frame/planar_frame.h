@@ -1,0 +1,29 @@
+#pragma once
+
+// A frame as a video codec can carry it: pictures, and the bytes that must arrive exactly.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/frame/picture.h"
+#include "common/frame/rgbd_frame.h"
+
+namespace copresence {
+
+/// Depth as pictures: what a depth codec makes of a DepthImage and its states.
+struct PlanarDepth {
+  bool keyframe = false;                  ///< needs nothing of earlier frames to be decoded
+  Picture picture;                        ///< lossy from here on; holes hold whatever is cheapest
+  std::vector<std::uint8_t> state_mask;   ///< coded states of all pixels, lossless
+  std::vector<std::uint8_t> table;        ///< coded change of the level table; empty for codecs without one
+};
+
+struct PlanarFrame {
+  FrameStamp stamp;
+  PlanarDepth depth;
+  std::optional<Picture> color;  ///< kYuv420, full range BT.601
+  StageDurations durations;
+};
+
+}  // namespace copresence

@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Reads every #include of the project: rooms may use what lies below them and nothing beside them, and each foreign
+library has one home. The table here is the table in docs/architecture.md."""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(sys.argv[1])
+
+# room -> rooms it may include (itself always)
+EDGE_TYPES = {"common/frame", "common"}
+ROOMS = {
+    "common": set(),  # result.h
+    "common/frame": {"common"},
+    **{f"common/{room}": EDGE_TYPES for room in ("flow", "scene", "depth", "color", "video", "wire", "gl")},
+    "capture_server/recording": EDGE_TYPES,
+    "capture_server/simulation": EDGE_TYPES,
+    "capture_server/sensor": EDGE_TYPES,
+    "capture_server/registration": EDGE_TYPES,
+    "capture_server/hole_filling": EDGE_TYPES | {"common/gl"},
+    "render_client/renderer": EDGE_TYPES | {"common/gl"},
+    "render_client/viewpoint": EDGE_TYPES,
+}
+# the programs put the rooms together: pipeline, settings, main
+PROGRAMS = {"capture_server": ("common", "capture_server"), "render_client": ("common", "render_client")}
+EVERYTHING = ("tests", "benchmarks", "tools")
+
+# foreign header -> rooms it may show up in (tests, benchmarks and tools are free)
+HOMES = {
+    r"libav|libsw|x264": {"common/video"},
+    r"asio": {"common/wire"},
+    r"epoxy/|EGL/|GL/|GLFW/|imgui": {"common/gl"},
+    r"toml\+\+": {"common/scene"},
+    r"OpenNI\.h|Oni.*\.h|PS1080\.h|PrimeSense\.h|Driver/": {"capture_server/sensor"},
+    r"embree": {"capture_server/simulation"},
+    r"opencv": {"capture_server/recording", "capture_server/hole_filling", "capture_server/registration", "render_client"},
+    r"CLI/": {"capture_server", "render_client"},
+    r"spdlog": {"capture_server", "render_client"},
+    r"nlohmann": {"capture_server/recording", "render_client"},
+}
+
+
+def room_of(path):
+    folder = path.parent
+    while folder != pathlib.Path("."):
+        name = folder.as_posix()
+        if name in ROOMS or name in PROGRAMS or name.split("/")[0] in EVERYTHING:
+            return name
+        folder = folder.parent
+    return None
+
+
+def main():
+    faults = []
+    sources = [p for top in ("common", "capture_server", "render_client")
+               for p in (ROOT / top).rglob("*") if p.suffix in (".h", ".cpp")]
+    for source in sources:
+        path = source.relative_to(ROOT)
+        room = room_of(path)
+        if room is None:
+            faults.append(f"{path}: lies in no room that this test knows")
+            continue
+        for number, line in enumerate(source.read_text().splitlines(), 1):
+            match = re.match(r'\s*#include\s+[<"]([^>"]+)[>"]', line)
+            if not match:
+                continue
+            header = match.group(1)
+            where = f"{path}:{number}: {room} includes {header}"
+            if re.match(r"(common|capture_server|render_client|tests|benchmarks|tools)/", header):
+                target = room_of(pathlib.Path(header))
+                if room in PROGRAMS:
+                    allowed = header.startswith(tuple(f"{top}/" for top in PROGRAMS[room]))
+                else:
+                    allowed = target == room or target in ROOMS[room]
+                if not allowed:
+                    faults.append(f"{where}, but may use only {sorted(ROOMS.get(room, PROGRAMS.get(room)))}")
+            for pattern, homes in HOMES.items():
+                if re.match(pattern, header) and room not in homes:
+                    faults.append(f"{where}, which belongs to {sorted(homes)}")
+    print("\n".join(faults) if faults else f"{len(sources)} files, every include points downward")
+    return 1 if faults or not sources else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,10 +1,10 @@
 #pragma once
 
-// How anything here fails: a Result<T> holds a value or an Error, and an Error is a code for the program and one
-// sentence for the person in front of it: what went wrong, where, and what to do about it.
+// How anything here fails: a Result<T> holds a value or an Error, and an Error is a code for the program and
+// one sentence for the person in front of it: what went wrong, where, and what to do about it.
 //
-// Errors are for the world (files, sockets, devices, other people's bytes). A broken promise of the caller is an
-// assert. Out of memory ends the program.
+// Errors are for the world (files, sockets, devices, other people's bytes). A broken promise of the caller is
+// an assert. Out of memory ends the program.
 
 #include <string>
 #include <tl/expected.hpp>

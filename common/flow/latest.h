@@ -1,7 +1,7 @@
 #pragma once
 
-// A mailbox of one slot where the newest wins: the latency policy of this program. Used where a frame may be lost,
-// between sensor and encoder and between decoder and view.
+// A mailbox of one slot where the newest wins: the latency policy of this program. Used where a frame may be
+// lost, between sensor and encoder and between decoder and view.
 //
 // Thread: any number of threads may call any member at any time.
 

@@ -45,9 +45,9 @@ CameraModel camera_from_field_of_view(int width, int height, double horizontal, 
 Result<void> check(const CameraModel& camera) {
   const auto fits = [](int size) { return size >= 2 && size <= 4096 && size % 2 == 0; };
   if (!fits(camera.width) || !fits(camera.height)) {
-    return fail(ErrorCode::kInvalid, "a camera of " + std::to_string(camera.width) + "x" +
-                                         std::to_string(camera.height) +
-                                         " pixels cannot be used: width and height must be even, from 2 to 4096");
+    return fail(ErrorCode::kInvalid,
+                "a camera of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+                    " pixels cannot be used: width and height must be even, from 2 to 4096");
   }
   const bool finite = std::isfinite(camera.fx) && std::isfinite(camera.fy) && std::isfinite(camera.cx) &&
                       std::isfinite(camera.cy) &&

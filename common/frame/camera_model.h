@@ -14,8 +14,8 @@ namespace copresence {
 struct CameraModel {
   int width = 0;  ///< pixels; even
   int height = 0;
-  double fx = 0, fy = 0, cx = 0, cy = 0;   ///< pixels
-  std::array<double, 8> distortion{};      ///< k1 k2 p1 p2 k3 k4 k5 k6, OpenCV's order
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
+  std::array<double, 8> distortion{};     ///< k1 k2 p1 p2 k3 k4 k5 k6, OpenCV's order
 
   bool is_distorted() const;
   friend bool operator==(const CameraModel&, const CameraModel&) = default;
@@ -24,7 +24,8 @@ struct CameraModel {
 /// A camera without distortion, the principal point in the middle, as the field of view says. Radians.
 CameraModel camera_from_field_of_view(int width, int height, double horizontal, double vertical);
 
-/// What a camera model from outside must satisfy: even sizes from 2 to 4096, finite numbers, positive focal lengths.
+/// What a camera model from outside must satisfy: even sizes from 2 to 4096, finite numbers, positive focal
+/// lengths.
 Result<void> check(const CameraModel& camera);
 
 /// Pixel at which a point of the camera frame (metres, z > 0) appears; may lie outside the image.
@@ -34,7 +35,8 @@ Eigen::Vector2d project(const CameraModel& camera, const Eigen::Vector3d& point_
 /// The distortion is inverted by fixed-point iteration, to below 1e-6 px for lenses a Kinect has.
 Eigen::Vector3d unproject(const CameraModel& camera, const Eigen::Vector2d& pixel, double z_m);
 
-/// (x, y) at z = 1 for every pixel, row by row: what a renderer multiplies with depth. width * height entries.
+/// (x, y) at z = 1 for every pixel, row by row: what a renderer multiplies with depth. width * height
+/// entries.
 std::vector<Eigen::Vector2f> rays(const CameraModel& camera);
 
 }  // namespace copresence

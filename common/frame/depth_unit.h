@@ -1,6 +1,7 @@
 #pragma once
 
-// The unit of a stream's depth values and the part of their range that is used; and what a Kinect's depth is worth.
+// The unit of a stream's depth values and the part of their range that is used; and what a Kinect's depth is
+// worth.
 
 #include <cmath>
 #include <cstdint>
@@ -10,7 +11,9 @@ namespace copresence {
 /// Micrometres per unit of a 16-bit depth value.
 enum class DepthUnit : std::uint16_t { k100Micrometres = 100, kMillimetre = 1000 };
 
-constexpr double metres_per_unit(DepthUnit unit) { return static_cast<double>(unit) * 1e-6; }
+constexpr double metres_per_unit(DepthUnit unit) {
+  return static_cast<double>(unit) * 1e-6;
+}
 
 /// Depth outside [near, far] counts as a hole. Metres; 0 < near_m < far_m.
 struct DepthRange {
@@ -19,7 +22,8 @@ struct DepthRange {
   friend bool operator==(const DepthRange&, const DepthRange&) = default;
 };
 
-/// A range in the stream's unit: the depth values v with near <= v <= far are kept. 1 <= near <= far <= 65535.
+/// A range in the stream's unit: the depth values v with near <= v <= far are kept. 1 <= near <= far <=
+/// 65535.
 struct DepthRangeUnits {
   std::uint16_t near = 0;
   std::uint16_t far = 0;
@@ -35,10 +39,15 @@ constexpr DepthRangeUnits to_units(const DepthRange& range, DepthUnit unit) {
 }
 
 /// Distance between neighbouring depth levels of a Kinect v1 at depth z, both in metres: z^2 / 351.3 m.
-/// Source: Khoshelham and Elberink 2012, equation for the depth resolution, with the constant of Barron and Malik 2013.
-constexpr double sensor_step_m(double z_m) { return z_m * z_m / 351.3; }
+/// Source: Khoshelham and Elberink 2012, equation for the depth resolution, with the constant of Barron and
+/// Malik 2013.
+constexpr double sensor_step_m(double z_m) {
+  return z_m * z_m / 351.3;
+}
 
 /// Standard deviation of a Kinect v1's depth at depth z, both in metres: half a step.
-constexpr double sensor_sigma_m(double z_m) { return 0.5 * sensor_step_m(z_m); }
+constexpr double sensor_sigma_m(double z_m) {
+  return 0.5 * sensor_step_m(z_m);
+}
 
 }  // namespace copresence

@@ -4,15 +4,20 @@ namespace copresence {
 
 std::string_view name(PixelFormat format) {
   switch (format) {
-    case PixelFormat::kGray8: return "gray8";
-    case PixelFormat::kGray10: return "gray10";
-    case PixelFormat::kYuv420: return "yuv420";
-    case PixelFormat::kYuv444: return "yuv444";
+    case PixelFormat::kGray8:
+      return "gray8";
+    case PixelFormat::kGray10:
+      return "gray10";
+    case PixelFormat::kYuv420:
+      return "yuv420";
+    case PixelFormat::kYuv444:
+      return "yuv444";
   }
   return "unknown";
 }
 
-Picture::Picture(PixelFormat format, int width, int height) : format_(format), width_(width), height_(height) {
+Picture::Picture(PixelFormat format, int width, int height)
+    : format_(format), width_(width), height_(height) {
   assert(width >= 0 && height >= 0 && width % 2 == 0 && height % 2 == 0);
   samples_.resize(plane_offset(planes()));
 }

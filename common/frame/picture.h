@@ -12,10 +12,10 @@
 namespace copresence {
 
 enum class PixelFormat : std::uint8_t {
-  kGray8 = 1,    ///< 4:0:0, 8 bit
-  kGray10 = 2,   ///< 4:0:0, 10 bit, one sample in two bytes, host order
-  kYuv420 = 3,   ///< 8 bit, chroma halved both ways
-  kYuv444 = 4,   ///< 8 bit, chroma as large as luma
+  kGray8 = 1,   ///< 4:0:0, 8 bit
+  kGray10 = 2,  ///< 4:0:0, 10 bit, one sample in two bytes, host order
+  kYuv420 = 3,  ///< 8 bit, chroma halved both ways
+  kYuv444 = 4,  ///< 8 bit, chroma as large as luma
 };
 
 std::string_view name(PixelFormat format);  ///< gray8, gray10, yuv420, yuv444
@@ -27,11 +27,13 @@ class Picture {
   Picture(PixelFormat format, int width, int height);
 
   PixelFormat format() const { return format_; }
-  int width() const { return width_; }    ///< of luma
+  int width() const { return width_; }  ///< of luma
   int height() const { return height_; }
   int planes() const { return format_ == PixelFormat::kGray8 || format_ == PixelFormat::kGray10 ? 1 : 3; }
   int plane_width(int plane) const { return plane && format_ == PixelFormat::kYuv420 ? width_ / 2 : width_; }
-  int plane_height(int plane) const { return plane && format_ == PixelFormat::kYuv420 ? height_ / 2 : height_; }
+  int plane_height(int plane) const {
+    return plane && format_ == PixelFormat::kYuv420 ? height_ / 2 : height_;
+  }
   int bytes_per_sample() const { return format_ == PixelFormat::kGray10 ? 2 : 1; }
   bool empty() const { return width_ == 0; }
 

@@ -13,10 +13,10 @@ namespace copresence {
 
 /// Depth as pictures: what a depth codec makes of a DepthImage and its states.
 struct PlanarDepth {
-  bool keyframe = false;                  ///< needs nothing of earlier frames to be decoded
-  Picture picture;                        ///< lossy from here on; holes hold whatever is cheapest
-  std::vector<std::uint8_t> state_mask;   ///< coded states of all pixels, lossless
-  std::vector<std::uint8_t> table;        ///< coded change of the level table; empty for codecs without one
+  bool keyframe = false;                 ///< needs nothing of earlier frames to be decoded
+  Picture picture;                       ///< lossy from here on; holes hold whatever is cheapest
+  std::vector<std::uint8_t> state_mask;  ///< coded states of all pixels, lossless
+  std::vector<std::uint8_t> table;       ///< coded change of the level table; empty for codecs without one
 };
 
 struct PlanarFrame {

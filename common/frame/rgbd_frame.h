@@ -11,15 +11,16 @@
 
 namespace copresence {
 
-/// An instant on a monotonic clock. A frame carries its server's; the client maps it to its own (common/wire).
+/// An instant on a monotonic clock. A frame carries its server's; the client maps it to its own
+/// (common/wire).
 using Instant = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
 
 /// What identifies a frame from sensor to screen.
 struct FrameStamp {
-  std::uint64_t sequence = 0;   ///< counts captured frames of one stream from 1, without gaps at the sensor
-  Instant captured_at{};        ///< when the capture process held the frame, on that process's monotonic clock
-  Rigid3 world_from_camera;     ///< the camera's pose at that instant, metres
+  std::uint64_t sequence = 0;  ///< counts captured frames of one stream from 1, without gaps at the sensor
+  Instant captured_at{};       ///< when the capture process held the frame, on that process's monotonic clock
+  Rigid3 world_from_camera;    ///< the camera's pose at that instant, metres
 
   friend bool operator==(const FrameStamp&, const FrameStamp&) = default;
 };
@@ -31,8 +32,8 @@ struct StageDurations {
 
 struct RgbdFrame {
   FrameStamp stamp;
-  DepthImage depth;                 ///< in the stream's DepthUnit, along the optical axis; 0 exactly where state is kHole
-  StateImage state;                 ///< same shape as depth
+  DepthImage depth;  ///< in the stream's DepthUnit, along the optical axis; 0 exactly where state is kHole
+  StateImage state;  ///< same shape as depth
   std::optional<ColorImage> color;  ///< from registration on: same shape and camera model as depth
   StageDurations durations;
 };

@@ -30,7 +30,8 @@ struct Rigid3 {
   /// Whether the rotation is one: orthonormal and right-handed to `tolerance`, everything finite.
   bool is_rigid(double tolerance = 1e-4) const {
     return rotation.allFinite() && translation.allFinite() &&
-           (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= tolerance &&
+           (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <=
+               tolerance &&
            rotation.determinant() > 0;
   }
 

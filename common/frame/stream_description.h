@@ -1,6 +1,7 @@
 #pragma once
 
-// What a client must know of a stream before its first frame. Sent once; what can change travels with each frame.
+// What a client must know of a stream before its first frame. Sent once; what can change travels with each
+// frame.
 
 #include <cstdint>
 #include <string>
@@ -16,22 +17,22 @@ namespace copresence {
 
 /// A depth codec by name with its numbers: everything its decoder needs beside the frames themselves.
 struct DepthCodecDescription {
-  std::string name;                                        ///< design section 3: quantized, accuracy10, spiral-fold, ...
-  PixelFormat format = PixelFormat::kGray8;                ///< of the depth pictures
+  std::string name;                          ///< design section 3: quantized, accuracy10, spiral-fold, ...
+  PixelFormat format = PixelFormat::kGray8;  ///< of the depth pictures
   std::vector<std::pair<std::string, double>> parameters;  ///< documented in docs/codecs.md
 
   friend bool operator==(const DepthCodecDescription&, const DepthCodecDescription&) = default;
 };
 
 struct StreamDescription {
-  std::string camera;                    ///< the server's --name
-  CameraModel model;                     ///< of depth and, where there is colour, of colour: they are registered
+  std::string camera;  ///< the server's --name
+  CameraModel model;   ///< of depth and, where there is colour, of colour: they are registered
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthRange range;
-  double frames_per_second = 30;         ///< nominal
+  double frames_per_second = 30;  ///< nominal
   bool has_color = false;
-  bool has_pose = false;                 ///< false: nobody told the server where its camera stands
-  Rigid3 world_from_camera;              ///< at the start of the stream; a frame's own stamp wins
+  bool has_pose = false;     ///< false: nobody told the server where its camera stands
+  Rigid3 world_from_camera;  ///< at the start of the stream; a frame's own stamp wins
   DepthCodecDescription codec;
 
   friend bool operator==(const StreamDescription&, const StreamDescription&) = default;

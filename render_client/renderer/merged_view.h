@@ -13,8 +13,8 @@ namespace copresence::renderer {
 /// The eye: a pin-hole without distortion (an off-centre cx, cy is an off-axis projection) at a pose.
 struct VirtualCamera {
   CameraModel lens;
-  Rigid3 world_from_eye;   ///< camera convention: x right, y down, z forward; metres
-  double near_m = 0.1;     ///< nothing nearer or farther is shown
+  Rigid3 world_from_eye;  ///< camera convention: x right, y down, z forward; metres
+  double near_m = 0.1;    ///< nothing nearer or farther is shown
   double far_m = 10.0;
 };
 
@@ -26,7 +26,7 @@ inline constexpr std::uint8_t kNoCamera = 255;  ///< in MergedView::camera where
 /// What a caller wants as host pixels; the rest stays where the renderer made it.
 struct HostPixels {
   bool color = false;
-  bool depth = false;   ///< depth, camera and quality
+  bool depth = false;  ///< depth, camera and quality
 };
 
 struct MergedView {
@@ -36,7 +36,8 @@ struct MergedView {
   Image<float> depth_m;        ///< along the eye's axis; 0 where nothing is shown; empty unless asked for
   Image<std::uint8_t> camera;  ///< index of the camera that won the pixel, kNoCamera where none
   Image<float> quality;        ///< its quality index, cos(theta) / z^2 (thesis eq. 2.5), 1/m^2
-  std::uint32_t texture = 0;   ///< GL name of an RGBA8 texture with the colour, rows from the top; 0 for the CPU renderer
+  std::uint32_t texture =
+      0;  ///< GL name of an RGBA8 texture with the colour, rows from the top; 0 for the CPU renderer
 };
 
 }  // namespace copresence::renderer

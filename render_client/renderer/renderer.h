@@ -2,10 +2,10 @@
 
 // The one interface of both renderers: the cameras' newest frames and a viewpoint in, a merged view out.
 //
-// Each camera's depth becomes a mesh without triangles across discontinuities, is drawn from the eye, and the drawings
-// are merged in window space: of the fragments within the uncertainty range of the nearest one the best quality index
-// wins (thesis 2.6.1). Both implementations follow the same rules (renderer/merge_rules.h), and a test holds their
-// pictures together.
+// Each camera's depth becomes a mesh without triangles across discontinuities, is drawn from the eye, and the
+// drawings are merged in window space: of the fragments within the uncertainty range of the nearest one the
+// best quality index wins (thesis 2.6.1). Both implementations follow the same rules
+// (renderer/merge_rules.h), and a test holds their pictures together.
 //
 // Thread: one thread makes, uses and destroys a renderer.
 
@@ -24,9 +24,10 @@ namespace copresence::renderer {
 
 /// One camera as a renderer sees it.
 struct CameraView {
-  const RgbdFrame* frame = nullptr;  ///< its newest; must outlive the call. Poses come from `world_from_camera` below
-  std::uint64_t version = 0;         ///< changes when *frame does: what was derived from it is kept until then
-  CameraModel model;                 ///< same size as the frame's images
+  const RgbdFrame* frame =
+      nullptr;  ///< its newest; must outlive the call. Poses come from `world_from_camera` below
+  std::uint64_t version = 0;  ///< changes when *frame does: what was derived from it is kept until then
+  CameraModel model;          ///< same size as the frame's images
   DepthUnit unit = DepthUnit::kMillimetre;
   Rigid3 world_from_camera;
   Eigen::Matrix<float, 3, 4> color_matching =
@@ -40,11 +41,11 @@ class Renderer {
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --renderer and the statistics
 
-  /// Draws the cameras in order (the index is what MergedView::camera names) as seen from `eye`. Cameras may be fewer
-  /// than before or have new models. `view` is reused: images keep their memory. A camera without colour is shaded by
-  /// its normals. Fails only where the graphics driver does.
-  virtual Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye, HostPixels wanted,
-                              MergedView& view) = 0;
+  /// Draws the cameras in order (the index is what MergedView::camera names) as seen from `eye`. Cameras may
+  /// be fewer than before or have new models. `view` is reused: images keep their memory. A camera without
+  /// colour is shaded by its normals. Fails only where the graphics driver does.
+  virtual Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye,
+                              HostPixels wanted, MergedView& view) = 0;
 };
 
 }  // namespace copresence::renderer

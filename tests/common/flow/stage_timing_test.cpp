@@ -7,7 +7,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(StageTiming, IsZeroWhileEmpty) { EXPECT_EQ(StageTiming().percentile_ms(50), 0.0); }
+TEST(StageTiming, IsZeroWhileEmpty) {
+  EXPECT_EQ(StageTiming().percentile_ms(50), 0.0);
+}
 
 TEST(StageTiming, FindsPercentilesToOnePercent) {
   StageTiming timing;

@@ -9,7 +9,9 @@
 namespace copresence {
 namespace {
 
-CameraModel kinect() { return {640, 480, 585, 585, 320, 240, {}}; }
+CameraModel kinect() {
+  return {640, 480, 585, 585, 320, 240, {}};
+}
 
 CameraModel distorted_kinect() {
   CameraModel camera = kinect();

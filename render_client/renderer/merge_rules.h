@@ -1,0 +1,115 @@
+#pragma once
+
+// The rules both renderers follow, so that their pictures agree: which pixels join to a surface, what a
+// fragment is worth, and which fragments of a view's pixel make its colour.
+//
+// Most of it is written in inverse depth w = 1/z (1/m, z along the source camera's axis): a Kinect's depth
+// levels are evenly spaced there, a plane is an affine function of the pixel there, and so both tests below
+// are linear.
+//
+// Surface   A camera's pixels are the vertices of a grid, pixel centres at whole coordinates. A triangle of
+// three
+//           neighbouring pixels is drawn when all three have depth and joined() says so. The quad (x, y) to
+//           (x+1, y+1) is split from its top right to its bottom left corner; where that diagonal does not
+//           give two triangles, along the other one if that gives two; else its single triangle is drawn. A
+//           surface is drawn only from the side the camera saw: from behind, it is the inside of a mask.
+//           Planar regions may be drawn coarser, where all their pixels lie within kPlanarSteps of the plane.
+// Fragment  Depth and texture coordinate are interpolated perspectively; a fragment has the state of the
+// pixel nearest
+//           to its texture coordinate, and that pixel's cell decides cos(theta).
+// Merge     fragment_worth() and blend_weight(), below.
+// Colour    bilinear in the source image, clamped at its border, then the camera's color_matching, clamped to
+// 0..1; a
+//           camera without colour shows gray of shade_without_color().
+//
+// Thread: pure functions.
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/frame/depth_unit.h"
+#include "common/frame/image.h"
+
+namespace copresence::renderer {
+
+/// One step of a Kinect v1 in inverse depth, 1/m, wherever it is (common/frame/depth_unit.h, sensor_step_m).
+inline constexpr float kStepInverse = 1.0F / 351.3F;
+
+/// Neighbours may differ by this many steps through noise and lossy coding...
+inline constexpr float kGapSteps = 4.0F;
+/// ...and by the tilt of the surface: metres of depth per metre across, tan(80 degrees).
+inline constexpr float kMaxSlope = 5.7F;
+
+/// Whether three neighbouring pixels lie on one surface. Inverse depths, 1/m, all > 0. `pixel_angle` is the
+/// angle between neighbours in radians, 1 / fx (times the grid's step, in a mesh that takes only every second
+/// pixel).
+inline bool joined(float a, float b, float c, float pixel_angle) {
+  const float nearest = std::max({a, b, c});
+  const float farthest = std::min({a, b, c});
+  return nearest - farthest <= kGapSteps * kStepInverse + kMaxSlope * pixel_angle * farthest;
+}
+
+/// A region is planar, and may be drawn as one, when no pixel is farther than this from its plane.
+inline constexpr float kPlanarSteps = 2.0F;
+
+/// Tilts come from cells of this many pixels a side, the first at (0, 0): by least squares of w over the
+/// cell's pixels with depth (its neighbours' first pixels may take part). Interpolated between the cells'
+/// centres.
+inline constexpr int kCell = 8;
+/// Pixels a cell needs for that; a cell with fewer has kUnknownCosine.
+inline constexpr int kCellPixels = 16;
+inline constexpr float kUnknownCosine = 0.25F;
+
+/// cos(theta) in (0, 1], theta between the surface's normal and the ray to it (the thesis takes the camera's
+/// axis, figure 2.9, for which a level camera would find every floor worthless). `w` > 0 inverse depth in 1/m
+/// at the cell's middle, `dw_dx`, `dw_dy` its change per unit of the ray (x, y, 1) there, that is, per pixel
+/// times fx and fy.
+inline float cos_theta(float w, float dw_dx, float dw_dy, float x, float y) {
+  // The plane n.P = 1 has w = n.(x, y, 1), so n = (dw_dx, dw_dy, w - x dw_dx - y dw_dy), and n.ray is w
+  // again.
+  const float n_z = w - x * dw_dx - y * dw_dy;
+  const float normal = std::sqrt(dw_dx * dw_dx + dw_dy * dw_dy + n_z * n_z);
+  const float ray = std::sqrt(x * x + y * y + 1.0F);
+  return std::min(1.0F, w / (normal * ray));
+}
+
+/// What a filled pixel is worth beside a measured one.
+inline constexpr float kFilledWorth = 0.5F;
+
+/// The quality index of thesis eq. 2.5, 1/m^2; z_m > 0 along the source camera's axis.
+inline float quality_index(float cosine, float z_m, DepthState state) {
+  return cosine / (z_m * z_m) * (state == DepthState::kFilled ? kFilledWorth : 1.0F);
+}
+
+/// How far, in metres along the eye's axis, a fragment may lie behind the nearest one and still be the same
+/// surface (thesis 2.6.1): kRangeSigmas of both sensors' noise at their own distances, and both calibrations'
+/// errors.
+inline constexpr float kRangeSigmas = 3.0F;
+inline float uncertainty_range_m(float source_z_a_m, float source_z_b_m, float calibration_a_m,
+                                 float calibration_b_m) {
+  const float squares = source_z_a_m * source_z_a_m + source_z_b_m * source_z_b_m;
+  return kRangeSigmas * 0.5F * kStepInverse * squares + calibration_a_m + calibration_b_m;
+}
+
+/// A fragment's quality for the merge: full up to half the range behind the nearest fragment, none at its
+/// end, so that nothing jumps when noise carries it over. `behind_m` >= 0, `range_m` > 0; the nearest has
+/// behind_m = 0.
+inline float fragment_worth(float quality, float behind_m, float range_m) {
+  return quality * std::clamp(2.0F - 2.0F * behind_m / range_m, 0.0F, 1.0F);
+}
+
+/// Share of a fragment in the pixel's colour, before dividing by the sum of all shares: 1 for the best, 0 for
+/// one worth less than kTieRatio of it, linear between. Depth, camera and quality of the pixel are the best
+/// one's (the lowest camera index of equals).
+inline constexpr float kTieRatio = 0.7F;
+inline float blend_weight(float worth, float best_worth) {
+  return std::clamp((worth - kTieRatio * best_worth) / ((1.0F - kTieRatio) * best_worth), 0.0F, 1.0F);
+}
+
+/// Gray, 0 to 1, of a surface of a camera without colour: lit from that camera.
+inline constexpr float kAmbient = 0.15F;
+inline float shade_without_color(float cosine) {
+  return kAmbient + (1.0F - kAmbient) * cosine;
+}
+
+}  // namespace copresence::renderer

@@ -1,0 +1,83 @@
+#include "render_client/renderer/merge_rules.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <numbers>
+
+namespace copresence::renderer {
+namespace {
+
+constexpr float kPixelAngle = 1.0F / 585;
+
+bool joined_at(double a_m, double b_m) {
+  return joined(float(1 / a_m), float(1 / b_m), float(1 / b_m), kPixelAngle);
+}
+
+TEST(MergeRules, JoinNeighboursThatNoiseAndTiltExplain) {
+  for (double z : {0.5, 1.0, 2.0, 3.0, 4.0}) {
+    EXPECT_TRUE(joined_at(z, z + 3 * sensor_step_m(z))) << z;
+    const double tilted = z * std::tan(75 * std::numbers::pi / 180) / 585;
+    EXPECT_TRUE(joined_at(z, z + tilted)) << z;
+  }
+}
+
+TEST(MergeRules, SeparateAHandFromTheWallBehindIt) {
+  EXPECT_FALSE(joined_at(0.5, 0.52));
+  EXPECT_FALSE(joined_at(1.0, 1.05));
+  EXPECT_FALSE(joined_at(2.0, 2.15));
+  EXPECT_FALSE(joined_at(3.0, 3.4));
+}
+
+TEST(MergeRules, DoNotCareInWhichOrderThePixelsCome) {
+  const float a = 0.5F, b = 0.51F, c = 0.48F;
+  EXPECT_EQ(joined(a, b, c, kPixelAngle), joined(c, b, a, kPixelAngle));
+  EXPECT_EQ(joined(a, b, c, kPixelAngle), joined(b, c, a, kPixelAngle));
+}
+
+TEST(MergeRules, FindTheTiltOfAPlane) {
+  // The plane n.P = d, seen along several rays.
+  for (double degrees : {0.0, 30.0, 60.0, 80.0}) {
+    const double tilt = degrees * std::numbers::pi / 180;
+    const Eigen::Vector3d n(std::sin(tilt), 0, std::cos(tilt));
+    for (double x : {-0.3, 0.0, 0.4}) {
+      const Eigen::Vector3d ray(x, 0.2, 1);
+      const double cosine = n.dot(ray) / ray.norm();
+      if (cosine < 0.05) continue;
+      const double d = 2;
+      EXPECT_NEAR(cos_theta(float(n.dot(ray) / d), float(n.x() / d), float(n.y() / d), float(x), 0.2F),
+                  cosine, 1e-5);
+    }
+  }
+}
+
+TEST(MergeRules, TakeTheRangeFromBothSensorsNoiseAtTheirDistance) {
+  // 3 (5.7 + 5.7) + 10 = 44 mm for two Kinects at 2 m, calibrated to 5 mm each.
+  EXPECT_NEAR(uncertainty_range_m(2, 2, 0.005F, 0.005F), 0.044, 0.0005);
+  EXPECT_NEAR(uncertainty_range_m(1, 3, 0.004F, 0.0F), 3 * (sensor_sigma_m(1) + sensor_sigma_m(3)) + 0.004,
+              1e-6);
+}
+
+TEST(MergeRules, LetAFragmentFadeBeforeItLeavesTheRange) {
+  EXPECT_FLOAT_EQ(fragment_worth(2, 0, 0.04F), 2);
+  EXPECT_FLOAT_EQ(fragment_worth(2, 0.02F, 0.04F), 2);
+  EXPECT_FLOAT_EQ(fragment_worth(2, 0.03F, 0.04F), 1);
+  EXPECT_FLOAT_EQ(fragment_worth(2, 0.04F, 0.04F), 0);
+  EXPECT_FLOAT_EQ(fragment_worth(2, 0.05F, 0.04F), 0);
+}
+
+TEST(MergeRules, BlendEqualsEvenlyAndLeaveOutTheMuchWorse) {
+  EXPECT_FLOAT_EQ(blend_weight(3, 3), 1);
+  EXPECT_FLOAT_EQ(blend_weight(3 * kTieRatio, 3), 0);
+  EXPECT_FLOAT_EQ(blend_weight(0.1F, 3), 0);
+  EXPECT_NEAR(blend_weight(3 * 0.85F, 3), 0.5, 1e-5);
+}
+
+TEST(MergeRules, ValueMeasuredAboveFilledAndNearAboveFar) {
+  EXPECT_GT(quality_index(1, 2, DepthState::kMeasured), quality_index(1, 2, DepthState::kFilled));
+  EXPECT_GT(quality_index(1, 2, DepthState::kMeasured), quality_index(1, 3, DepthState::kMeasured));
+  EXPECT_FLOAT_EQ(quality_index(0.5F, 2, DepthState::kMeasured), 0.125F);
+}
+
+}  // namespace
+}  // namespace copresence::renderer

@@ -1,0 +1,77 @@
+#pragma once
+
+// The .oni file of OpenNI 2, as far as this project writes and reads it. All numbers are little-endian.
+//
+//   file      header, then records until kEnd
+//   header    "NI10"  u8 major 1  u8 minor 0  u16 build 1  u32 0  u64 largest timestamp  u32 largest node
+//   record    u32 kRecordMagic  u32 RecordType  u32 node  u32 bytes of these 28 and the fields  u32 bytes of
+//   the payload
+//             u64 undo position | fields | payload
+//
+//   kNodeAdded    str name  u32 NodeType  u32 codec  u32 frames  u64 first and u64 last timestamp  u64 seek
+//   table's position kIntProperty  str key  u32 8  u64 value          kGeneralProperty  str key  u32 n  n
+//   bytes kDataBegin    u32 ~0  u64 ~0                     kNewData  u64 timestamp, microseconds  u32 frame,
+//   from 1 | payload kSeekTable    | one entry of zeros, then one per frame: u64 timestamp  u32 0  u64
+//   position of its kNewData kStateReady, kNodeRemoved, kEnd have no fields. A str is a u32 length with its
+//   NUL, then the bytes with the NUL.
+//
+// "undo position" of a kNewData is that of the node's frame before it (0 for the first), of a kNodeRemoved
+// that of its kNodeAdded, elsewhere 0.
+
+#include <cstdint>
+
+namespace copresence::recording {
+
+inline constexpr char kFileMagic[4] = {'N', 'I', '1', '0'};
+inline constexpr std::uint32_t kHeaderBytes = 24;
+inline constexpr std::uint32_t kHeaderTimestampAt = 12;  ///< u64: largest timestamp
+inline constexpr std::uint32_t kHeaderNodeAt = 20;       ///< u32: largest node
+
+inline constexpr std::uint32_t kRecordMagic = 0x0052494E;  // "NIR"
+inline constexpr std::uint32_t kRecordBytes = 28;          ///< of a record without fields and payload
+inline constexpr std::uint32_t kFrameFieldBytes = 12;      ///< the fields of a kNewData
+inline constexpr std::uint32_t kSeekEntryBytes = 20;
+
+enum class RecordType : std::uint32_t {
+  kNodeAddedOld = 0x02,
+  kIntProperty = 0x03,
+  kRealProperty = 0x04,
+  kStringProperty = 0x05,
+  kGeneralProperty = 0x06,
+  kNodeRemoved = 0x07,
+  kDataBegin = 0x08,
+  kStateReady = 0x09,
+  kNewData = 0x0A,
+  kEnd = 0x0B,
+  kNodeAdded = 0x0D,
+  kSeekTable = 0x0E,
+};
+
+enum class NodeType : std::uint32_t { kDevice = 1, kDepth = 2, kImage = 3, kInfrared = 5 };
+
+constexpr std::uint32_t fourcc(const char (&text)[5]) {
+  std::uint32_t code = 0;
+  for (int i = 3; i >= 0; --i) code = code << 8 | static_cast<unsigned char>(text[i]);
+  return code;
+}
+inline constexpr std::uint32_t kCodecNone = fourcc("NONE");  ///< pixels as they are in memory
+inline constexpr std::uint32_t kCodec16z = fourcc("16zT");   ///< lossless depth: recording/depth_16z.h
+inline constexpr std::uint32_t kCodecJpeg = fourcc("JPEG");  ///< colour
+
+/// Values of the property "oniPixelFormat".
+enum class OniPixelFormat : std::uint32_t {
+  kDepthMillimetre = 100,
+  kDepth100Micrometres = 101,
+  kRgb888 = 200,
+  kGray8 = 202,
+};
+
+inline constexpr char kCameraNoteProperty[] =
+    "copresence.camera";  ///< general: JSON, recording/camera_note.h
+
+/// Largest depth value a recording of this unit may hold: what "xnDeviceMaxDepth" says, and viewers size
+/// tables by it.
+inline constexpr std::uint16_t kMaxDepthMillimetre = 10000;
+inline constexpr std::uint16_t kMaxDepth100Micrometres = 65535;
+
+}  // namespace copresence::recording

@@ -1,0 +1,62 @@
+#pragma once
+
+// What is drawn into: colour textures and a depth texture of one size, and the drawing itself. Vertices have
+// no attributes; shaders fetch what they need from textures by gl_VertexID.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+
+#include "common/gl/name.h"
+
+namespace copresence::gl {
+
+class Buffer;
+class Context;
+class Program;
+class Texture;
+
+/// What draw_indirect() reads; OpenGL's DrawElementsIndirectCommand.
+struct DrawCommand {
+  std::uint32_t indices = 0;
+  std::uint32_t instances = 1;
+  std::uint32_t first_index = 0;
+  std::int32_t base_vertex = 0;
+  std::uint32_t base_instance = 0;
+};
+
+class Framebuffer {
+ public:
+  /// Colour attachment i is `colors[i]`; `depth` may be null. Of stacks, `layer` is drawn into. Requires
+  /// equal sizes, and that the textures outlive the framebuffer.
+  Framebuffer(Context& context, std::initializer_list<const Texture*> colors, const Texture* depth,
+              int layer = 0);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  void clear_color(int attachment, const std::array<float, 4>& value);
+  void clear_integers(int attachment, const std::array<std::uint32_t, 4>& value);  ///< for integer formats
+  void clear_depth(float value);
+
+  /// Draws triangles, indices and their number coming from buffers (std::uint32_t; DrawCommand at byte
+  /// `offset`). With a depth texture the nearer fragment (smaller depth) wins. Both sides of a triangle are
+  /// drawn.
+  void draw_indirect(const Program& program, const Buffer& indices, const Buffer& command,
+                     std::size_t offset = 0);
+
+  /// Draws `vertices` / 3 triangles without indices.
+  void draw(const Program& program, int vertices);
+
+ private:
+  void begin(const Program& program);
+
+  Name<delete_framebuffer> name_;
+  std::uint32_t vertex_array_;  // the context's
+  int width_ = 0;
+  int height_ = 0;
+  bool has_depth_;
+};
+
+}  // namespace copresence::gl

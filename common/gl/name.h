@@ -1,0 +1,38 @@
+#pragma once
+
+// Owns one OpenGL name (the integer that stands for an object): moving takes the name and leaves 0, and 0
+// owns nothing. The classes of this room hold their objects in one of these.
+//
+// Thread: a GL object lives and dies on its context's thread, and before its context.
+
+#include <cstdint>
+#include <utility>
+
+namespace copresence::gl {
+
+using DeleteName = void(std::uint32_t id) noexcept;
+
+DeleteName delete_buffer, delete_texture, delete_framebuffer, delete_program, delete_vertex_array,
+    delete_query;
+
+template <DeleteName* kDelete>
+class Name {
+ public:
+  Name() = default;
+  explicit Name(std::uint32_t id) : id_(id) {}
+  Name(Name&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+  Name& operator=(Name&& other) noexcept {
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~Name() {
+    if (id_) kDelete(id_);
+  }
+
+  std::uint32_t id() const { return id_; }
+
+ private:
+  std::uint32_t id_ = 0;
+};
+
+}  // namespace copresence::gl

@@ -1,0 +1,43 @@
+#pragma once
+
+// Frames to H.264: the depth picture with its side data (side_data.h) and the colour picture of the same
+// instant. One frame in, one out, at once. Thread: one at a time; different encoders are independent.
+
+#include <cstdint>
+#include <optional>
+
+#include "common/frame/encoded_frame.h"
+#include "common/frame/planar_frame.h"
+#include "common/frame/stream_description.h"
+#include "common/result.h"
+#include "common/video/picture_encoder.h"
+#include "common/video/video_settings.h"
+
+namespace copresence::video {
+
+class FrameEncoder {
+ public:
+  /// Fails with kInvalid for settings out of range, with kUnsupported where libx264 is missing or refuses.
+  static Result<FrameEncoder> open(const StreamDescription& stream, const VideoSettings& settings);
+
+  /// A keyframe exactly where frame.depth.keyframe is set. Durations are copied; the caller adds its own.
+  /// Requires pictures of the stream's format and size, a keyframe first, sequence numbers from 1 upward;
+  /// after a failure, a keyframe.
+  Result<EncodedFrame> encode(const PlanarFrame& frame);
+
+  /// From the next frame on. Requires kMinKbps <= kbps <= kMaxKbps; set_depth_kbps an encoder opened with
+  /// depth_kbps.
+  void set_depth_kbps(int kbps);
+  void set_color_kbps(int kbps);
+
+ private:
+  FrameEncoder(PictureEncoder depth, std::optional<PictureEncoder> color);
+
+  PictureEncoder depth_;
+  std::optional<PictureEncoder> color_;
+  std::uint64_t previous_ = 0;  // sequence of the last frame, 0 before the first
+  std::optional<Rigid3> previous_pose_;
+  bool color_keyframe_needed_ = true;  // set until the first colour picture after a keyframe
+};
+
+}  // namespace copresence::video

@@ -1,0 +1,126 @@
+#include "common/video/picture_decoder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "common/video/access_unit.h"
+#include "common/video/libav.h"
+
+namespace copresence::video {
+namespace {
+
+/// Whether the frame's planes hold `format`. FFmpeg gives 4:0:0 as grey or with chroma planes of mid grey, by
+/// version.
+bool holds(AVPixelFormat decoded, PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kGray8:
+      return decoded == AV_PIX_FMT_GRAY8 || decoded == AV_PIX_FMT_YUV420P || decoded == AV_PIX_FMT_YUVJ420P;
+    case PixelFormat::kGray10:
+      return decoded == AV_PIX_FMT_GRAY10 || decoded == AV_PIX_FMT_YUV420P10;
+    case PixelFormat::kYuv420:
+      return decoded == AV_PIX_FMT_YUV420P || decoded == AV_PIX_FMT_YUVJ420P;
+    case PixelFormat::kYuv444:
+      return decoded == AV_PIX_FMT_YUV444P || decoded == AV_PIX_FMT_YUVJ444P;
+  }
+  return false;
+}
+
+Picture copy_planes(const AVFrame& frame, PixelFormat format, int width, int height) {
+  Picture picture(format, width, height);
+  for (int plane = 0; plane < picture.planes(); ++plane) {
+    auto* to = picture.bytes_per_sample() == 2 ? reinterpret_cast<std::uint8_t*>(picture.plane10().data())
+                                               : picture.plane8(plane).data();
+    const std::size_t row_bytes =
+        static_cast<std::size_t>(picture.plane_width(plane)) * picture.bytes_per_sample();
+    const std::uint8_t* from = frame.data[plane];
+    for (int y = 0; y < picture.plane_height(plane); ++y, to += row_bytes, from += frame.linesize[plane]) {
+      std::memcpy(to, from, row_bytes);
+    }
+  }
+  return picture;
+}
+
+}  // namespace
+
+Result<PictureDecoder> PictureDecoder::open(PixelFormat format, int width, int height) {
+  silence_libav();
+  const AVCodec* const codec = avcodec_find_decoder(AV_CODEC_ID_H264);
+  if (!codec) return fail(ErrorCode::kUnsupported, "this machine's libavcodec has no H.264 decoder");
+  CodecContext context(avcodec_alloc_context3(codec));
+  context->thread_count = 1;
+  context->flags |= AV_CODEC_FLAG_LOW_DELAY;
+  context->err_recognition = AV_EF_CAREFUL | AV_EF_COMPLIANT | AV_EF_EXPLODE;
+  context->error_concealment = 0;
+  // A parameter set that announces a giant is refused before its memory is taken; macroblocks round sizes up.
+  context->max_pixels = std::int64_t{width + 32} * (height + 32);
+  if (const int code = avcodec_open2(context.get(), codec, nullptr); code < 0) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("the H.264 decoder does not open: {}", libav_error(code)));
+  }
+  return PictureDecoder(format, width, height, std::move(context), AvFrame(av_frame_alloc()),
+                        AvPacket(av_packet_alloc()));
+}
+
+PictureDecoder::PictureDecoder(PixelFormat format, int width, int height, CodecContext context, AvFrame frame,
+                               AvPacket packet)
+    : format_(format),
+      width_(width),
+      height_(height),
+      context_(std::move(context)),
+      frame_(std::move(frame)),
+      packet_(std::move(packet)) {}
+
+void PictureDecoder::reset() {
+  avcodec_flush_buffers(context_.get());
+  keyframe_needed_ = true;
+}
+
+Result<Picture> PictureDecoder::decode(std::span<const std::uint8_t> access_unit) {
+  auto picture = decode_checked(access_unit);
+  if (!picture) reset();
+  return picture;
+}
+
+Result<Picture> PictureDecoder::decode_checked(std::span<const std::uint8_t> access_unit) {
+  const auto nals = split_access_unit(access_unit);
+  if (!nals) return fail(nals.error());
+  bool keyframe = false;
+  padded_.clear();
+  for (const Nal& nal : *nals) {
+    if (!nal.is_essential()) continue;
+    keyframe = keyframe || nal.type() == NalType::kIdrSlice;
+    append_nal(padded_, nal.bytes);
+  }
+  if (keyframe_needed_ && !keyframe) {
+    return fail(ErrorCode::kCorrupt, "a picture builds on pictures that were lost: a keyframe is needed");
+  }
+  const std::size_t size = padded_.size();
+  padded_.resize(size + AV_INPUT_BUFFER_PADDING_SIZE, 0);
+  packet_->data = padded_.data();
+  packet_->size = static_cast<int>(size);
+  int code = avcodec_send_packet(context_.get(), packet_.get());
+  packet_->data = nullptr;
+  packet_->size = 0;
+  if (code >= 0) code = avcodec_receive_frame(context_.get(), frame_.get());
+  if (code < 0)
+    return fail(ErrorCode::kCorrupt, fmt::format("an access unit does not decode: {}", libav_error(code)));
+  const auto format = static_cast<AVPixelFormat>(frame_->format);
+  const bool damaged = frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0;
+  const bool expected = frame_->width == width_ && frame_->height == height_ && holds(format, format_);
+  if (damaged || !expected) {
+    const int width = frame_->width, height = frame_->height;
+    av_frame_unref(frame_.get());
+    if (damaged) return fail(ErrorCode::kCorrupt, "an access unit decodes to a damaged picture");
+    return fail(ErrorCode::kCorrupt, fmt::format("a picture of {}x{} came where {}x{} {} was announced",
+                                                 width, height, width_, height_, name(format_)));
+  }
+  Picture picture = copy_planes(*frame_, format_, width_, height_);
+  av_frame_unref(frame_.get());
+  keyframe_needed_ = false;
+  return picture;
+}
+
+}  // namespace copresence::video

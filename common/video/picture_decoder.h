@@ -1,0 +1,45 @@
+#pragma once
+
+// H.264 to pictures: the inverse of PictureEncoder. One access unit in, its picture or an error out, at once.
+//
+// Bytes may come from anywhere: whatever they are, the answer is an error or a picture of the expected format
+// and size. After an error only a keyframe is taken, since the pictures that others build on are no longer
+// sure. Thread: one at a time; different decoders are independent.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/frame/picture.h"
+#include "common/result.h"
+#include "common/video/libav_owners.h"
+
+namespace copresence::video {
+
+class PictureDecoder {
+ public:
+  /// Fails with kUnsupported when this machine's libavcodec has no H.264 decoder.
+  static Result<PictureDecoder> open(PixelFormat format, int width, int height);
+
+  /// Fails with kCorrupt: ask for a keyframe.
+  Result<Picture> decode(std::span<const std::uint8_t> access_unit);
+
+  /// Takes nothing but a keyframe next, as at the beginning.
+  void reset();
+
+ private:
+  PictureDecoder(PixelFormat format, int width, int height, CodecContext context, AvFrame frame,
+                 AvPacket packet);
+  Result<Picture> decode_checked(std::span<const std::uint8_t> access_unit);
+
+  PixelFormat format_;
+  int width_;
+  int height_;
+  CodecContext context_;
+  AvFrame frame_;
+  AvPacket packet_;
+  std::vector<std::uint8_t> padded_;  // essential NAL units, with the padding libavcodec may read beyond them
+  bool keyframe_needed_ = true;
+};
+
+}  // namespace copresence::video

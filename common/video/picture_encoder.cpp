@@ -1,0 +1,135 @@
+#include "common/video/picture_encoder.h"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "common/video/libav.h"
+
+namespace copresence::video {
+namespace {
+
+constexpr int kInfinite = 1 << 30;  // x264's own word for a group of pictures without end
+
+/// A rate's buffer: what one picture, or a burst of them, may take ahead of the rate. It bounds the delay
+/// that a picture causes on a link of that rate, and every second to the rate plus this.
+constexpr double kBufferPictures = 3.0;
+
+void set(AVCodecContext& context, const char* key, const std::string& value) {
+  [[maybe_unused]] const int code = av_opt_set(context.priv_data, key, value.c_str(), 0);
+  assert(code >= 0);
+}
+
+void set_rate(AVCodecContext& context, const PictureSettings& settings) {
+  context.bit_rate = std::int64_t{1000} * settings.kbps;
+  context.rc_max_rate = context.bit_rate;
+  context.rc_buffer_size =
+      static_cast<int>(std::lround(1000.0 * settings.kbps * kBufferPictures / settings.frames_per_second));
+}
+
+void set_presets(AVCodecContext& context, const PictureSettings& settings) {
+  set(context, "tune", "zerolatency");
+  set(context, "forced-idr", "1");
+  if (settings.kind == PictureKind::kDepth) {
+    set(context, "preset", "superfast");
+    // Psychovisual tricks and adaptive quantisation move error to where eyes don't see it. Geometry has no
+    // such place.
+    set(context, "x264-params", "scenecut=0:psy=0:aq-mode=0");
+  } else {
+    set(context, "preset", "ultrafast");
+    set(context, "x264-params", "scenecut=0");
+    context.colorspace = AVCOL_SPC_SMPTE170M;  // the BT.601 matrix of common/color
+    context.color_primaries = AVCOL_PRI_BT709;
+    context.color_trc = AVCOL_TRC_IEC61966_2_1;
+  }
+  if (settings.kbps == 0) {
+    set(context, "qp", std::to_string(settings.qp));
+  } else {
+    set_rate(context, settings);
+  }
+}
+
+/// Lends a picture's planes to a frame without a copy: they are read until the frame is let go.
+void lend(const Picture& picture, AVFrame& frame) {
+  for (int plane = 0; plane < picture.planes(); ++plane) {
+    const bool deep = picture.bytes_per_sample() == 2;
+    const auto* first =
+        deep ? reinterpret_cast<const std::uint8_t*>(picture.plane10().data()) : picture.plane8(plane).data();
+    const std::size_t row_bytes =
+        static_cast<std::size_t>(picture.plane_width(plane)) * picture.bytes_per_sample();
+    auto* const bytes = const_cast<std::uint8_t*>(first);  // AV_BUFFER_FLAG_READONLY keeps the promise
+    frame.buf[plane] = av_buffer_create(
+        bytes, row_bytes * picture.plane_height(plane), [](void*, std::uint8_t*) {}, nullptr,
+        AV_BUFFER_FLAG_READONLY);
+    frame.data[plane] = bytes;
+    frame.linesize[plane] = static_cast<int>(row_bytes);
+  }
+}
+
+}  // namespace
+
+Result<PictureEncoder> PictureEncoder::open(const PictureSettings& settings) {
+  assert(settings.width > 0 && settings.width % 2 == 0 && settings.height > 0 && settings.height % 2 == 0);
+  silence_libav();
+  const AVCodec* const codec = avcodec_find_encoder_by_name("libx264");
+  if (!codec)
+    return fail(ErrorCode::kUnsupported, "this machine's libavcodec has no libx264: install libavcodec59");
+  CodecContext context(avcodec_alloc_context3(codec));
+  const auto rate = static_cast<int>(std::lround(settings.frames_per_second * 1000));
+  context->width = settings.width;
+  context->height = settings.height;
+  context->time_base = {1000, rate};
+  context->framerate = {rate, 1000};
+  context->pix_fmt = to_libav(settings.format);
+  context->color_range = AVCOL_RANGE_JPEG;
+  context->gop_size = kInfinite;
+  context->max_b_frames = 0;
+  context->thread_count = 1;
+  set_presets(*context, settings);
+  if (const int code = avcodec_open2(context.get(), codec, nullptr); code < 0) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("libx264 cannot encode {}x{} {}: {}", settings.width, settings.height,
+                            name(settings.format), libav_error(code)));
+  }
+  return PictureEncoder(settings, std::move(context), AvFrame(av_frame_alloc()), AvPacket(av_packet_alloc()));
+}
+
+PictureEncoder::PictureEncoder(const PictureSettings& settings, CodecContext context, AvFrame frame,
+                               AvPacket packet)
+    : settings_(settings),
+      context_(std::move(context)),
+      frame_(std::move(frame)),
+      packet_(std::move(packet)) {}
+
+Result<std::vector<std::uint8_t>> PictureEncoder::encode(const Picture& picture, bool keyframe) {
+  assert(picture.format() == settings_.format && picture.width() == settings_.width &&
+         picture.height() == settings_.height);
+  frame_->format = context_->pix_fmt;
+  frame_->width = settings_.width;
+  frame_->height = settings_.height;
+  frame_->color_range = context_->color_range;
+  frame_->pict_type = keyframe || keyframe_needed_ ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+  frame_->pts = pictures_++;
+  lend(picture, *frame_);
+  int code = avcodec_send_frame(context_.get(), frame_.get());
+  av_frame_unref(frame_.get());
+  if (code >= 0) code = avcodec_receive_packet(context_.get(), packet_.get());
+  keyframe_needed_ = code < 0;
+  if (code < 0)
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("libx264 did not encode a picture: {}", libav_error(code)));
+  std::vector<std::uint8_t> access_unit(packet_->data, packet_->data + packet_->size);
+  av_packet_unref(packet_.get());
+  return access_unit;
+}
+
+void PictureEncoder::set_kbps(int kbps) {
+  assert(settings_.kbps > 0 && kbps > 0);
+  settings_.kbps = kbps;
+  set_rate(*context_, settings_);  // libavcodec hands changes on with the next picture
+}
+
+}  // namespace copresence::video

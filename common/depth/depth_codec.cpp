@@ -1,0 +1,154 @@
+#include "common/depth/depth_codec.h"
+
+#include <array>
+#include <cassert>
+#include <string>
+
+#include "common/depth/accuracy_codec.h"
+#include "common/depth/completion.h"
+#include "common/depth/plane_codec.h"
+#include "common/depth/quantized_codec.h"
+#include "common/depth/side_data_seal.h"
+#include "common/depth/state_mask.h"
+
+namespace copresence::depth {
+namespace {
+
+constexpr std::array<std::string_view, 3> kNames{"quantized", "accuracy10", "accuracy8"};
+
+Error unknown_name(std::string_view name) {
+  std::string what = "there is no depth codec '" + std::string(name) + "'; choose one of";
+  for (const std::string_view known : kNames) what += ' ' + std::string(known);
+  return {ErrorCode::kInvalid, what};
+}
+
+std::unique_ptr<PlaneEncoder> make_encoder(std::string_view name, const DepthFormat& format) {
+  if (name == "quantized") return make_quantized_encoder(format);
+  if (name == "accuracy10") return make_accuracy_encoder(format, PixelFormat::kGray10);
+  if (name == "accuracy8") return make_accuracy_encoder(format, PixelFormat::kGray8);
+  return nullptr;
+}
+
+Result<std::unique_ptr<PlaneDecoder>> make_decoder(const DepthCodecDescription& description,
+                                                   const DepthFormat& format) {
+  if (description.name == "quantized") return make_quantized_decoder(format);
+  if (description.name == "accuracy10" || description.name == "accuracy8") {
+    return make_accuracy_decoder(description, format);
+  }
+  return fail(unknown_name(description.name));
+}
+
+// The pictures that a codec of this name makes; the description may not say otherwise.
+PixelFormat format_of(std::string_view name) {
+  return name == "accuracy8" ? PixelFormat::kGray8 : PixelFormat::kGray10;
+}
+
+}  // namespace
+
+std::span<const std::string_view> codec_names() {
+  return kNames;
+}
+
+struct Encoder::Parts {
+  Parts(std::unique_ptr<PlaneEncoder> planes_, const DepthFormat& format)
+      : planes(std::move(planes_)),
+        description(planes->description()),
+        completion(format.width, format.height, format.units()),
+        mask(format.width, format.height) {}
+
+  std::unique_ptr<PlaneEncoder> planes;
+  DepthCodecDescription description;
+  Completion completion;
+  StateMaskEncoder mask;
+  SideDataSeal seal;
+  bool keyframe_due = true;
+};
+
+Encoder::Encoder(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Encoder::~Encoder() = default;
+Encoder::Encoder(Encoder&&) noexcept = default;
+Encoder& Encoder::operator=(Encoder&&) noexcept = default;
+
+Result<Encoder> Encoder::open(std::string_view codec_name, const DepthFormat& format) {
+  if (const auto checked = check(format); !checked) return fail(checked.error());
+  auto planes = make_encoder(codec_name, format);
+  if (!planes) return fail(unknown_name(codec_name));
+  return Encoder(std::make_unique<Parts>(std::move(planes), format));
+}
+
+const DepthCodecDescription& Encoder::description() const {
+  return parts_->description;
+}
+
+void Encoder::set_lossless(bool lossless) {
+  parts_->planes->set_lossless(lossless);
+}
+
+Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& states, bool keyframe) {
+  Parts& parts = *parts_;
+  parts.completion.take(depth, states);
+  PlanarDepth out;
+  out.keyframe = keyframe || parts.keyframe_due;
+  parts.keyframe_due = true;  // until this frame is done
+  const auto encoded = parts.planes->encode(parts.completion.depth(), parts.completion.states(), out);
+  if (!encoded) return fail(encoded.error());
+  parts.mask.encode(parts.completion.states(), out.keyframe, out.state_mask);
+  parts.seal.close(out.keyframe, out.table, out.state_mask);
+  parts.keyframe_due = false;
+  return out;
+}
+
+struct Decoder::Parts {
+  Parts(std::unique_ptr<PlaneDecoder> planes_, const DepthFormat& format_, PixelFormat picture_)
+      : planes(std::move(planes_)), format(format_), picture(picture_), mask(format.width, format.height) {}
+
+  std::unique_ptr<PlaneDecoder> planes;
+  DepthFormat format;
+  PixelFormat picture;
+  StateMaskDecoder mask;
+  SideDataSeal seal;
+};
+
+Decoder::Decoder(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Decoder::~Decoder() = default;
+Decoder::Decoder(Decoder&&) noexcept = default;
+Decoder& Decoder::operator=(Decoder&&) noexcept = default;
+
+Result<Decoder> Decoder::open(const DepthCodecDescription& description, const DepthFormat& format) {
+  if (const auto checked = check(format); !checked) return fail(checked.error());
+  auto planes = make_decoder(description, format);
+  if (!planes) return fail(planes.error());
+  if (description.format != format_of(description.name)) {
+    return fail(ErrorCode::kInvalid, "depth codec " + description.name + ": the stream says pictures are " +
+                                         std::string(name(description.format)));
+  }
+  return Decoder(std::make_unique<Parts>(std::move(*planes), format, description.format));
+}
+
+Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, StateImage& states) {
+  Parts& parts = *parts_;
+  const Picture& picture = planes.picture;
+  if (picture.format() != parts.picture || picture.width() != parts.format.width ||
+      picture.height() != parts.format.height) {
+    parts.seal.break_chain();
+    return fail(ErrorCode::kCorrupt, "a depth picture does not have the format of its stream");
+  }
+  const auto mask = parts.seal.open(planes.keyframe, planes.table, planes.state_mask);
+  if (!mask) {
+    return fail(ErrorCode::kCorrupt,
+                "state mask or level table are damaged, or a frame is missing before them");
+  }
+  parts.mask.decode(*mask, planes.keyframe, states);
+  depth.resize(parts.format.width, parts.format.height);
+  if (const auto decoded = parts.planes->decode(planes, states, depth); !decoded) {
+    parts.seal.break_chain();
+    return fail(decoded.error());
+  }
+  std::uint16_t* const z = depth.data();
+  const DepthState* const state = states.data();
+  const std::size_t size = depth.pixels().size();
+  for (std::size_t i = 0; i < size; ++i) z[i] = state[i] == DepthState::kHole ? std::uint16_t{0} : z[i];
+  return {};
+}
+
+}  // namespace copresence::depth

@@ -1,0 +1,187 @@
+#include "common/depth/level_table.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
+
+namespace copresence::depth {
+namespace {
+
+void write_number(std::uint32_t value, std::vector<std::uint8_t>& out) {
+  for (; value >= 128; value >>= 7) out.push_back(static_cast<std::uint8_t>(value | 128));
+  out.push_back(static_cast<std::uint8_t>(value));
+}
+
+// Numbers here stay below 2^21: three bytes at most.
+std::optional<std::uint32_t> read_number(std::span<const std::uint8_t>& bytes) {
+  std::uint32_t value = 0;
+  for (int shift = 0; shift < 21; shift += 7) {
+    if (bytes.empty()) return std::nullopt;
+    const std::uint8_t byte = bytes.front();
+    bytes = bytes.subspan(1);
+    value |= (byte & 127u) << shift;
+    if (byte < 128) return value;
+  }
+  return std::nullopt;
+}
+
+std::uint32_t zigzag(std::int32_t value) {
+  return static_cast<std::uint32_t>(value << 1 ^ value >> 31);
+}
+std::int32_t unzigzag(std::uint32_t value) {
+  return static_cast<std::int32_t>(value >> 1) ^ -static_cast<std::int32_t>(value & 1);
+}
+
+}  // namespace
+
+LevelTable::LevelTable(DepthRangeUnits range, DepthUnit unit)
+    : range_(range),
+      steps_per_inverse_unit_(1.0 / (sensor_step_m(1.0) * metres_per_unit(unit))),
+      levels_(kCodes, 0) {
+  assert(range.near >= 1 && range.near < range.far);
+}
+
+double LevelTable::steps(double from, double to) const {
+  return steps_per_inverse_unit_ * (1 / from - 1 / to);
+}
+
+int LevelTable::count() const {
+  return static_cast<int>(kCodes - std::count(levels_.begin(), levels_.end(), std::uint16_t{0}));
+}
+
+void LevelTable::assign(std::span<const std::uint16_t> levels) {
+  assert(levels.size() <= kCodes && std::is_sorted(levels.begin(), levels.end()));
+  std::fill(levels_.begin(), levels_.end(), std::uint16_t{0});
+  if (levels.empty()) return;
+  // Free codes wanted in front of each level, and behind the last.
+  const auto wanted = [&](std::size_t i) {
+    const double before = i == 0 ? range_.near : levels[i - 1];
+    const double here = i == levels.size() ? range_.far : levels[i];
+    return std::max(0.0, std::round(steps(before, here)) - (i == 0 ? 0 : 1));
+  };
+  double all_wanted = 0;
+  for (std::size_t i = 0; i <= levels.size(); ++i) all_wanted += wanted(i);
+  const auto room = static_cast<double>(kCodes - levels.size());
+  const double share = all_wanted > room ? room / all_wanted : 1.0;
+  double free_codes = 0;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    free_codes += wanted(i);
+    levels_[i + static_cast<std::size_t>(free_codes * share)] = levels[i];
+  }
+}
+
+void LevelTable::assign_evenly() {
+  std::fill(levels_.begin(), levels_.end(), std::uint16_t{0});
+  const double near = 1.0 / range_.near, far = 1.0 / range_.far;
+  std::uint16_t last = 0;
+  for (int code = 0; code < kCodes; ++code) {
+    const double z = 1 / (near + (far - near) * code / (kCodes - 1));
+    const auto level =
+        static_cast<std::uint16_t>(std::lround(std::clamp<double>(z, range_.near, range_.far)));
+    if (level > last) levels_[code] = last = level;
+  }
+}
+
+bool LevelTable::insert(std::uint16_t level) {
+  assert(range_.contains(level));
+  int below = -1, above = kCodes;  // codes of the neighbours
+  for (int code = 0; code < kCodes; ++code) {
+    if (levels_[code] == 0) continue;
+    assert(levels_[code] != level);
+    if (levels_[code] < level) {
+      below = code;
+    } else {
+      above = code;
+      break;
+    }
+  }
+  if (above - below > 1) {
+    const double from = below < 0 ? range_.near : levels_[below];
+    const int belongs = std::max(below, 0) + static_cast<int>(std::lround(steps(from, level)));
+    levels_[std::clamp(belongs, below + 1, above - 1)] = level;
+    return true;
+  }
+  // No code free between the neighbours: the nearest free one moves here.
+  int free_below = below, free_above = above;
+  while (free_below >= 0 && levels_[free_below] != 0) --free_below;
+  while (free_above < kCodes && levels_[free_above] != 0) ++free_above;
+  if (free_below < 0 && free_above == kCodes) return false;
+  if (free_above == kCodes || (free_below >= 0 && below - free_below <= free_above - above)) {
+    std::move(levels_.begin() + free_below + 1, levels_.begin() + below + 1, levels_.begin() + free_below);
+    levels_[below] = level;
+  } else {
+    std::move_backward(levels_.begin() + above, levels_.begin() + free_above,
+                       levels_.begin() + free_above + 1);
+    levels_[above] = level;
+  }
+  return true;
+}
+
+void LevelTable::write_change(const LevelTable& earlier, std::vector<std::uint8_t>& out) const {
+  std::uint32_t entries = 0;
+  for (int code = 0; code < kCodes; ++code) entries += levels_[code] != earlier.levels_[code];
+  if (entries == 0) return;
+  write_number(entries, out);
+  int last_code = -1, last_level = 0;
+  for (int code = 0; code < kCodes; ++code) {
+    if (levels_[code] == earlier.levels_[code]) continue;
+    write_number(static_cast<std::uint32_t>(code - last_code - 1), out);
+    write_number(zigzag(levels_[code] - last_level), out);
+    last_code = code;
+    last_level = levels_[code];
+  }
+}
+
+Result<void> LevelTable::read_change(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return {};
+  const auto corrupt = [](const char* why) {
+    return fail(ErrorCode::kCorrupt, std::string("level table: ") + why);
+  };
+  const auto entries = read_number(bytes);
+  if (!entries || *entries == 0 || *entries > kCodes) return corrupt("the number of entries makes no sense");
+  std::vector<std::uint16_t> levels = levels_;
+  std::int64_t code = -1, level = 0;
+  for (std::uint32_t i = 0; i < *entries; ++i) {
+    const auto skip = read_number(bytes), change = read_number(bytes);
+    if (!skip || !change) return corrupt("it ends too early");
+    code += std::int64_t{*skip} + 1;
+    level += unzigzag(*change);
+    if (code >= kCodes) return corrupt("a code is too large");
+    if (level != 0 && (level < range_.near || level > range_.far))
+      return corrupt("a level lies outside the range");
+    levels[static_cast<std::size_t>(code)] = static_cast<std::uint16_t>(level);
+  }
+  if (!bytes.empty()) return corrupt("bytes are left over");
+  std::uint16_t last = 0;
+  for (const std::uint16_t each : levels) {
+    if (each == 0) continue;
+    if (each <= last) return corrupt("levels do not ascend");
+    last = each;
+  }
+  levels_ = std::move(levels);
+  return {};
+}
+
+std::vector<std::uint16_t> LevelTable::depth_of_code() const {
+  std::vector<std::uint16_t> depth(kCodes, range_.far);
+  int last = -1;
+  for (int code = 0; code < kCodes; ++code) {
+    if (levels_[code] == 0) continue;
+    depth[code] = levels_[code];
+    for (int between = last + 1; between < code; ++between) {
+      if (last < 0) {
+        depth[between] = levels_[code];
+        continue;
+      }
+      const double t = static_cast<double>(between - last) / (code - last);
+      depth[between] =
+          static_cast<std::uint16_t>(std::lround(1 / ((1 - t) / levels_[last] + t / levels_[code])));
+    }
+    last = code;
+  }
+  if (last >= 0) std::fill(depth.begin() + last + 1, depth.end(), levels_[last]);
+  return depth;
+}
+
+}  // namespace copresence::depth

@@ -1,0 +1,144 @@
+#include "common/depth/quantized_codec.h"
+
+#include <algorithm>
+
+#include "common/depth/code_map.h"
+#include "common/depth/level_table.h"
+
+namespace copresence::depth {
+namespace {
+
+class QuantizedEncoder final : public PlaneEncoder {
+ public:
+  explicit QuantizedEncoder(const DepthFormat& format)
+      : range_(format.units()), table_(range_, format.unit), none_(table_), code_of_depth_(65536, kUnknown) {}
+
+  DepthCodecDescription description() const override { return {"quantized", PixelFormat::kGray10, {}}; }
+
+  void set_lossless(bool lossless) override { lossless_ = lossless; }
+
+  Result<void> encode(const DepthImage& depth, const StateImage& states, PlanarDepth& out) override {
+    const LevelTable earlier = table_;
+    if (out.keyframe) relay();
+    out.picture = Picture(PixelFormat::kGray10, depth.width(), depth.height());
+    if (!write(depth, states, out.picture)) {
+      learn(depth, states);
+      write(depth, states, out.picture);
+    }
+    if (even_ && lossless_) {
+      return fail(
+          ErrorCode::kUnsupported,
+          "this sensor has more than 1024 depth levels within the range, too many for lossless depth: "
+          "choose a --depth-qp above 0, or a smaller --range");
+    }
+    table_.write_change(out.keyframe ? none_ : earlier, out.table);
+    return {};
+  }
+
+ private:
+  static constexpr std::uint16_t kUnknown = 0x8000;  // marks depths that are no level in code_of_depth_
+
+  // Writes every pixel's code. False where a measured pixel is no level yet.
+  bool write(const DepthImage& depth, const StateImage& states, Picture& picture) const {
+    const std::uint16_t* const z = depth.data();
+    const DepthState* const state = states.data();
+    std::uint16_t* const out = picture.plane10().data();
+    unsigned unknown = 0;
+    for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
+      const unsigned code = code_of_depth_[z[i]];
+      unknown |= state[i] == DepthState::kMeasured ? code : 0u;
+      out[i] = static_cast<std::uint16_t>(code & ~unsigned{kUnknown});
+    }
+    return (unknown & kUnknown) == 0;
+  }
+
+  void learn(const DepthImage& depth, const StateImage& states) {
+    std::vector<std::uint16_t> fresh;
+    for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
+      std::uint16_t& code = code_of_depth_[depth.data()[i]];
+      if (!(code & kUnknown) || states.data()[i] != DepthState::kMeasured) continue;
+      code = 0;  // each level once
+      fresh.push_back(depth.data()[i]);
+    }
+    const bool lay_out = levels_.empty() || levels_.size() + fresh.size() > LevelTable::kCodes;
+    levels_.insert(levels_.end(), fresh.begin(), fresh.end());
+    if (lay_out) return relay();
+    for (const std::uint16_t level : fresh) table_.insert(level);
+    index();
+  }
+
+  // Lays the table out anew.
+  void relay() {
+    std::sort(levels_.begin(), levels_.end());
+    even_ = levels_.size() > LevelTable::kCodes;
+    if (even_) {
+      table_.assign_evenly();
+    } else {
+      table_.assign(levels_);
+    }
+    index();
+  }
+
+  // Every depth's code is its nearest level's.
+  void index() {
+    const auto levels = table_.levels();
+    int code = -1, next = -1;  // the levels at or below z, and above
+    const auto find_next = [&] {
+      do ++next;
+      while (next < LevelTable::kCodes && levels[next] == 0);
+    };
+    find_next();
+    if (next == LevelTable::kCodes) return;
+    for (int z = range_.near; z <= range_.far; ++z) {
+      while (next < LevelTable::kCodes && levels[next] <= z) {
+        code = next;
+        find_next();
+      }
+      const bool upper = code < 0 || (next < LevelTable::kCodes && levels[next] - z < z - levels[code]);
+      const int nearest = upper ? next : code;
+      const bool is_level = even_ || levels[nearest] == z;
+      code_of_depth_[z] = static_cast<std::uint16_t>(nearest | (is_level ? 0 : kUnknown));
+    }
+  }
+
+  DepthRangeUnits range_;
+  LevelTable table_;
+  const LevelTable none_;
+  std::vector<std::uint16_t> levels_;  // learnt so far, in any order
+  std::vector<std::uint16_t> code_of_depth_;
+  bool lossless_ = false;
+  bool even_ = false;  // too many levels were met
+};
+
+class QuantizedDecoder final : public PlaneDecoder {
+ public:
+  explicit QuantizedDecoder(const DepthFormat& format)
+      : table_(format.units(), format.unit), none_(table_), depth_of_code_(table_.depth_of_code()) {}
+
+  Result<void> decode(const PlanarDepth& in, const StateImage&, DepthImage& out) override {
+    if (in.keyframe) table_ = none_;
+    if (in.keyframe || !in.table.empty()) {
+      if (const auto read = table_.read_change(in.table); !read) return fail(read.error());
+      depth_of_code_ = table_.depth_of_code();
+    }
+    read_codes(depth_of_code_, in.picture, out);
+    return {};
+  }
+
+ private:
+  LevelTable table_;
+  const LevelTable none_;
+  std::vector<std::uint16_t> depth_of_code_;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaneEncoder> make_quantized_encoder(const DepthFormat& format) {
+  return std::make_unique<QuantizedEncoder>(format);
+}
+
+std::unique_ptr<PlaneDecoder> make_quantized_decoder(const DepthFormat& format) {
+  return std::make_unique<QuantizedDecoder>(format);
+}
+
+}  // namespace copresence::depth

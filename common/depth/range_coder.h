@@ -1,0 +1,123 @@
+#pragma once
+
+// Binary adaptive range coding: writes decisions in the number of bits that their probability deserves.
+//
+// The interval is kept in 32 bits and renormalised bytewise; a carry runs back into the bytes already written
+// (the construction of Martin 1979, as in LZMA). A reader past the end of its bytes sees zeros, so any bytes
+// decode to something in bounded time; whether they are the right ones is for a checksum to say.
+//
+// Thread: distinct objects are independent.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace copresence::depth {
+
+/// The learnt probability of one decision being 1, in 1/65536. Learns fast at first, then slowly: the n-th
+/// decision moves it by 1/(n + 1.5) of its error, until n reaches `kMemory`.
+class AdaptiveBit {
+ public:
+  std::uint32_t probability_of_one() const { return probability_; }
+
+  void learn(bool bit) {
+    const std::int32_t target = bit ? 65535 : 0;
+    probability_ = static_cast<std::uint16_t>(probability_ + ((target - probability_) * kRate[seen_] >> 15));
+    seen_ = static_cast<std::uint16_t>(seen_ + (seen_ < kMemory));
+  }
+
+ private:
+  static constexpr int kMemory = 160;  // decisions; the best of 40 to 400 on moving and static recordings
+  static constexpr std::array<std::int32_t, kMemory + 1> kRate = [] {
+    std::array<std::int32_t, kMemory + 1> rate{};
+    for (int n = 0; n <= kMemory; ++n) rate[n] = static_cast<std::int32_t>(32768 / (n + 1.5));
+    return rate;
+  }();
+
+  std::uint16_t probability_ = 32768;
+  std::uint16_t seen_ = 0;
+};
+
+class RangeEncoder {
+ public:
+  void encode(AdaptiveBit& model, bool bit) {
+    const std::uint32_t split = split_of(range_, model);
+    const std::uint32_t one =
+        -static_cast<std::uint32_t>(bit);  // all ones for 1: no branch that could be mispredicted
+    low_ += split & ~one;
+    range_ = (split & one) | ((range_ - split) & ~one);
+    model.learn(bit);
+    while (range_ < kBottom) {
+      range_ <<= 8;
+      shift_low();
+    }
+  }
+
+  /// Appends what was encoded to `out` and starts anew.
+  void finish(std::vector<std::uint8_t>& out);
+
+  /// The part of [0, range) that stands for 1: never empty, never all.
+  static std::uint32_t split_of(std::uint32_t range, const AdaptiveBit& model) {
+    const std::uint32_t p = model.probability_of_one();
+    return (range >> 16) * (p < kLeast ? kLeast : p > 65536 - kLeast ? 65536 - kLeast : p);
+  }
+
+  static constexpr std::uint32_t kBottom = 1u << 24;
+
+ private:
+  static constexpr std::uint32_t kLeast = 32;  // of 65536: certainty costs 1/1400 bit
+
+  void shift_low() {
+    if (low_ < 0xff000000u || low_ > 0xffffffffu) {
+      const auto carry = static_cast<std::uint8_t>(low_ >> 32);
+      if (started_) bytes_.push_back(static_cast<std::uint8_t>(held_ + carry));
+      for (; pending_; --pending_) bytes_.push_back(static_cast<std::uint8_t>(0xff + carry));
+      held_ = static_cast<std::uint8_t>(low_ >> 24);
+      started_ = true;
+    } else {
+      ++pending_;
+    }
+    low_ = (low_ & 0x00ffffffu) << 8;
+  }
+
+  std::vector<std::uint8_t> bytes_;
+  std::uint64_t low_ = 0;
+  std::uint32_t range_ = 0xffffffffu;
+  std::size_t pending_ = 0;  // bytes of 0xff that wait for a carry
+  std::uint8_t held_ = 0;
+  bool started_ = false;
+};
+
+class RangeDecoder {
+ public:
+  explicit RangeDecoder(std::span<const std::uint8_t> bytes)
+      : next_(bytes.data()), end_(bytes.data() + bytes.size()) {
+    for (int i = 0; i < 4; ++i) code_ = code_ << 8 | take();
+  }
+
+  bool decode(AdaptiveBit& model) {
+    const std::uint32_t split = RangeEncoder::split_of(range_, model);
+    const bool bit = code_ < split;
+    const std::uint32_t one = -static_cast<std::uint32_t>(bit);
+    code_ -= split & ~one;
+    range_ = (split & one) | ((range_ - split) & ~one);
+    model.learn(bit);
+    while (range_ < RangeEncoder::kBottom) {
+      range_ <<= 8;
+      code_ = code_ << 8 | take();
+    }
+    return bit;
+  }
+
+ private:
+  std::uint32_t take() { return next_ != end_ ? *next_++ : 0u; }
+
+  const std::uint8_t* next_;
+  const std::uint8_t* end_;
+  std::uint32_t range_ = 0xffffffffu;
+  std::uint32_t code_ = 0;
+};
+
+}  // namespace copresence::depth

@@ -1,0 +1,168 @@
+#include "common/depth/level_table.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "tests/common/depth/scenes.h"
+
+namespace copresence::depth {
+namespace {
+
+constexpr DepthRangeUnits kRange{400, 5000};
+
+LevelTable empty_table() {
+  return {kRange, DepthUnit::kMillimetre};
+}
+
+std::vector<std::uint16_t> kinect_levels() {
+  std::vector<std::uint16_t> levels;
+  for (int disparity = 878; disparity >= 71; --disparity) {
+    const auto level = static_cast<std::uint16_t>(std::lround(351300.0 / disparity));
+    if (kRange.contains(level) && (levels.empty() || level > levels.back())) levels.push_back(level);
+  }
+  return levels;
+}
+
+std::vector<std::uint16_t> present(const LevelTable& table) {
+  std::vector<std::uint16_t> levels(table.levels().begin(), table.levels().end());
+  std::erase(levels, 0);
+  return levels;
+}
+
+int code_of(const LevelTable& table, std::uint16_t level) {
+  const auto levels = table.levels();
+  return static_cast<int>(std::find(levels.begin(), levels.end(), level) - levels.begin());
+}
+
+TEST(LevelTable, HoldsEveryLevelOfAKinectWithRoomToSpare) {
+  LevelTable table = empty_table();
+  const auto levels = kinect_levels();
+  table.assign(levels);
+  EXPECT_EQ(present(table), levels);
+  EXPECT_LT(table.count(), 900);
+}
+
+TEST(LevelTable, LeavesRoomForLevelsNotYetSeen) {
+  const auto all = kinect_levels();
+  std::vector<std::uint16_t> seen, late;
+  for (std::size_t i = 0; i < all.size(); ++i) (i % 7 == 3 ? late : seen).push_back(all[i]);
+  LevelTable table = empty_table();
+  table.assign(seen);
+  const LevelTable before = table;
+  std::shuffle(late.begin(), late.end(), std::minstd_rand(3));
+  for (const std::uint16_t level : late) ASSERT_TRUE(table.insert(level));
+  EXPECT_EQ(present(table), all);
+  int moved = 0;
+  for (const std::uint16_t level : seen) moved += code_of(before, level) != code_of(table, level);
+  EXPECT_LT(moved, static_cast<int>(seen.size()) / 4);
+}
+
+TEST(LevelTable, TakesLevelsUntilEveryCodeIsTakenAndKeepsThemSorted) {
+  LevelTable table({1, 65535}, DepthUnit::k100Micrometres);
+  std::vector<std::uint16_t> levels(65535);
+  for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = static_cast<std::uint16_t>(i + 1);
+  std::shuffle(levels.begin(), levels.end(), std::minstd_rand(5));
+  for (int i = 0; i < LevelTable::kCodes; ++i) ASSERT_TRUE(table.insert(levels[i])) << i;
+  EXPECT_FALSE(table.insert(levels[LevelTable::kCodes]));
+  EXPECT_EQ(table.count(), LevelTable::kCodes);
+  std::sort(levels.begin(), levels.begin() + LevelTable::kCodes);
+  EXPECT_TRUE(std::equal(table.levels().begin(), table.levels().end(), levels.begin()));
+}
+
+TEST(LevelTable, SpacesMoreLevelsThanAKinectHasWithoutLosingOne) {
+  std::vector<std::uint16_t> levels;
+  for (int z = 3000; z < 3000 + 1024; ++z) levels.push_back(static_cast<std::uint16_t>(z));
+  LevelTable table = empty_table();
+  table.assign(levels);
+  EXPECT_EQ(present(table), levels);
+}
+
+TEST(LevelTable, StandsForDepthThatAscendsWithTheCode) {
+  LevelTable table = empty_table();
+  EXPECT_EQ(table.depth_of_code().size(), 1024u);
+  table.assign(kinect_levels());
+  auto depth = table.depth_of_code();
+  EXPECT_TRUE(std::is_sorted(depth.begin(), depth.end()));
+  table.assign(std::vector<std::uint16_t>{1000, 1500});
+  depth = table.depth_of_code();
+  EXPECT_TRUE(std::is_sorted(depth.begin(), depth.end()));
+  EXPECT_EQ(depth.front(), 1000);
+  EXPECT_EQ(depth.back(), 1500);
+  // 1000 to 1500 mm are 117 Kinect steps; half way in 1/z lies 1200 mm.
+  EXPECT_NEAR(depth[(code_of(table, 1000) + code_of(table, 1500)) / 2], 1200, 3);
+}
+
+TEST(LevelTable, EvenLevelsAreEvenInInverseDepth) {
+  LevelTable table = empty_table();
+  table.assign_evenly();
+  const auto levels = present(table);
+  EXPECT_EQ(levels.front(), 400);
+  EXPECT_EQ(levels.back(), 5000);
+  EXPECT_TRUE(std::is_sorted(levels.begin(), levels.end()));
+}
+
+TEST(LevelTable, ChangesTravel) {
+  LevelTable sent = empty_table(), received = empty_table();
+  std::minstd_rand random(11);
+  for (int i = 0; i < 200; ++i) {
+    const LevelTable earlier = sent;
+    for (int k = 0; k < 4; ++k) {
+      const auto level = static_cast<std::uint16_t>(400 + random() % 4601);
+      const auto levels = sent.levels();
+      if (std::find(levels.begin(), levels.end(), level) == levels.end()) sent.insert(level);
+    }
+    std::vector<std::uint8_t> bytes;
+    sent.write_change(earlier, bytes);
+    ASSERT_TRUE(received.read_change(bytes));
+    ASSERT_TRUE(std::equal(sent.levels().begin(), sent.levels().end(), received.levels().begin()));
+  }
+}
+
+TEST(LevelTable, HasTheFormatThatIsDocumented) {
+  LevelTable table = empty_table();
+  table.assign(std::vector<std::uint16_t>{400, 405});
+  std::vector<std::uint8_t> bytes;
+  table.write_change(empty_table(), bytes);
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{
+                       2,           // entries
+                       0,           // code 0
+                       0xa0, 0x06,  // level 400: zigzag 800 = 0x320
+                       10,          // code 11: a Kinect has eleven steps from 400 to 405 mm
+                       10,          // level 405: 5 more
+                   }));
+  EXPECT_TRUE(bytes.empty() || empty_table().read_change(bytes));
+  const LevelTable same = table;
+  bytes.clear();
+  table.write_change(same, bytes);
+  EXPECT_TRUE(bytes.empty());
+}
+
+TEST(LevelTable, RefusesBytesThatMakeNoTableAndStaysAsItWas) {
+  using Bytes = std::vector<std::uint8_t>;
+  LevelTable table = empty_table();
+  table.assign(std::vector<std::uint16_t>{500, 600});
+  const std::vector<std::uint16_t> before(table.levels().begin(), table.levels().end());
+  for (const Bytes& bytes : {
+           Bytes{0},                             // no entries
+           Bytes{0x81, 0x08},                    // 1025 entries
+           Bytes{1},                             // nothing behind
+           Bytes{1, 0, 0xa0},                    // ends inside a number
+           Bytes{1, 0xff, 0xff, 0xff, 0x7f, 2},  // a number that never ends
+           Bytes{1, 0x80, 0x08, 0xa0, 0x06},     // code 1024
+           Bytes{1, 0, 2},                       // level 1, below the range
+           Bytes{1, 0, 0xff, 0xff, 0x7f},        // a level far outside
+           Bytes{2, 0, 0xa2, 0x06, 0, 1},        // levels 401, 400: they fall
+           Bytes{1, 0xff, 0x07, 0xa0, 0x06},     // code 1023 = 400, behind 600
+           Bytes{1, 0, 0xa0, 0x06, 0},           // a byte too many
+       }) {
+    const auto read = table.read_change(bytes);
+    ASSERT_FALSE(read) << ::testing::PrintToString(bytes);
+    EXPECT_EQ(read.error().code, ErrorCode::kCorrupt);
+    EXPECT_TRUE(std::equal(before.begin(), before.end(), table.levels().begin()));
+  }
+}
+
+}  // namespace
+}  // namespace copresence::depth

@@ -1,0 +1,305 @@
+#include "common/wire/frame_client.h"
+
+#include <fmt/format.h>
+
+#include <asio.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/wire/host_port.h"
+#include "common/wire/message_codec.h"
+#include "common/wire/tcp.h"
+
+namespace copresence::wire {
+namespace {
+
+using asio::ip::tcp;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kFirstPings{100}, kPings{1000};
+constexpr int kFirst = 8;  // pings that come quickly, so that the clock is known soon
+constexpr std::chrono::seconds kSilence{5};
+constexpr std::size_t kMaxUnsent = 64 * 1024;
+
+}  // namespace
+
+class FrameClient::Connection {
+ public:
+  explicit Connection(std::string address) : address_(std::move(address)) {}
+
+  Result<void> open(std::chrono::milliseconds timeout, const std::stop_token& stop) {
+    const auto target = parse_host_port(address_);
+    if (!target) return fail(target.error());
+    reach(*target);
+    return run_until([this] { return welcomed_; }, stop, Clock::now() + timeout);
+  }
+
+  Result<ReceivedFrame> receive(const std::stop_token& stop) {
+    if (!reading_ && !failure_) {
+      last_heard_ = Clock::now();  // what lies in the socket since the last call is no silence
+      read_message();
+    }
+    if (const auto arrived = run_until([this] { return arrived_.has_value(); }, stop, {}); !arrived) {
+      return fail(arrived.error());
+    }
+    return *std::exchange(arrived_, std::nullopt);
+  }
+
+  void request_keyframe() {
+    asio::post(io_, [this] { say(encode_keyframe_request()); });
+  }
+
+  ClockOffset clock() const { return same_clock_ ? ClockOffset{} : estimate_.at(Clock::now()); }
+  const StreamDescription& description() const { return description_; }
+  std::uint64_t bytes_received() const { return bytes_received_; }
+
+ private:
+  /// Runs the loop until `done` says so, the connection fails, or waiting is over.
+  template <class Done>
+  Result<void> run_until(const Done& done, const std::stop_token& stop, std::optional<Instant> deadline) {
+    const std::stop_callback wake(stop, [this] { asio::post(io_, [] {}); });
+    io_.restart();
+    while (!done()) {
+      if (failure_) return fail(*failure_);
+      if (stop.stop_requested())
+        return fail(ErrorCode::kUnavailable, address_ + ": stopped waiting, as asked");
+      if (!deadline) {
+        io_.run_one();
+      } else if (io_.run_one_until(*deadline) == 0 && Clock::now() >= *deadline) {
+        return fail(ErrorCode::kTimeout, address_ + " does not answer: is a capture_server running there?");
+      }
+    }
+    return {};
+  }
+
+  void reach(const HostPort& target) {
+    asio::error_code not_numeric;
+    const auto numeric = asio::ip::make_address(target.host, not_numeric);
+    if (!not_numeric) return connect({tcp::endpoint(numeric, target.port)});
+    resolver_.async_resolve(target.host, std::to_string(target.port), tcp::resolver::numeric_service,
+                            [this](const asio::error_code& error, const tcp::resolver::results_type& found) {
+                              if (error) {
+                                return fail_with(ErrorCode::kNotFound,
+                                                 fmt::format("no host has this name ({})", error.message()));
+                              }
+                              connect({found.begin(), found.end()});
+                            });
+  }
+
+  void connect(std::vector<tcp::endpoint> endpoints) {
+    asio::async_connect(socket_, endpoints, [this](const asio::error_code& error, const tcp::endpoint&) {
+      if (error == asio::error::connection_refused) {
+        return fail_with(ErrorCode::kUnavailable, "nothing listens there: start a capture_server");
+      }
+      if (error) return lost(error);
+      tune(socket_);
+      hello_at_ = Clock::now();
+      say(encode(Hello{}));
+      read_message();
+    });
+  }
+
+  void read_message() {
+    reading_ = true;
+    asio::async_read(
+        socket_, asio::buffer(header_), kWhole, [this](const asio::error_code& error, std::size_t bytes) {
+          if (!heard(error, bytes)) return;
+          const auto header = decode_header(header_);
+          if (!header) return fail_with(header.error());
+          if (header->type == MessageType::kFrame)
+            return welcomed_ ? read_frame(header->body_bytes) : confused();
+          body_.resize(header->body_bytes);
+          asio::async_read(
+              socket_, asio::buffer(body_), kWhole,
+              [this, type = header->type](const asio::error_code& body_error, std::size_t body_bytes) {
+                if (heard(body_error, body_bytes)) take(type);
+              });
+        });
+  }
+
+  void read_frame(std::uint32_t body_bytes) {
+    asio::async_read(socket_, asio::buffer(frame_head_), kWhole,
+                     [this, body_bytes](const asio::error_code& error, std::size_t bytes) {
+                       if (!heard(error, bytes)) return;
+                       const auto head = decode_frame_head(frame_head_, body_bytes);
+                       if (!head) return fail_with(head.error());
+                       read_access_units(*head);
+                     });
+  }
+
+  void read_access_units(const FrameHead& head) {
+    ReceivedFrame& frame = incoming_;
+    frame.frame.keyframe = head.keyframe;
+    frame.frame.sequence = head.sequence;
+    frame.frame.durations = head.durations;
+    frame.frame.depth.resize(head.depth_bytes);
+    frame.frame.color.resize(head.color_bytes);
+    frame.counters = head.counters;
+    frame.sent_at = head.sent_at;
+    const std::array<asio::mutable_buffer, 2> buffers = {asio::buffer(frame.frame.depth),
+                                                         asio::buffer(frame.frame.color)};
+    asio::async_read(socket_, buffers, kWhole, [this](const asio::error_code& error, std::size_t bytes) {
+      if (!heard(error, bytes)) return;
+      incoming_.received_at = last_heard_;
+      say(encode(FrameAck{incoming_.frame.sequence}));
+      arrived_ = std::exchange(incoming_, {});
+      reading_ = false;  // the next one when it is asked for
+    });
+  }
+
+  void take(MessageType type) {
+    switch (type) {
+      case MessageType::kRefusal:
+        return welcomed_ ? confused() : take_refusal();
+      case MessageType::kWelcome:
+        return welcomed_ ? confused() : take_welcome();
+      case MessageType::kEndOfStream: {
+        auto end = decode_end_of_stream(body_);
+        if (!end) return fail_with(end.error());
+        return fail_with(ErrorCode::kEndOfStream, std::move(end->reason));
+      }
+      case MessageType::kPong: {
+        const auto pong = decode_pong(body_);
+        if (!pong) return fail_with(pong.error());
+        if (pong->client_time != ping_at_) return confused();
+        estimate_.add(ping_at_, pong->server_time, last_heard_);
+        ping_at_ = {};
+        return read_message();
+      }
+      default:
+        return confused();
+    }
+  }
+
+  void take_refusal() {
+    auto refusal = decode_refusal(body_);
+    if (!refusal) return fail_with(refusal.error());
+    const bool final = refusal->reason == RefusalReason::kVersion;
+    fail_with(final ? ErrorCode::kRefused : ErrorCode::kUnavailable, std::move(refusal->text));
+  }
+
+  void take_welcome() {
+    auto welcome = decode_welcome(body_);
+    if (!welcome) return fail_with(welcome.error());
+    description_ = std::move(welcome->description);
+    same_clock_ = welcome->clock_id != 0 && welcome->clock_id == monotonic_clock_id();
+    estimate_.add(hello_at_, welcome->server_time, last_heard_);
+    welcomed_ = true;
+    reading_ = false;
+    ping_later();
+  }
+
+  void ping_later() {
+    timer_.expires_after(pings_ < kFirst ? kFirstPings : kPings);
+    timer_.async_wait([this](const asio::error_code& error) {
+      if (error) return;
+      if (Clock::now() - last_heard_ > kSilence) {
+        return fail_with(ErrorCode::kTimeout, fmt::format("silent for {} s", kSilence.count()));
+      }
+      if (ping_at_ == Instant{}) {  // one at a time
+        ++pings_;
+        ping_at_ = Clock::now();
+        say(encode(Ping{ping_at_}));
+      }
+      ping_later();
+    });
+  }
+
+  /// Queues a message; it leaves at once where the socket lets it.
+  void say(const Bytes& message) {
+    if (failure_ || !socket_.is_open()) return;
+    unsent_.insert(unsent_.end(), message.begin(), message.end());
+    if (unsent_.size() > kMaxUnsent) return fail_with(ErrorCode::kUnavailable, "the server does not listen");
+    if (sending_.empty()) send();
+  }
+
+  void send() {
+    sending_.swap(unsent_);
+    asio::async_write(socket_, asio::buffer(sending_), [this](const asio::error_code& error, std::size_t) {
+      sending_.clear();
+      if (error) return lost(error);
+      if (!unsent_.empty()) send();
+    });
+  }
+
+  bool heard(const asio::error_code& error, std::size_t bytes) {
+    bytes_received_ += bytes;
+    last_heard_ = Clock::now();
+    if (error) lost(error);
+    return !error;
+  }
+
+  void lost(const asio::error_code& error) {
+    const bool hung_up = error == asio::error::eof || error == asio::error::connection_reset ||
+                         error == asio::error::broken_pipe;
+    fail_with(ErrorCode::kUnavailable, hung_up ? "the server hung up" : error.message());
+  }
+  void confused() { fail_with(ErrorCode::kCorrupt, "a message that does not belong here"); }
+  void fail_with(const Error& error) { fail_with(error.code, error.what); }
+  void fail_with(ErrorCode code, std::string what) {
+    if (failure_) return;  // the first one tells most
+    if (code == ErrorCode::kCorrupt) what = "this is no capture_server of this release: it sent " + what;
+    failure_ = Error{code, code == ErrorCode::kEndOfStream ? std::move(what) : address_ + ": " + what};
+    asio::error_code ignored;
+    socket_.close(ignored);
+    timer_.cancel();
+  }
+
+  std::string address_;
+  asio::io_context io_{1};
+  tcp::resolver resolver_{io_};
+  tcp::socket socket_{io_};
+  asio::steady_timer timer_{io_};
+  std::optional<Error> failure_;
+
+  bool welcomed_ = false, same_clock_ = false;
+  StreamDescription description_;
+  ClockEstimate estimate_;
+  Instant hello_at_{}, ping_at_{}, last_heard_{};
+  int pings_ = 0;
+
+  bool reading_ = false;  // a read is on its way; it survives a receive() that was stopped
+  std::array<std::uint8_t, kHeaderBytes> header_;
+  std::array<std::uint8_t, kFrameHeadBytes> frame_head_;
+  Bytes body_;
+  ReceivedFrame incoming_;
+  std::optional<ReceivedFrame> arrived_;
+  std::uint64_t bytes_received_ = 0;
+
+  Bytes unsent_, sending_;
+};
+
+Result<FrameClient> FrameClient::connect(const std::string& host_port, std::chrono::milliseconds timeout,
+                                         std::stop_token stop) {
+  auto connection = std::make_unique<Connection>(host_port);
+  if (const auto open = connection->open(timeout, stop); !open) return fail(open.error());
+  return FrameClient(std::move(connection));
+}
+
+FrameClient::FrameClient(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+FrameClient::FrameClient(FrameClient&&) noexcept = default;
+FrameClient& FrameClient::operator=(FrameClient&&) noexcept = default;
+FrameClient::~FrameClient() = default;
+
+const StreamDescription& FrameClient::description() const {
+  return connection_->description();
+}
+
+Result<ReceivedFrame> FrameClient::receive(std::stop_token stop) {
+  return connection_->receive(stop);
+}
+
+void FrameClient::request_keyframe() {
+  connection_->request_keyframe();
+}
+
+ClockOffset FrameClient::clock() const {
+  return connection_->clock();
+}
+
+std::uint64_t FrameClient::bytes_received() const {
+  return connection_->bytes_received();
+}
+
+}  // namespace copresence::wire

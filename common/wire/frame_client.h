@@ -1,0 +1,60 @@
+#pragma once
+
+// One connection to a capture_server: frames in, acknowledgements and pings out.
+//
+// Errors  kRefused is final: the releases differ. kEndOfStream carries the server's own words. All others
+//         (kUnavailable, kTimeout, kCorrupt, kNotFound) may pass: connect anew after a while. After any of
+//         them the connection is over.
+// Thread  one thread; request_keyframe() may be called from any.
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <string>
+
+#include "common/frame/encoded_frame.h"
+#include "common/frame/stream_description.h"
+#include "common/result.h"
+#include "common/wire/clock_offset.h"
+#include "common/wire/message.h"
+
+namespace copresence::wire {
+
+struct ReceivedFrame {
+  EncodedFrame frame;
+  FrameCounters counters;
+  Instant sent_at{};      ///< server's clock; FrameClient::clock() maps it
+  Instant received_at{};  ///< this process's clock, when the last byte was there
+};
+
+class FrameClient {
+ public:
+  /// Connects and shakes hands within `timeout`. When asked to stop it returns at once, unless a host's name
+  /// is being looked up.
+  static Result<FrameClient> connect(const std::string& host_port, std::chrono::milliseconds timeout,
+                                     std::stop_token stop);
+  FrameClient(FrameClient&&) noexcept;
+  FrameClient& operator=(FrameClient&&) noexcept;
+  ~FrameClient();
+
+  const StreamDescription& description() const;
+
+  /// Waits for the next frame and acknowledges it: call again when ready for one more, that is what keeps the
+  /// latency bounded. Returns kUnavailable when asked to stop, kTimeout when the server has been silent for 5
+  /// s.
+  Result<ReceivedFrame> receive(std::stop_token stop);
+
+  /// What comes cannot be decoded: asks for a keyframe. Sent at once, or from within the next receive().
+  void request_keyframe();
+
+  ClockOffset clock() const;  ///< exactly 0 +- 0 where both ends read the same clock
+  std::uint64_t bytes_received() const;
+
+ private:
+  class Connection;
+  explicit FrameClient(std::unique_ptr<Connection> connection);
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace copresence::wire

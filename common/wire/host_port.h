@@ -1,0 +1,25 @@
+#pragma once
+
+// HOST:PORT as people write it: 127.0.0.1:7001, localhost:7001, [::1]:7001.
+// Thread: pure functions.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/result.h"
+
+namespace copresence::wire {
+
+inline constexpr std::string_view kDefaultAddress = "127.0.0.1:7001";
+
+struct HostPort {
+  std::string host;  ///< without the brackets of an IPv6 address
+  std::uint16_t port = 0;
+  friend bool operator==(const HostPort&, const HostPort&) = default;
+};
+
+/// Fails with kInvalid and how to write it.
+Result<HostPort> parse_host_port(std::string_view text);
+
+}  // namespace copresence::wire

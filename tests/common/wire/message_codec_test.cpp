@@ -1,0 +1,191 @@
+#include "common/wire/message_codec.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "tests/common/wire/sample_messages.h"
+
+namespace copresence::wire {
+namespace {
+
+using testing::HasSubstr;
+
+std::span<const std::uint8_t, kHeaderBytes> header_of(const Bytes& message) {
+  return std::span(message).first<kHeaderBytes>();
+}
+
+std::span<const std::uint8_t> body_of(const Bytes& message) {
+  return std::span(message).subspan(kHeaderBytes);
+}
+
+Result<void> decoded(MessageType type, std::span<const std::uint8_t> body) {
+  const auto outcome = [](const auto& result) -> Result<void> {
+    if (!result) return fail(result.error());
+    return {};
+  };
+  switch (type) {
+    case MessageType::kHello:
+      return outcome(decode_hello(body));
+    case MessageType::kRefusal:
+      return outcome(decode_refusal(body));
+    case MessageType::kWelcome:
+      return outcome(decode_welcome(body));
+    case MessageType::kEndOfStream:
+      return outcome(decode_end_of_stream(body));
+    case MessageType::kFrameAck:
+      return outcome(decode_frame_ack(body));
+    case MessageType::kPing:
+      return outcome(decode_ping(body));
+    case MessageType::kPong:
+      return outcome(decode_pong(body));
+    case MessageType::kFrame:
+      return outcome(
+          decode_frame_head(body.first<kFrameHeadBytes>(), static_cast<std::uint32_t>(body.size())));
+    case MessageType::kKeyframeRequest:
+      return {};
+  }
+  return {};
+}
+
+StreamDescription with(const std::function<void(StreamDescription&)>& change) {
+  StreamDescription stream = sample_description();
+  change(stream);
+  return stream;
+}
+
+TEST(MessageCodec, GivesBackWhatWasSaid) {
+  EXPECT_EQ(*decode_hello(body_of(encode(Hello{7}))), Hello{7});
+  const Refusal refusal{RefusalReason::kFull, "full"};
+  EXPECT_EQ(*decode_refusal(body_of(encode(refusal))), refusal);
+  EXPECT_EQ(*decode_welcome(body_of(encode(sample_welcome()))), sample_welcome());
+  EXPECT_EQ(*decode_end_of_stream(body_of(encode(EndOfStream{"Ende: Küche"}))), EndOfStream{"Ende: Küche"});
+  EXPECT_EQ(decode_frame_ack(body_of(encode(FrameAck{9})))->sequence, 9u);
+  EXPECT_EQ(*decode_ping(body_of(encode(Ping{at_ns(77)}))), Ping{at_ns(77)});
+  EXPECT_EQ(*decode_pong(body_of(encode(Pong{at_ns(77), at_ns(78)}))), (Pong{at_ns(77), at_ns(78)}));
+}
+
+TEST(MessageCodec, GivesBackAFramesHead) {
+  const FrameHead head = sample_frame_head();
+  const FrameHeadMessage message = encode(head);
+  const auto header = decode_header(std::span(message).first<kHeaderBytes>());
+  ASSERT_TRUE(header);
+  EXPECT_EQ(header->body_bytes, kFrameHeadBytes + head.depth_bytes + head.color_bytes);
+  const auto back = decode_frame_head(std::span(message).last<kFrameHeadBytes>(), header->body_bytes);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->keyframe, head.keyframe);
+  EXPECT_EQ(back->sequence, head.sequence);
+  EXPECT_EQ(back->sent_at, head.sent_at);
+  EXPECT_EQ(back->counters, head.counters);
+  EXPECT_EQ(back->durations.fill, head.durations.fill);
+  EXPECT_EQ(back->durations.video_encode, head.durations.video_encode);
+  EXPECT_EQ(back->depth_bytes, head.depth_bytes);
+  EXPECT_EQ(back->color_bytes, head.color_bytes);
+}
+
+TEST(MessageCodec, SaturatesDurationsInsteadOfWrapping) {
+  FrameHead head = sample_frame_head();
+  head.durations.fill = std::chrono::hours(3);
+  head.durations.capture = -std::chrono::seconds(1);
+  const FrameHeadMessage message = encode(head);
+  const auto back = decode_frame_head(std::span(message).last<kFrameHeadBytes>(), 164);
+  EXPECT_EQ(back->durations.fill, std::chrono::microseconds(0xffffffff));
+  EXPECT_EQ(back->durations.capture, Duration::zero());
+}
+
+TEST(MessageCodec, RefusesEveryTruncation) {
+  for (const auto& [name, message] : sample_messages()) {
+    const auto header = decode_header(header_of(message));
+    ASSERT_TRUE(header) << name;
+    if (header->type == MessageType::kFrame || header->type == MessageType::kKeyframeRequest) continue;
+    for (std::size_t size = 0; size + kHeaderBytes < message.size(); ++size) {
+      EXPECT_FALSE(decoded(header->type, body_of(message).first(size))) << name << " cut to " << size;
+    }
+    Bytes longer = message;
+    longer.push_back(0);
+    EXPECT_FALSE(decoded(header->type, body_of(longer))) << name << " with a byte too many";
+  }
+}
+
+TEST(MessageCodec, SurvivesEveryFlippedBit) {
+  for (const auto& [name, message] : sample_messages()) {
+    for (std::size_t bit = 0; bit < 8 * message.size(); ++bit) {
+      Bytes damaged = message;
+      damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+      const auto header = decode_header(header_of(damaged));
+      if (!header || header->body_bytes + kHeaderBytes != damaged.size()) continue;
+      const auto outcome = decoded(header->type, body_of(damaged));
+      EXPECT_TRUE(outcome || outcome.error().code == ErrorCode::kCorrupt) << name << " bit " << bit;
+    }
+  }
+}
+
+TEST(MessageCodec, KnowsASizeBeforeAnythingIsAllocated) {
+  const auto refuses = [](std::uint32_t bytes, std::uint32_t type) {
+    Bytes header;
+    for (const std::uint32_t number : {bytes, type}) {
+      for (int i = 0; i < 4; ++i) header.push_back(static_cast<std::uint8_t>(number >> 8 * i));
+    }
+    return !decode_header(header_of(header));
+  };
+  EXPECT_TRUE(refuses(kMaxMessageBytes + 1, 19));
+  EXPECT_FALSE(refuses(kMaxMessageBytes, 19));
+  EXPECT_TRUE(refuses(kFrameHeadBytes, 19));
+  EXPECT_TRUE(refuses(11, 1));
+  EXPECT_TRUE(refuses(0xffffffff, 18));
+  EXPECT_TRUE(refuses(8, 0));
+  EXPECT_TRUE(refuses(8, 256 + 4));
+}
+
+TEST(MessageCodec, RefusesAFrameThatContradictsItself) {
+  const auto refuses = [](std::size_t at, std::uint8_t value) {
+    FrameHeadMessage message = encode(sample_frame_head());
+    message[kHeaderBytes + at] = value;
+    return !decode_frame_head(std::span(message).last<kFrameHeadBytes>(), 164);
+  };
+  EXPECT_TRUE(refuses(15, 0xff));  // sent 290 years from now
+  EXPECT_TRUE(refuses(56, 2));     // a flag nobody knows
+  EXPECT_TRUE(refuses(61, 1));     // more depth than the frame has bytes
+  EXPECT_FALSE(refuses(60, 1));    // all but one byte is colour
+  EXPECT_TRUE(refuses(60, 0));     // no depth
+}
+
+TEST(MessageCodec, BelievesNoImpossibleStream) {
+  const auto error = [](const std::function<void(StreamDescription&)>& change) {
+    const auto checked = check(with(change));
+    return checked ? std::string("none") : checked.error().what;
+  };
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(error([](StreamDescription&) {}), "none");
+  EXPECT_THAT(error([](auto& s) { s.camera = ""; }), HasSubstr("name"));
+  EXPECT_THAT(error([](auto& s) { s.camera = std::string(65, 'x'); }), HasSubstr("name"));
+  EXPECT_THAT(error([](auto& s) { s.camera = "left\x1b[2J"; }), HasSubstr("name"));
+  EXPECT_THAT(error([](auto& s) { s.model.width = 641; }), HasSubstr("even"));
+  EXPECT_THAT(error([&](auto& s) { s.model.distortion[5] = infinite; }), HasSubstr("finite"));
+  EXPECT_THAT(error([](auto& s) { s.unit = DepthUnit(10); }), HasSubstr("unit"));
+  EXPECT_THAT(error([](auto& s) { s.range = {5, 0.4}; }), HasSubstr("range"));
+  EXPECT_THAT(error([&](auto& s) { s.range.near_m = std::nan(""); }), HasSubstr("range"));
+  EXPECT_THAT(error([](auto& s) { s.frames_per_second = 0; }), HasSubstr("rate"));
+  EXPECT_THAT(error([](auto& s) { s.world_from_camera.rotation *= 2; }), HasSubstr("pose"));
+  EXPECT_THAT(error([](auto& s) { s.world_from_camera.translation.x() = 1e9; }), HasSubstr("pose"));
+  EXPECT_THAT(error([](auto& s) { s.codec.format = PixelFormat(9); }), HasSubstr("pixel format"));
+  EXPECT_THAT(error([](auto& s) { s.codec.name.clear(); }), HasSubstr("codec"));
+  EXPECT_THAT(error([&](auto& s) { s.codec.parameters[0].second = infinite; }), HasSubstr("finite"));
+  EXPECT_THAT(error([](auto& s) { s.codec.parameters.resize(65, {"p", 1}); }), HasSubstr("at most 64"));
+}
+
+TEST(MessageCodec, PutsNoControlCharactersOnAnybodysTerminal) {
+  const auto said =
+      decode_end_of_stream(body_of(encode(EndOfStream{"a\n\x1b[2J\xff" + std::string(600, 'x')})));
+  ASSERT_TRUE(said);
+  EXPECT_THAT(said->reason, testing::StartsWith("a??[2J?xxx"));
+  EXPECT_EQ(said->reason.size(), kMaxTextBytes);
+  const Bytes hostile = {3, 0, 'a', 7, 'b'};
+  EXPECT_FALSE(decode_end_of_stream(hostile));
+}
+
+}  // namespace
+}  // namespace copresence::wire

@@ -43,6 +43,7 @@ enum class RecordType : std::uint32_t {
   kStateReady = 0x09,
   kNewData = 0x0A,
   kEnd = 0x0B,
+  kNodeAddedOlder = 0x0C,
   kNodeAdded = 0x0D,
   kSeekTable = 0x0E,
 };

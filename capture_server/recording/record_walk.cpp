@@ -1,0 +1,331 @@
+#include "capture_server/recording/record_walk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace copresence::recording {
+namespace {
+
+// The player keeps a table entry per node id up to the header's largest, and its id is an index.
+constexpr std::uint32_t kMaxNodes = 32;
+// Longer names do not fit the player's own fields.
+constexpr std::size_t kMaxName = 79;
+// The player reads a record's fields into a buffer without asking for their size. The largest real ones are
+// tables of a device's depth levels, 20 kB.
+constexpr std::uint32_t kMaxFields = 1 << 20;
+constexpr std::uint32_t kMaxFrames = 1 << 22;  // 38 hours
+
+constexpr auto kNodeAddedOlder =
+    static_cast<RecordType>(0x0C);  // of OpenNI 1.0.0.5; RecordType::kNodeAddedOld of 1.0.0.4
+// u8 major, u8 minor, u16 maintenance, u32 build: the only version in use since 2011.
+constexpr std::uint64_t kVersion = 0x10001;
+// Microseconds: two thousand years, far from where sums of times overflow.
+constexpr std::uint64_t kMaxTimestamp = std::uint64_t{1} << 56;
+
+}  // namespace
+
+tl::unexpected<Error> RecordWalk::damaged(std::uint64_t at, const std::string& what) const {
+  return fail(ErrorCode::kCorrupt,
+              fmt::format("{}: damaged at byte {}: {}; take another copy of the file or record it again",
+                          name_, at, what));
+}
+
+tl::unexpected<Error> RecordWalk::cut_off(std::uint64_t at) const {
+  return fail(
+      ErrorCode::kCorrupt,
+      fmt::format("{}: cut off: the record at byte {} goes on beyond the file's end at {}, so its recorder "
+                  "was stopped or the copy is incomplete; copy the file or record it again",
+                  name_, at, bytes_.size()));
+}
+
+tl::unexpected<Error> RecordWalk::unusable(const std::string& what) const {
+  return fail(ErrorCode::kUnsupported, fmt::format("{}: {}", name_, what));
+}
+
+tl::unexpected<Error> RecordWalk::placed(std::uint64_t at, const Error& error) const {
+  return error.code == ErrorCode::kUnsupported ? unusable(error.what) : damaged(at, error.what);
+}
+
+RecordWalk::Node* RecordWalk::find(std::uint32_t id) {
+  const auto found = nodes_.find(id);
+  return found == nodes_.end() || found->second.life == Node::Life::kRemoved ? nullptr : &found->second;
+}
+
+Result<RecordingSummary> RecordWalk::run() {
+  if (auto done = header(); !done) return fail(done.error());
+  while (true) {
+    const auto record = next_record();
+    if (!record) return fail(record.error());
+    if (record->type == RecordType::kEnd) {
+      if (configuring_) return damaged(record->at, "a stream's definition breaks off here");
+      return summary();  // a recorder of OpenNI2's own leaves zeros behind the end
+    }
+    if (auto done = read(*record); !done) return fail(done.error());
+  }
+}
+
+Result<void> RecordWalk::header() {
+  const auto bytes = bytes_.at(0, kHeaderBytes);
+  if (!bytes || !std::equal(std::begin(kFileMagic), std::end(kFileMagic), bytes->begin())) {
+    return fail(ErrorCode::kCorrupt, fmt::format("{}: {}not an OpenNI recording; give an .oni file", name_,
+                                                 bytes_.size() ? "" : "empty, "));
+  }
+  FieldReader fields(bytes->subspan(sizeof(kFileMagic)));
+  const std::uint64_t version = fields.u64();
+  max_timestamp_ = fields.u64();
+  max_node_ = fields.u32();
+  if (version != kVersion) {
+    return unusable(
+        fmt::format("written in version {}.{}.{}.{} of the format, only 1.0.1.0 can be read; record it "
+                    "again with OpenNI 1.5 or 2",
+                    version & 0xff, version >> 8 & 0xff, version >> 16 & 0xffff, version >> 32));
+  }
+  if (max_timestamp_ > kMaxTimestamp) return damaged(kHeaderTimestampAt, "its last time makes no sense");
+  if (max_node_ >= kMaxNodes) {
+    return damaged(kHeaderNodeAt, fmt::format("it claims node ids up to {}, a recording has at most {}",
+                                              max_node_, kMaxNodes));
+  }
+  position_ = kHeaderBytes;
+  return {};
+}
+
+Result<RecordWalk::Record> RecordWalk::next_record() {
+  const std::uint64_t at = position_;
+  const auto bytes = bytes_.at(at, kRecordBytes);
+  if (!bytes) {
+    return fail(
+        ErrorCode::kCorrupt,
+        fmt::format(
+            "{}: cut off at byte {}: there is no end record, so its recorder was stopped or the copy is "
+            "incomplete; copy the file or record it again",
+            name_, bytes_.size()));
+  }
+  FieldReader fields(*bytes);
+  if (fields.u32() != kRecordMagic) return damaged(at, "no record begins here");
+  Record record;
+  record.at = at;
+  record.type = static_cast<RecordType>(fields.u32());
+  record.node = fields.u32();
+  record.fields_bytes = fields.u32();
+  record.payload_bytes = fields.u32();
+  if (record.fields_bytes < kRecordBytes || record.fields_bytes > kMaxFields) {
+    return damaged(at, fmt::format("a record's fields take {} bytes", record.fields_bytes));
+  }
+  // Only these two have a payload; the player does not look at the number elsewhere, nor skip anything.
+  if (record.type != RecordType::kNewData && record.type != RecordType::kSeekTable) record.payload_bytes = 0;
+  const std::uint64_t end = at + record.fields_bytes + record.payload_bytes;
+  if (end > bytes_.size()) return cut_off(at);
+  position_ = end;
+  return record;
+}
+
+Result<void> RecordWalk::read(const Record& record) {
+  // The player reads a stream's definition to its end before anything else: frames among it are lost, an end
+  // in it sends the player into a recursion.
+  const bool defines =
+      (record.type >= RecordType::kIntProperty && record.type <= RecordType::kGeneralProperty) ||
+      record.type == RecordType::kNodeAdded || record.type == RecordType::kStateReady ||
+      record.type == RecordType::kDataBegin;
+  if (configuring_ && !defines) return damaged(record.at, "a stream's definition breaks off here");
+  const auto bytes = bytes_.at(record.at, record.fields_bytes);
+  if (!bytes) return cut_off(record.at);
+  const FieldReader fields(bytes->subspan(kRecordBytes));
+  switch (record.type) {
+    case RecordType::kNodeAdded:
+      return node_added(record, fields);
+    case RecordType::kIntProperty:
+    case RecordType::kRealProperty:
+    case RecordType::kStringProperty:
+    case RecordType::kGeneralProperty:
+      return property(record, fields);
+    case RecordType::kStateReady:
+      return state_ready(record);
+    case RecordType::kNodeRemoved:
+      return node_removed(record);
+    case RecordType::kDataBegin:
+      return data_begin(record, fields);
+    case RecordType::kNewData:
+      return new_data(record, fields);
+    case RecordType::kSeekTable:
+      return seek_table(record);
+    case RecordType::kNodeAddedOld:
+    case RecordType::kNodeAddedOlder:
+      return unusable("its streams are described as OpenNI 1.0 did; record it again with OpenNI 1.5 or 2");
+    default:
+      return damaged(record.at,
+                     fmt::format("record type {} is unknown", static_cast<std::uint32_t>(record.type)));
+  }
+}
+
+Result<void> RecordWalk::node_added(const Record& record, FieldReader fields) {
+  const std::string name(fields.text());
+  const auto type = static_cast<NodeType>(fields.u32());
+  std::string codec;
+  for (std::uint32_t fourcc = fields.u32(), i = 0; i < 4; ++i, fourcc >>= 8)
+    codec += static_cast<char>(fourcc & 0xff);
+  const std::uint32_t frames = fields.u32();
+  fields.u64();  // first and last timestamp: the frames say it themselves
+  fields.u64();
+  const std::uint64_t seek_table_at = fields.u64();
+  if (!fields.whole() || name.empty() || name.size() > kMaxName) {
+    return damaged(record.at, "a stream's definition is not one");
+  }
+  if (record.node > max_node_ || nodes_.contains(record.node)) {
+    return damaged(record.at, fmt::format("node {} is defined twice or out of the range given", record.node));
+  }
+  for (const auto& [id, other] : nodes_) {
+    if (other.stream.name == name) return damaged(record.at, fmt::format("two nodes are named {}", name));
+  }
+  Node node;
+  node.is_stream = type == NodeType::kDepth || type == NodeType::kImage || type == NodeType::kInfrared;
+  node.stream.name = name;
+  node.stream.codec = codec;
+  node.frames_claimed = frames;
+  node.seek_table_at = frames ? seek_table_at : 0;
+  if (node.is_stream) {
+    using Kind = RecordedStream::Kind;
+    node.stream.kind = type == NodeType::kDepth   ? Kind::kDepth
+                       : type == NodeType::kImage ? Kind::kColor
+                                                  : Kind::kInfrared;
+    if (frames > kMaxFrames)
+      return damaged(record.at, fmt::format("stream {} claims {} frames", name, frames));
+    if (data_begun_)
+      return damaged(record.at, fmt::format("stream {} is defined after data has begun", name));
+    for (const auto& [id, other] : nodes_) {
+      if (other.is_stream && other.stream.kind == node.stream.kind) {
+        return unusable(
+            fmt::format("it has two {} streams, {} and {}; record the cameras into files of their own",
+                        recording::name(node.stream.kind), other.stream.name, name));
+      }
+    }
+  }
+  nodes_.emplace(record.node, std::move(node));
+  ++configuring_;
+  return {};
+}
+
+Result<void> RecordWalk::property(const Record& record, FieldReader fields) {
+  const std::string_view key = fields.text();
+  const auto value = fields.blob();
+  const bool is_number = record.type == RecordType::kIntProperty || record.type == RecordType::kRealProperty;
+  if (!fields.whole() || key.empty() || key.size() > kMaxName || (is_number && value.size() != 8) ||
+      (record.type == RecordType::kStringProperty && (value.empty() || value.back() != 0))) {
+    return damaged(record.at, "a property is not one");
+  }
+  Node* node = find(record.node);
+  if (!node) {
+    return damaged(record.at, fmt::format("property {} belongs to no stream", key));
+  }
+  if (key == kCameraNoteProperty) {
+    auto note = parse_camera_note({reinterpret_cast<const char*>(value.data()), value.size()});
+    if (!note) return damaged(record.at, fmt::format("the camera's note is not one ({})", note.error().what));
+    camera_note_ = std::move(*note);
+    return {};
+  }
+  if (!node->is_stream) return {};
+  const StreamFormat before = node->format;
+  if (!node->format.apply(node->stream.kind, record.type, key, value)) {
+    return damaged(record.at, fmt::format("{} of stream {} is wrong", key, node->stream.name));
+  }
+  if (node->life == Node::Life::kReady && node->format != before) {
+    return unusable(
+        fmt::format("stream {} changes its {} in the middle, at byte {}; record the parts into files of "
+                    "their own",
+                    node->stream.name, key, record.at));
+  }
+  return {};
+}
+
+Result<void> RecordWalk::state_ready(const Record& record) {
+  Node* node = find(record.node);
+  if (!node) return damaged(record.at, "an unknown stream gets ready");
+  if (node->life == Node::Life::kReady) return {};
+  node->life = Node::Life::kReady;
+  --configuring_;
+  if (!node->is_stream) return {};
+  if (auto described = node->format.describe(node->stream); !described) {
+    return placed(record.at, described.error());
+  }
+  node->max_payload = node->format.max_payload(node->stream.codec, node->stream.kind);
+  return {};
+}
+
+Result<void> RecordWalk::node_removed(const Record& record) {
+  Node* node = find(record.node);
+  if (!node) return damaged(record.at, fmt::format("node {} is removed, but not there", record.node));
+  node->life = Node::Life::kRemoved;
+  return {};
+}
+
+Result<void> RecordWalk::data_begin(const Record& record, FieldReader fields) {
+  fields.u32();  // frames and last timestamp, which recorders leave empty
+  fields.u64();
+  const Node* node = find(record.node);
+  if (!fields.whole() || !node || !node->is_stream)
+    return damaged(record.at, "data begins for an unknown stream");
+  data_begun_ = true;
+  return {};
+}
+
+Result<void> RecordWalk::new_data(const Record& record, FieldReader fields) {
+  const std::uint64_t timestamp = fields.u64();
+  const std::uint32_t number = fields.u32();
+  Node* node = find(record.node);
+  if (!fields.whole() || !node || !node->is_stream || !data_begun_) {
+    return damaged(record.at, "a frame of an unknown stream");
+  }
+  RecordedStream& stream = node->stream;
+  if (number <= node->last_frame || number > node->frames_claimed) {
+    return damaged(record.at, fmt::format("stream {} goes from frame {} to {} of {}", stream.name,
+                                          node->last_frame, number, node->frames_claimed));
+  }
+  // Times that go back are played as they come; one beyond the header's largest ends the player's reading.
+  if (timestamp > max_timestamp_) {
+    return damaged(record.at, fmt::format("frame {} of stream {} has a time beyond the recording's end",
+                                          number, stream.name));
+  }
+  const bool raw = stream.codec == "NONE";
+  if (record.payload_bytes > node->max_payload || (raw && record.payload_bytes != node->max_payload)) {
+    return damaged(record.at,
+                   fmt::format("frame {} of stream {} takes {} bytes, {} {} expected", number, stream.name,
+                               record.payload_bytes, raw ? "exactly" : "at most", node->max_payload));
+  }
+  node->last_frame = number;
+  stream.timestamps_us.push_back(timestamp);
+  return {};
+}
+
+Result<void> RecordWalk::seek_table(const Record& record) {
+  const auto found = nodes_.find(record.node);  // its node may have been removed
+  if (found == nodes_.end()) return damaged(record.at, "a seek table of an unknown stream");
+  Node& node = found->second;
+  const std::uint64_t expected = kSeekEntryBytes * (std::uint64_t{node.frames_claimed} + 1);
+  if (record.at == node.seek_table_at && record.payload_bytes == expected) node.has_seek_table = true;
+  return {};
+}
+
+Result<RecordingSummary> RecordWalk::summary() {
+  RecordingSummary summary;
+  for (auto& [id, node] : nodes_) {
+    if (node.seek_table_at && !node.has_seek_table) {  // the player reads it when it opens the file
+      return damaged(node.seek_table_at,
+                     fmt::format("the seek table of stream {} is not here", node.stream.name));
+    }
+    if (node.is_stream) summary.streams.push_back(std::move(node.stream));
+  }
+  const RecordedStream* depth = summary.find(RecordedStream::Kind::kDepth);
+  if (!depth) return unusable("there is no depth stream in it; record depth too");
+  if (depth->frames() == 0) return unusable("there is no depth frame in it; record it again");
+  if (camera_note_ && (camera_note_->model.width != depth->width ||
+                       camera_note_->model.height != depth->height || camera_note_->unit != depth->unit)) {
+    return unusable("its camera's note is about another size or unit than its depth stream; record it again");
+  }
+  summary.camera_note = std::move(camera_note_);
+  const auto [first, last] = std::minmax(depth->timestamps_us.front(), depth->timestamps_us.back());
+  summary.duration = std::chrono::microseconds(static_cast<std::int64_t>(last - first) +
+                                               static_cast<std::int64_t>(mean_period_us(*depth)));
+  return summary;
+}
+
+}  // namespace copresence::recording

@@ -1,0 +1,73 @@
+#pragma once
+
+// One pass over the record chain of a recording, in the order and with the rules of OpenNI2's player; see
+// oni_check.h.
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "capture_server/recording/oni_check.h"
+#include "capture_server/recording/record_bytes.h"
+#include "capture_server/recording/stream_format.h"
+
+namespace copresence::recording {
+
+class RecordWalk {
+ public:
+  /// `name` stands for the recording in sentences. Both are kept by reference.
+  RecordWalk(RecordBytes& bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+
+  /// Once per walk.
+  Result<RecordingSummary> run();
+
+ private:
+  struct Record {
+    std::uint64_t at = 0;  ///< where it begins in the file
+    RecordType type{};
+    std::uint32_t node = 0, fields_bytes = 0, payload_bytes = 0;
+  };
+
+  struct Node {
+    enum class Life { kConfiguring, kReady, kRemoved };
+    Life life = Life::kConfiguring;
+    bool is_stream = false;
+    std::uint32_t frames_claimed = 0;
+    std::uint64_t seek_table_at = 0;  ///< as its definition says; 0 = none
+    bool has_seek_table = false;      ///< one of the right size was there
+    std::uint32_t last_frame = 0;
+    std::uint64_t max_payload = 0;
+    StreamFormat format;  ///< once the node is ready it may not change
+    RecordedStream stream;
+  };
+
+  Result<void> header();
+  Result<Record> next_record();
+  Result<void> read(const Record& record);
+  Result<void> node_added(const Record& record, FieldReader fields);
+  Result<void> property(const Record& record, FieldReader fields);
+  Result<void> state_ready(const Record& record);
+  Result<void> node_removed(const Record& record);
+  Result<void> data_begin(const Record& record, FieldReader fields);
+  Result<void> new_data(const Record& record, FieldReader fields);
+  Result<void> seek_table(const Record& record);
+  Result<RecordingSummary> summary();
+
+  Node* find(std::uint32_t id);
+  tl::unexpected<Error> damaged(std::uint64_t at, const std::string& what) const;
+  tl::unexpected<Error> cut_off(std::uint64_t at) const;
+  tl::unexpected<Error> unusable(const std::string& what) const;
+  tl::unexpected<Error> placed(std::uint64_t at, const Error& error) const;
+
+  RecordBytes& bytes_;
+  const std::string& name_;
+  std::uint64_t position_ = 0;
+  std::uint64_t max_timestamp_ = 0;
+  std::uint32_t max_node_ = 0;
+  bool data_begun_ = false;
+  std::uint32_t configuring_ = 0;  ///< nodes between their definition and their "ready"; definitions may nest
+  std::map<std::uint32_t, Node> nodes_;
+  std::optional<CameraNote> camera_note_;
+};
+
+}  // namespace copresence::recording

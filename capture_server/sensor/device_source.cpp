@@ -1,0 +1,330 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <thread>
+#include <tuple>
+
+#include "capture_server/sensor/color_pairing.h"
+#include "capture_server/sensor/frame_source.h"
+#include "capture_server/sensor/open_ni.h"
+
+namespace copresence::sensor {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr Duration kStallAfter = std::chrono::seconds(1);
+constexpr Duration kFirstFrameAfter =
+    std::chrono::seconds(5);  // a Kinect's projector and exposure take their time
+constexpr int kSliceMs = 50;  // how long a stop request may go unseen
+constexpr std::int64_t kReuseColorUs = 100'000;
+constexpr Duration kDriverLeaves =
+    milliseconds(50);  // a driver's thread may still be inside a stopped stream
+
+// The nominal field of view of a Kinect v1 and its PrimeSense siblings, radians: for drivers that do not
+// tell.
+constexpr double kNominalHorizontal = 1.0144686, kNominalVertical = 0.7898090;
+
+class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
+ public:
+  explicit GoneListener(std::string uri) : uri_(std::move(uri)) {
+    openni::OpenNI::addDeviceDisconnectedListener(this);
+  }
+  ~GoneListener() override { openni::OpenNI::removeDeviceDisconnectedListener(this); }
+  GoneListener(const GoneListener&) = delete;
+  GoneListener& operator=(const GoneListener&) = delete;
+
+  bool gone() const { return gone_; }
+
+  void onDeviceDisconnected(const openni::DeviceInfo* device) override {
+    if (uri_ == device->getUri()) gone_ = true;
+  }
+
+ private:
+  const std::string uri_;
+  std::atomic<bool> gone_ = false;
+};
+
+// The mode to take: a known format, even sizes, then nearest to 640x480, then to 30 a second, then 1 mm
+// before 0.1 mm.
+std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
+                                             int height) {
+  std::optional<openni::VideoMode> chosen;
+  std::tuple<int, int, int> least;
+  const auto& modes = sensor.getSupportedVideoModes();
+  for (int i = 0; i < modes.getSize(); ++i) {
+    const openni::VideoMode& mode = modes[i];
+    const openni::PixelFormat format = mode.getPixelFormat();
+    const bool usable =
+        is_depth ? format == openni::PIXEL_FORMAT_DEPTH_1_MM || format == openni::PIXEL_FORMAT_DEPTH_100_UM
+                 : format == openni::PIXEL_FORMAT_RGB888;
+    const bool even = mode.getResolutionX() % 2 == 0 && mode.getResolutionY() % 2 == 0;
+    if (!usable || !even || mode.getResolutionX() < 2 || mode.getResolutionX() > 4096 ||
+        mode.getResolutionY() < 2 || mode.getResolutionY() > 4096) {
+      continue;
+    }
+    const std::tuple distance{
+        std::abs(mode.getResolutionX() - width) + std::abs(mode.getResolutionY() - height),
+        std::abs(mode.getFps() - 30), format == openni::PIXEL_FORMAT_DEPTH_100_UM ? 1 : 0};
+    if (!chosen || distance < least) {
+      chosen = mode;
+      least = distance;
+    }
+  }
+  return chosen;
+}
+
+CameraModel camera_of(const openni::VideoStream& stream) {
+  const openni::VideoMode mode = stream.getVideoMode();
+  double horizontal = stream.getHorizontalFieldOfView(), vertical = stream.getVerticalFieldOfView();
+  const auto sane = [](double angle) { return angle > 0.01 && angle < 3.13; };
+  if (!sane(horizontal) || !sane(vertical)) {
+    horizontal = kNominalHorizontal;
+    vertical = kNominalVertical;
+  }
+  return camera_from_field_of_view(mode.getResolutionX(), mode.getResolutionY(), horizontal, vertical);
+}
+
+class DeviceSource final : public FrameSource {
+ public:
+  explicit DeviceSource(std::string uri) : uri_(std::move(uri)) {}
+
+  ~DeviceSource() override {
+    if (depth_.isValid()) depth_.stop();
+    if (color_.isValid()) color_.stop();
+    std::this_thread::sleep_for(kDriverLeaves);
+    device_.close();
+    color_.destroy();
+    depth_.destroy();
+  }
+
+  DeviceSource(const DeviceSource&) = delete;
+  DeviceSource& operator=(const DeviceSource&) = delete;
+
+  Result<void> start();
+  const SensorDescription& description() const override { return description_; }
+  SourceCounters counters() const override;
+  Result<RgbdFrame> next(std::stop_token stop) override;
+
+ private:
+  // A picture and when this process held it.
+  struct Held {
+    openni::VideoFrameRef picture;
+    Instant at{};
+  };
+  using Pairing = ColorPairing<Held>;
+
+  Result<void> open_stream(openni::VideoStream& stream, openni::SensorType type, int width, int height);
+  Result<Pairing::Pair> next_pair(const std::stop_token& stop);
+  void read(openni::VideoStream& stream);
+
+  const std::string uri_;
+  const OpenNiSession session_;
+  openni::Device device_;
+  openni::VideoStream depth_;
+  openni::VideoStream color_;
+  std::optional<GoneListener> gone_;
+
+  SensorDescription description_;
+  std::int64_t half_period_us_ = 16667;
+  std::optional<Pairing> pairing_;
+  int last_index_[2] = {0, 0};  // of depth, of colour
+  SourceCounters counters_;
+};
+
+Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::SensorType type, int width,
+                                       int height) {
+  const bool is_depth = type == openni::SENSOR_DEPTH;
+  if (stream.create(device_, type) != openni::STATUS_OK) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("{}: its {} stream does not open ({}); unplug the camera and plug it in again",
+                            description_.name, is_depth ? "depth" : "colour", last_open_ni_error()));
+  }
+  const auto mode = choose_mode(stream.getSensorInfo(), is_depth, width, height);
+  if (!mode) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: it offers no {} of even size; use another camera", description_.name,
+                            is_depth ? "depth in 1 mm or 0.1 mm" : "colour in RGB888"));
+  }
+  if (stream.setVideoMode(*mode) != openni::STATUS_OK) {
+    return fail(
+        ErrorCode::kUnavailable,
+        fmt::format(
+            "{}: it does not take the mode {}x{} at {} a second ({}); unplug the camera and plug it in "
+            "again",
+            description_.name, mode->getResolutionX(), mode->getResolutionY(), mode->getFps(),
+            last_open_ni_error()));
+  }
+  stream.setMirroringEnabled(false);  // a driver that cannot mirror says no, and that is as good
+  return {};
+}
+
+Result<void> DeviceSource::start() {
+  if (!session_.is_up()) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("OpenNI2 does not start: {}; install the package libopenni2-0 again",
+                            last_open_ni_error()));
+  }
+  if (device_.open(uri_.empty() ? openni::ANY_DEVICE : uri_.c_str()) != openni::STATUS_OK) {
+    return uri_.empty()
+               ? fail(ErrorCode::kNotFound,
+                      fmt::format("no camera opens ({}); plug one in, then see capture_server --list",
+                                  last_open_ni_error()))
+               : fail(ErrorCode::kNotFound,
+                      fmt::format("camera {} does not open ({}); see capture_server --list", uri_,
+                                  last_open_ni_error()));
+  }
+  const openni::DeviceInfo& device = device_.getDeviceInfo();
+  description_.name = fmt::format("{} {}", device.getVendor(), device.getName());
+  gone_.emplace(device.getUri());
+  if (!device_.hasSensor(openni::SENSOR_DEPTH)) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: it has no depth sensor; use a depth camera", description_.name));
+  }
+  if (auto opened = open_stream(depth_, openni::SENSOR_DEPTH, 640, 480); !opened) return opened;
+  const openni::VideoMode depth_mode = depth_.getVideoMode();
+  if (device_.hasSensor(openni::SENSOR_COLOR)) {
+    const auto opened =
+        open_stream(color_, openni::SENSOR_COLOR, depth_mode.getResolutionX(), depth_mode.getResolutionY());
+    // A camera whose colour is in no format we know still gives depth.
+    if (!opened && opened.error().code != ErrorCode::kUnsupported) return fail(opened.error());
+    if (!opened) color_.destroy();
+    description_.has_color = opened.has_value();
+  }
+  if (description_.has_color) {
+    constexpr auto kToColor = openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR;
+    description_.registered = device_.isImageRegistrationModeSupported(kToColor) &&
+                              device_.setImageRegistrationMode(kToColor) == openni::STATUS_OK &&
+                              device_.getImageRegistrationMode() == kToColor;
+    device_.setDepthColorSyncEnabled(true);  // where a device cannot, pairing by time does
+    description_.color = camera_of(color_);
+  }
+  description_.depth = camera_of(depth_);
+  if (description_.registered) description_.registered = description_.color.width == description_.depth.width;
+  description_.unit = depth_mode.getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_100_UM
+                          ? DepthUnit::k100Micrometres
+                          : DepthUnit::kMillimetre;
+  description_.frames_per_second = std::max(depth_mode.getFps(), 1);
+  half_period_us_ = static_cast<std::int64_t>(500'000 / description_.frames_per_second);
+  pairing_.emplace(half_period_us_, kReuseColorUs);
+  if (depth_.start() != openni::STATUS_OK ||
+      (description_.has_color && color_.start() != openni::STATUS_OK)) {
+    return fail(
+        ErrorCode::kUnavailable,
+        fmt::format("{}: its streams do not start ({}); unplug the camera and plug it in again, into a USB "
+                    "controller of its own",
+                    description_.name, last_open_ni_error()));
+  }
+  return {};
+}
+
+SourceCounters DeviceSource::counters() const {
+  SourceCounters counters = counters_;
+  counters.color_without_depth = pairing_->unused_color();
+  return counters;
+}
+
+void DeviceSource::read(openni::VideoStream& stream) {
+  Held held;
+  if (stream.readFrame(&held.picture) != openni::STATUS_OK) return;
+  held.at = steady_clock::now();
+  const bool is_depth = &stream == &depth_;
+  int& last = last_index_[is_depth ? 0 : 1];
+  const int index = held.picture.getFrameIndex();
+  if (last > 0 && index > last + 1) counters_.damaged += static_cast<std::uint64_t>(index - last - 1);
+  last = index;
+  const auto timestamp_us = static_cast<std::int64_t>(held.picture.getTimestamp());
+  const CameraModel& camera = is_depth ? description_.depth : description_.color;
+  if (!is_whole(held.picture, camera, is_depth ? 2 : 3)) {
+    ++counters_.damaged;
+  } else if (is_depth) {
+    pairing_->add_depth(timestamp_us, std::move(held));
+  } else {
+    pairing_->add_color(timestamp_us, std::move(held));
+  }
+}
+
+Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_token& stop) {
+  openni::VideoStream* streams[] = {&depth_, &color_};
+  const int stream_count = description_.has_color ? 2 : 1;
+  const Instant give_up = steady_clock::now() + (counters_.frames ? kStallAfter : kFirstFrameAfter);
+  std::optional<Instant> waits_until;  // for colour
+  while (true) {
+    const Instant now = steady_clock::now();
+    const bool may_wait = description_.has_color && (!waits_until || now < *waits_until);
+    if (auto pair = pairing_->take(may_wait)) return std::move(*pair);
+    if (pairing_->has_depth() && !waits_until) waits_until = now + std::chrono::microseconds(half_period_us_);
+    if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
+    if (gone_->gone()) {
+      return fail(ErrorCode::kUnavailable, fmt::format("{}: unplugged; plug it in again", description_.name));
+    }
+    if (now > give_up) {
+      return fail(ErrorCode::kTimeout,
+                  fmt::format("{}: it sends no frames; unplug it and plug it in again", description_.name));
+    }
+    int wait_ms = kSliceMs;
+    if (waits_until) {
+      const auto left = std::chrono::ceil<milliseconds>(*waits_until - now).count();
+      wait_ms = std::clamp(static_cast<int>(left), 1, kSliceMs);
+    }
+    int ready = 0;
+    if (openni::OpenNI::waitForAnyStream(streams, stream_count, &ready, wait_ms) == openni::STATUS_OK) {
+      read(*streams[ready]);
+    }
+  }
+}
+
+Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
+  auto pair = next_pair(stop);
+  if (!pair) return fail(pair.error());
+  const Instant begin = steady_clock::now();
+  RgbdFrame frame;
+  copy_depth(pair->depth.picture, description_.depth, frame);
+  if (pair->color) copy_color(pair->color->picture, description_.color, frame);
+  frame.stamp.sequence = ++counters_.frames;
+  frame.stamp.captured_at = pair->depth.at;
+  frame.durations.capture = steady_clock::now() - begin;
+  if (description_.has_color && !pair->same_instant) ++counters_.depth_without_color;
+  return frame;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri) {
+  auto source = std::make_unique<DeviceSource>(uri);
+  if (auto started = source->start(); !started) return fail(started.error());
+  return source;
+}
+
+Result<std::vector<DeviceListing>> list_devices() {
+  const OpenNiSession session;
+  if (!session.is_up()) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("OpenNI2 does not start: {}; install the package libopenni2-0 again",
+                            last_open_ni_error()));
+  }
+  openni::Array<openni::DeviceInfo> devices;
+  openni::OpenNI::enumerateDevices(&devices);
+  std::vector<DeviceListing> listing;
+  for (int i = 0; i < devices.getSize(); ++i) {
+    const openni::DeviceInfo& found = devices[i];
+    DeviceListing entry{found.getUri(), found.getName(), found.getVendor(), {}};
+    openni::Device device;
+    if (device.open(found.getUri()) != openni::STATUS_OK) {
+      entry.problem = fmt::format(
+          "it does not open ({}); another program may hold it, or the udev rule that lets you use it is "
+          "missing",
+          last_open_ni_error());
+    } else if (!device.hasSensor(openni::SENSOR_DEPTH)) {
+      entry.problem = "it has no depth sensor";
+    }
+    device.close();
+    listing.push_back(std::move(entry));
+  }
+  return listing;
+}
+
+}  // namespace copresence::sensor

@@ -1,0 +1,109 @@
+#pragma once
+
+// Where RgbdFrames come from: a camera that OpenNI2 opens, or a recording that it plays.
+//
+// A frame's depth is the sensor's own: 0 is a hole, everything else is measured. Its colour is of the same
+// instant where there is one within half a depth period; else the newest that is at most 100 ms away is shown
+// again, since a picture slightly late disturbs less than one without colour; else there is none. The
+// counters tell.
+//
+// Thread: a source belongs to one thread at a time; next() may block and obeys its stop token.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "common/frame/camera_model.h"
+#include "common/frame/depth_unit.h"
+#include "common/frame/rgbd_frame.h"
+#include "common/result.h"
+
+namespace copresence::sensor {
+
+/// What is known of a source before its first frame.
+struct SensorDescription {
+  std::string name;  ///< the device's or the file's, for people
+  CameraModel depth;
+  DepthUnit unit = DepthUnit::kMillimetre;
+  bool has_color = false;                   ///< where false, `color` is meaningless and no frame has colour
+  CameraModel color;                        ///< before registration: the colour camera's own
+  Rigid3 color_from_depth;                  ///< metres; identity where registered
+  bool registered = false;                  ///< depth and colour already share one camera model
+  double frames_per_second = 30;            ///< nominal
+  std::optional<Rigid3> world_from_camera;  ///< where the recording says it
+  bool is_recording = false;
+  std::optional<std::uint64_t> frames;  ///< depth frames of one pass of a recording
+};
+
+/// How a recording is played. A camera has its own pace and no end.
+struct SourceSettings {
+  enum class Pace {
+    kReal,  ///< as its timestamps say; a pause of more than a second is shortened to one
+    kFast,  ///< every frame as soon as it is asked for
+  };
+  Pace pace = Pace::kReal;
+  bool loop = false;  ///< begin again after the last frame, one mean period later
+};
+
+/// What happened to the pictures a source got. Every one is in a frame or counted here.
+struct SourceCounters {
+  std::uint64_t frames = 0;  ///< handed over
+  std::uint64_t depth_without_color =
+      0;  ///< of those: no colour of their instant, though the source has colour
+  std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
+  std::uint64_t damaged = 0;              ///< depth or colour pictures that did not decode, or went missing
+};
+
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  virtual const SensorDescription& description() const = 0;
+  virtual SourceCounters counters() const = 0;
+
+  /// Blocks until the next frame. Its sequence counts from 1 and goes on over a loop's seam; its capture
+  /// instant is the moment at which this process holds it: for a recording played at real pace the instant at
+  /// which it is due, before which it was read and decoded; its pose is the description's. durations.capture
+  /// is the time that reading and converting took, without waiting for the sensor. Fails  kEndOfStream (a
+  /// recording's end, and when asked to stop), kTimeout (nothing came for a second),
+  ///        kUnavailable (the camera is gone). After kTimeout and kUnavailable: open the source again.
+  virtual Result<RgbdFrame> next(std::stop_token stop) = 0;
+};
+
+/// A recording that has been checked, and what the check found out about it.
+struct CheckedRecording {
+  std::string path;
+  SensorDescription description;  ///< `frames` must be set
+  std::uint64_t color_frames = 0;
+  double period_us = 33333;      ///< mean time between depth frames
+  std::int64_t duration_us = 0;  ///< of one pass: from the first depth frame to one period after the last
+};
+
+/// Plays a checked recording through OpenNI2. Requires that recording::check() accepted the file: OpenNI2
+/// crashes or stalls on damaged ones. Fails  kNotFound (the file is gone), kCorrupt (OpenNI2 does not take
+/// it).
+Result<std::unique_ptr<FrameSource>> open_recording(const CheckedRecording& recording,
+                                                    const SourceSettings& settings);
+
+/// Opens a camera. `uri` as list_devices() gives it; empty for the first one there is. Chosen are depth at
+/// 640x480 and 30 frames a second or what comes nearest, RGB8 of the same size where there is colour, depth
+/// registered to colour and both taken at once where the device can. Fails  kNotFound (no such camera),
+/// kUnavailable (held by another program, no permission), kUnsupported (no depth).
+Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri);
+
+/// A camera that OpenNI2 sees, for people to choose from.
+struct DeviceListing {
+  std::string uri;  ///< what to give to open_device()
+  std::string name;
+  std::string vendor;
+  std::string problem;  ///< empty where it can be opened, else a sentence about what is in the way
+};
+
+/// Every camera that OpenNI2 sees; each is opened for a moment to learn whether it can be.
+/// Fails  kUnavailable (OpenNI2 does not start).
+Result<std::vector<DeviceListing>> list_devices();
+
+}  // namespace copresence::sensor

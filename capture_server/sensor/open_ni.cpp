@@ -1,0 +1,46 @@
+#include "capture_server/sensor/open_ni.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace copresence::sensor {
+
+std::string last_open_ni_error() {
+  std::string text = openni::OpenNI::getExtendedError();
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\t' || c == '\r'; }, ' ');
+  while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
+  return text.empty() ? "no reason given" : text;
+}
+
+bool is_whole(const openni::VideoFrameRef& frame, const CameraModel& camera, int bytes_per_pixel) {
+  const int row_bytes = camera.width * bytes_per_pixel;
+  return frame.isValid() && frame.getData() && frame.getWidth() == camera.width &&
+         frame.getHeight() == camera.height && frame.getStrideInBytes() >= row_bytes &&
+         frame.getDataSize() == frame.getStrideInBytes() * camera.height;
+}
+
+void copy_depth(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into) {
+  into.depth.resize(camera.width, camera.height);
+  into.state.resize(camera.width, camera.height);
+  const auto* row = static_cast<const std::uint8_t*>(frame.getData());
+  for (int y = 0; y < camera.height; ++y, row += frame.getStrideInBytes()) {
+    const auto depth = into.depth.row(y);
+    const auto state = into.state.row(y);
+    std::memcpy(depth.data(), row, depth.size_bytes());
+    std::transform(depth.begin(), depth.end(), state.begin(),
+                   [](std::uint16_t z) { return z ? DepthState::kMeasured : DepthState::kHole; });
+  }
+}
+
+void copy_color(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into) {
+  ColorImage& color = into.color.emplace();
+  color.resize(camera.width, camera.height);
+  const auto* row = static_cast<const std::uint8_t*>(frame.getData());
+  for (int y = 0; y < camera.height; ++y, row += frame.getStrideInBytes()) {
+    const auto pixels = color.row(y);
+    std::memcpy(pixels.data(), row, pixels.size_bytes());
+  }
+}
+
+}  // namespace copresence::sensor

@@ -1,0 +1,41 @@
+#pragma once
+
+// What every user of OpenNI2 in this room needs: its lifetime, its errors, its frames as ours. Only for this
+// room's own sources.
+
+#include <OpenNI.h>
+
+#include <string>
+
+#include "common/frame/camera_model.h"
+#include "common/frame/rgbd_frame.h"
+
+namespace copresence::sensor {
+
+/// OpenNI2 is up while one of these lives; it counts them itself.
+class OpenNiSession {
+ public:
+  OpenNiSession() : status_(openni::OpenNI::initialize()) {}
+  ~OpenNiSession() {
+    if (status_ == openni::STATUS_OK) openni::OpenNI::shutdown();
+  }
+  OpenNiSession(const OpenNiSession&) = delete;
+  OpenNiSession& operator=(const OpenNiSession&) = delete;
+
+  bool is_up() const { return status_ == openni::STATUS_OK; }
+
+ private:
+  openni::Status status_;
+};
+
+/// OpenNI2's own words about its last error, on one line; "no reason given" where it has none.
+std::string last_open_ni_error();
+
+/// Whether a frame is what its stream promised: OpenNI2 hands on short and odd ones.
+bool is_whole(const openni::VideoFrameRef& frame, const CameraModel& camera, int bytes_per_pixel);
+
+/// Copies the pictures out. Requires is_whole() of both, 2 and 3 bytes a pixel.
+void copy_depth(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into);
+void copy_color(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into);
+
+}  // namespace copresence::sensor

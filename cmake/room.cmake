@@ -46,3 +46,23 @@ function(add_room_benchmark name)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/benchmarks)
   set_property(GLOBAL APPEND PROPERTY COPRESENCE_BENCHMARK_TARGETS ${target})
 endfunction()
+
+# One fuzz function (LLVMFuzzerTestOneInput) with its corpus, a folder of inputs. The fuzz preset makes NAME_fuzz with
+# libFuzzer:  build/fuzz/tests/NAME_fuzz -max_total_time=60 FOLDER.  Everywhere else the corpus and its near
+# neighbours are replayed as a unit test.
+#
+#   add_fuzz_target(message SOURCES message_fuzz.cpp CORPUS message_corpus USES copresence::wire)
+function(add_fuzz_target name)
+  cmake_parse_arguments(FUZZ "" "CORPUS" "SOURCES;USES" ${ARGN})
+  set(target ${name}_fuzz)
+  add_executable(${target} ${FUZZ_SOURCES})
+  target_link_libraries(${target} PRIVATE copresence::rules ${FUZZ_USES})
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(COPRESENCE_FUZZ)
+    target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+  else()
+    target_sources(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/replay_corpus.cpp)
+    add_test(NAME ${name}_corpus COMMAND ${target} ${CMAKE_CURRENT_SOURCE_DIR}/${FUZZ_CORPUS})
+    set_tests_properties(${name}_corpus PROPERTIES LABELS unit TIMEOUT 120)
+  endif()
+endfunction()

@@ -9,7 +9,7 @@ namespace copresence::flow {
 WorkerPool::WorkerPool(int threads, const std::string& name) {
   assert(threads >= 1);
   for (int i = 1; i < threads; ++i) {
-    threads_.emplace_back([this](const std::stop_token& stop) { serve(stop); });
+    threads_.emplace_back([this, i](const std::stop_token& stop) { serve(stop, i); });
     pthread_setname_np(threads_.back().native_handle(), name.substr(0, 15).c_str());
   }
 }
@@ -29,17 +29,17 @@ void WorkerPool::run(int jobs, JobRef job) {
       next_.store(0, std::memory_order_relaxed);
     }
     work_.notify_all();
-    take_jobs(job, jobs);
+    take_jobs(job, jobs, 0);
     // Every job is taken; threads that never woke up find the round closed, the others are waited for.
     std::unique_lock lock(mutex_);
     job_ = nullptr;
     idle_.wait(lock, [this] { return working_ == 0; });
   } else {
-    for (int number = 0; number < jobs; ++number) job(number);
+    for (int number = 0; number < jobs; ++number) job(number, 0);
   }
 }
 
-void WorkerPool::serve(const std::stop_token& stop) {
+void WorkerPool::serve(const std::stop_token& stop, int worker) {
   std::uint64_t served = 0;
   std::unique_lock lock(mutex_);
   while (work_.wait(lock, stop, [&] { return job_ != nullptr && round_ != served; })) {
@@ -48,16 +48,16 @@ void WorkerPool::serve(const std::stop_token& stop) {
     const int jobs = jobs_;
     ++working_;
     lock.unlock();
-    take_jobs(job, jobs);
+    take_jobs(job, jobs, worker);
     lock.lock();
     if (--working_ == 0) idle_.notify_one();
   }
 }
 
-void WorkerPool::take_jobs(const JobRef& job, int jobs) {
+void WorkerPool::take_jobs(const JobRef& job, int jobs, int worker) {
   for (int number = next_.fetch_add(1, std::memory_order_relaxed); number < jobs;
        number = next_.fetch_add(1, std::memory_order_relaxed)) {
-    job(number);
+    job(number, worker);
   }
 }
 

@@ -26,11 +26,12 @@ class WorkerPool : public Workers {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
+  int count() const override { return 1 + static_cast<int>(threads_.size()); }
   void run(int jobs, JobRef job) override;
 
  private:
-  void serve(const std::stop_token& stop);
-  void take_jobs(const JobRef& job, int jobs);
+  void serve(const std::stop_token& stop, int worker);
+  void take_jobs(const JobRef& job, int jobs, int worker);
 
   std::mutex mutex_;
   std::condition_variable_any work_, idle_;

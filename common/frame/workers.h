@@ -8,21 +8,24 @@
 
 namespace copresence {
 
-/// A reference to something callable with a job's number; valid while that lives. Costs no allocation.
+/// A reference to something callable with a job's and a worker's number; valid while that lives. Costs no
+/// allocation.
 class JobRef {
  public:
   template <class Job, class = std::enable_if_t<!std::is_same_v<std::remove_cvref_t<Job>, JobRef>>>
   JobRef(Job&& job)  // NOLINT(google-explicit-constructor): a lambda is passed as it is
-      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(job)))),
-        call_([](void* object, int number) {
-          (*static_cast<std::remove_reference_t<Job>*>(object))(number);
-        }) {}
+      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(job)))), call_(&call<Job>) {}
 
-  void operator()(int number) const { call_(object_, number); }
+  void operator()(int number, int worker) const { call_(object_, number, worker); }
 
  private:
+  template <class Job>
+  static void call(void* object, int number, int worker) {
+    (*static_cast<std::remove_reference_t<Job>*>(object))(number, worker);
+  }
+
   void* object_;
-  void (*call_)(void*, int);
+  void (*call_)(void*, int, int);
 };
 
 /// Runs jobs side by side. Thread: run() from one thread at a time.
@@ -30,16 +33,21 @@ class Workers {
  public:
   virtual ~Workers() = default;
 
-  /// Calls job(0) to job(jobs - 1), in any order and on any thread, and returns when all have ended. What a
-  /// job writes no other may touch. Requires that no job throws or calls run() itself.
+  /// How many jobs may run at a time, the caller's own thread included; >= 1.
+  virtual int count() const = 0;
+
+  /// Calls job(0, worker) to job(jobs - 1, worker), in any order and on any thread, and returns when all have
+  /// ended. Jobs that run at a time have different workers, 0 to count() - 1: scratch memory goes by worker,
+  /// results go by job. Requires that no job throws or calls run() itself.
   virtual void run(int jobs, JobRef job) = 0;
 };
 
 /// The caller's own thread does everything, in order.
 class NoWorkers : public Workers {
  public:
+  int count() const override { return 1; }
   void run(int jobs, JobRef job) override {
-    for (int number = 0; number < jobs; ++number) job(number);
+    for (int number = 0; number < jobs; ++number) job(number, 0);
   }
 };
 

@@ -1,0 +1,31 @@
+#pragma once
+
+// Merges the cameras' fragments of one row of the view, and colours what is left: a texture is read only
+// where its camera counts. Private to the CPU renderer. Thread: distinct rows may be merged side by side.
+
+#include <span>
+
+#include "render_client/renderer/band.h"
+#include "render_client/renderer/renderer.h"
+#include "render_client/renderer/source_texture.h"
+
+namespace copresence::renderer {
+
+/// What the merge has to know of a camera.
+struct MergeSource {
+  const Texture* texture = nullptr;
+  Eigen::Vector4f
+      depth;  ///< of the pixel (x, y) at the eye's depth z from the camera: z (x, y, 1).dot(abc) + d
+  float calibration_error_m = 0;
+};
+
+MergeSource merge_source(const CameraView& camera, const VirtualCamera& eye, const Texture& texture);
+
+inline constexpr std::size_t kMostCameras = 32;
+
+/// Merges row y; bands[i] belongs to sources[i]. Images of `view` that `wanted` names have the view's shape.
+/// Requires 1 to kMostCameras sources, and bands of the same rows.
+void merge_row(std::span<const MergeSource> sources, std::span<const Band> bands, int y, HostPixels wanted,
+               MergedView& view);
+
+}  // namespace copresence::renderer

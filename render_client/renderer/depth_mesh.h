@@ -1,0 +1,61 @@
+#pragma once
+
+// A camera's depth image as a surface: the mesh that merge_rules.h describes, coarse where the image is flat.
+// Made once per frame, drawn from any eye. Private to the CPU renderer. Thread: values; distinct ones are
+// independent.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/frame/image.h"
+#include "render_client/renderer/flat_blocks.h"
+
+namespace copresence::renderer {
+
+struct DepthMesh {
+  /// One number per vertex. The point is (x, y, 1) / w, metres in the camera's frame; u, v are its pixel.
+  std::vector<float> x, y, w, u, v;
+
+  /// Corners by their number within the patch, clockwise as the camera sees them. A quad is two triangles,
+  /// split from its second corner to its fourth.
+  using Quad = std::array<std::uint16_t, 4>;
+  using Triangle = std::array<std::uint16_t, 3>;
+  std::vector<Quad> quads;
+  std::vector<Triangle> triangles;
+
+  /// What lies in a block of 16 pixels a side; contiguous, and sharing no vertices with other patches.
+  struct Patch {
+    std::uint32_t first_vertex, vertices;
+    std::uint32_t first_quad, quads;
+    std::uint32_t first_triangle, triangles;
+  };
+  std::vector<Patch> patches;
+};
+
+/// Draws the outlines of flat blocks into the depth image: straight lines between corners on which all
+/// adjoining blocks agree, so that coarse and fine triangles meet without cracks.
+class BlockOutlines {
+ public:
+  /// Blocks larger than `largest_block` pixels a side are not used; 1 changes nothing.
+  void draw(const FlatBlocks& blocks, int largest_block, InverseDepth& inverse);
+
+ private:
+  struct Corner {
+    float sum = 0;
+    int count = 0;
+  };
+  void draw_level(const FlatBlocks& blocks, int level, int largest_block, InverseDepth& inverse);
+
+  Image<std::uint8_t> drawn_;  // pixels on a larger block's outline: smaller blocks take them as they are
+  std::vector<Corner> corners_;
+};
+
+/// The mesh of an image whose outlines are drawn. `rays` are (x, y) at z = 1 by pixel
+/// (common/frame/camera_model.h), `pixel_angle` as in joined(). Requires rays.size() == inverse.width *
+/// inverse.height.
+void build_mesh(const InverseDepth& inverse, const FlatBlocks& blocks, int largest_block,
+                const std::vector<Eigen::Vector2f>& rays, float pixel_angle, DepthMesh& mesh);
+
+}  // namespace copresence::renderer

@@ -1,0 +1,148 @@
+#include "render_client/renderer/source_texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "render_client/renderer/merge_rules.h"
+
+namespace copresence::renderer {
+namespace {
+
+constexpr int kTiltLevel = 1;  // of FlatBlocks
+static_assert(kBlockSizes[kTiltLevel] == kCell);
+
+// Least squares over the pixels of a cell that have depth; w = 0 where they are too few or in one line.
+Plane fit_cell(const InverseDepth& inverse, int x_begin, int y_begin) {
+  const int x_end = std::min(x_begin + kCell, inverse.width);
+  const int y_end = std::min(y_begin + kCell, inverse.height);
+  constexpr float kMiddle = 0.5F * kCell;  // where a block of kCell pixels has its plane, too
+  float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, w = 0, xw = 0, yw = 0;
+  for (int v = y_begin; v < y_end; ++v) {
+    const float dv = static_cast<float>(v - y_begin) - kMiddle;
+    for (int u = x_begin; u < x_end; ++u) {
+      const float value = inverse.w(u, v);
+      const float there = value > 0 ? 1.0F : 0.0F;
+      const float du = there * (static_cast<float>(u - x_begin) - kMiddle);
+      n += there;
+      x += du;
+      y += there * dv;
+      xx += du * du;
+      xy += du * dv;
+      yy += there * dv * dv;
+      w += value;
+      xw += du * value;
+      yw += dv * value;
+    }
+  }
+  if (n < kCellPixels) return {};
+  const float sxx = xx - x * x / n, sxy = xy - x * y / n, syy = yy - y * y / n;
+  const float sxw = xw - x * w / n, syw = yw - y * w / n;
+  const float determinant = sxx * syy - sxy * sxy;
+  if (determinant < 1) return {};
+  Plane plane;
+  plane.dx = (sxw * syy - syw * sxy) / determinant;
+  plane.dy = (syw * sxx - sxw * sxy) / determinant;
+  plane.w = (w - x * plane.dx - y * plane.dy) / n;
+  return plane;
+}
+
+// One row of the tilts' image, between the cells' centres in both directions.
+void interpolate_row(const Image<float>& cosines, int y, std::vector<float>& between_rows,
+                     std::vector<float>& row) {
+  const float at = (static_cast<float>(y) + 0.5F) / kCell - 0.5F;
+  const int upper = std::clamp(static_cast<int>(std::floor(at)), 0, cosines.height() - 1);
+  const int lower = std::min(upper + 1, cosines.height() - 1);
+  const float t = std::clamp(at - static_cast<float>(upper), 0.0F, 1.0F);
+  const int cells = cosines.width();
+  // Both ends are repeated, so that every pixel lies between two numbers.
+  between_rows.resize(cells + 2);
+  for (int i = 0; i < cells; ++i) {
+    between_rows[i + 1] = cosines(i, upper) + (cosines(i, lower) - cosines(i, upper)) * t;
+  }
+  between_rows[0] = between_rows[1];
+  between_rows[cells + 1] = between_rows[cells];
+  row.resize(static_cast<std::size_t>(cells + 1) * kCell);
+  for (int i = 0; i <= cells; ++i) {
+    const float begin = between_rows[i], change = between_rows[i + 1] - begin;
+    for (int k = 0; k < kCell; ++k) {
+      row[static_cast<std::size_t>(i) * kCell + k] =
+          begin + change * ((static_cast<float>(k) + 0.5F) * (1.0F / kCell));
+    }
+  }
+}
+
+std::uint32_t pack(std::uint32_t r, std::uint32_t g, std::uint32_t b) {
+  return r | g << 8 | b << 16;
+}
+
+void match_row(std::span<const Rgb8> from, const Eigen::Matrix<float, 3, 4>& m, std::span<std::uint32_t> to) {
+  const auto byte = [](float value) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F));
+  };
+  for (std::size_t x = 0; x < from.size(); ++x) {
+    const float r = from[x].r, g = from[x].g, b = from[x].b;
+    to[x] = pack(byte(m(0, 0) * r + m(0, 1) * g + m(0, 2) * b + m(0, 3) * 255),
+                 byte(m(1, 0) * r + m(1, 1) * g + m(1, 2) * b + m(1, 3) * 255),
+                 byte(m(2, 0) * r + m(2, 1) * g + m(2, 2) * b + m(2, 3) * 255));
+  }
+}
+
+}  // namespace
+
+void measure_tilts(const InverseDepth& inverse, const FlatBlocks& blocks, const CameraModel& camera,
+                   Image<float>& cosines) {
+  cosines.resize((inverse.width + kCell - 1) / kCell, (inverse.height + kCell - 1) / kCell);
+  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  const Image<Plane>& flat = blocks.planes[kTiltLevel];
+  for (int j = 0; j < cosines.height(); ++j) {
+    for (int i = 0; i < cosines.width(); ++i) {
+      const bool has_block = i < flat.width() && j < flat.height();
+      const Plane plane =
+          has_block && flat(i, j).is_flat() ? flat(i, j) : fit_cell(inverse, i * kCell, j * kCell);
+      // A lens's distortion tilts a cell's ray by far less than noise tilts its plane.
+      const float x = (static_cast<float>(i * kCell + kCell / 2) - cx) / fx;
+      const float y = (static_cast<float>(j * kCell + kCell / 2) - cy) / fy;
+      cosines(i, j) =
+          plane.is_flat() ? cos_theta(plane.w, plane.dx * fx, plane.dy * fy, x, y) : kUnknownCosine;
+    }
+  }
+}
+
+void make_texture(const RgbdFrame& frame, const Image<float>& cosines,
+                  const Eigen::Matrix<float, 3, 4>& color_matching, Texture& texture) {
+  const int width = frame.depth.width(), height = frame.depth.height();
+  texture.resize(width + 1, height + 1);
+  const bool matched = color_matching != Eigen::Matrix<float, 3, 4>::Identity();
+  std::vector<float> between_rows, tilt;
+  for (int y = 0; y < height; ++y) {
+    const auto to = texture.row(y);
+    interpolate_row(cosines, y, between_rows, tilt);
+    // The first pixel lies half a cell after the repeated end.
+    const float* const cosine = tilt.data() + kCell / 2;
+    if (!frame.color) {
+      for (int x = 0; x < width; ++x) {
+        to[x] = static_cast<std::uint32_t>(
+                    static_cast<std::int32_t>(255 * shade_without_color(cosine[x]) + 0.5F)) *
+                0x10101U;
+      }
+    } else if (matched) {
+      match_row(frame.color->row(y), color_matching, to);
+    } else {
+      const auto from = frame.color->row(y);
+      for (int x = 0; x < width; ++x) to[x] = pack(from[x].r, from[x].g, from[x].b);
+    }
+    const auto state = frame.state.row(y);
+    for (int x = 0; x < width; ++x) {
+      const float worth = cosine[x] * (state[x] == DepthState::kFilled ? 255 * kFilledWorth : 255.0F);
+      const std::int32_t alpha = std::max(1, static_cast<std::int32_t>(worth + 0.5F));
+      to[x] |= static_cast<std::uint32_t>(alpha) << 24;
+    }
+    to[width] = to[width - 1];
+  }
+  const auto last = texture.row(height - 1);
+  std::copy(last.begin(), last.end(), texture.row(height).begin());
+}
+
+}  // namespace copresence::renderer

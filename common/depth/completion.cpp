@@ -1,6 +1,7 @@
 #include "common/depth/completion.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 namespace copresence::depth {
@@ -10,18 +11,29 @@ Completion::Completion(int width, int height, DepthRangeUnits range)
 
 void Completion::take(const DepthImage& depth, const StateImage& states) {
   assert(same_shape(depth, depth_) && same_shape(states, states_));
-  const std::uint16_t near = range_.near, far = range_.far;
   const std::size_t size = depth_.pixels().size();
+  const auto near = range_.near;
+  const auto span = static_cast<std::uint16_t>(range_.far - range_.near);
   const std::uint16_t* const in = depth.data();
   const auto* const state_in = reinterpret_cast<const std::uint8_t*>(states.data());
   std::uint16_t* const out = depth_.data();
   auto* const state_out = reinterpret_cast<std::uint8_t*>(states_.data());
-  // Two plain loops: each turns into a few vector instructions per 32 bytes.
-  for (std::size_t i = 0; i < size; ++i) {
-    const bool valid = (in[i] >= near) & (in[i] <= far);
-    state_out[i] = valid ? state_in[i] : std::uint8_t{0};
+  // In blocks with masks instead of branches, so that the compiler makes vector instructions of it.
+  constexpr std::size_t kBlock = 64;
+  std::array<std::uint16_t, kBlock> keep;
+  for (std::size_t first = 0; first < size; first += kBlock) {
+    const std::size_t count = std::min(kBlock, size - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool inside = static_cast<std::uint16_t>(in[first + i] - near) <= span;
+      keep[i] = static_cast<std::uint16_t>(-static_cast<int>(inside & (state_in[first + i] != 0)));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      state_out[first + i] = static_cast<std::uint8_t>(state_in[first + i] & keep[i]);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      out[first + i] = static_cast<std::uint16_t>((in[first + i] & keep[i]) | (out[first + i] & ~keep[i]));
+    }
   }
-  for (std::size_t i = 0; i < size; ++i) out[i] = state_out[i] ? in[i] : out[i];
   if (gaps_) fill_along_rows();
 }
 

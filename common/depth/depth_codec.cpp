@@ -1,52 +1,23 @@
 #include "common/depth/depth_codec.h"
 
-#include <array>
-#include <cassert>
 #include <string>
+#include <vector>
 
-#include "common/depth/accuracy_codec.h"
+#include "common/depth/codec_catalogue.h"
 #include "common/depth/completion.h"
 #include "common/depth/plane_codec.h"
-#include "common/depth/quantized_codec.h"
 #include "common/depth/side_data_seal.h"
 #include "common/depth/state_mask.h"
 
 namespace copresence::depth {
-namespace {
-
-constexpr std::array<std::string_view, 3> kNames{"quantized", "accuracy10", "accuracy8"};
-
-Error unknown_name(std::string_view name) {
-  std::string what = "there is no depth codec '" + std::string(name) + "'; choose one of";
-  for (const std::string_view known : kNames) what += ' ' + std::string(known);
-  return {ErrorCode::kInvalid, what};
-}
-
-std::unique_ptr<PlaneEncoder> make_encoder(std::string_view name, const DepthFormat& format) {
-  if (name == "quantized") return make_quantized_encoder(format);
-  if (name == "accuracy10") return make_accuracy_encoder(format, PixelFormat::kGray10);
-  if (name == "accuracy8") return make_accuracy_encoder(format, PixelFormat::kGray8);
-  return nullptr;
-}
-
-Result<std::unique_ptr<PlaneDecoder>> make_decoder(const DepthCodecDescription& description,
-                                                   const DepthFormat& format) {
-  if (description.name == "quantized") return make_quantized_decoder(format);
-  if (description.name == "accuracy10" || description.name == "accuracy8") {
-    return make_accuracy_decoder(description, format);
-  }
-  return fail(unknown_name(description.name));
-}
-
-// The pictures that a codec of this name makes; the description may not say otherwise.
-PixelFormat format_of(std::string_view name) {
-  return name == "accuracy8" ? PixelFormat::kGray8 : PixelFormat::kGray10;
-}
-
-}  // namespace
 
 std::span<const std::string_view> codec_names() {
-  return kNames;
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> list;
+    for (const CodecEntry& entry : codec_catalogue()) list.push_back(entry.name);
+    return list;
+  }();
+  return names;
 }
 
 struct Encoder::Parts {
@@ -71,9 +42,9 @@ Encoder& Encoder::operator=(Encoder&&) noexcept = default;
 
 Result<Encoder> Encoder::open(std::string_view codec_name, const DepthFormat& format) {
   if (const auto checked = check(format); !checked) return fail(checked.error());
-  auto planes = make_encoder(codec_name, format);
-  if (!planes) return fail(unknown_name(codec_name));
-  return Encoder(std::make_unique<Parts>(std::move(planes), format));
+  const auto codec = find_codec(codec_name);
+  if (!codec) return fail(codec.error());
+  return Encoder(std::make_unique<Parts>((*codec)->make_encoder((*codec)->name, format), format));
 }
 
 const DepthCodecDescription& Encoder::description() const {
@@ -116,10 +87,14 @@ Decoder& Decoder::operator=(Decoder&&) noexcept = default;
 
 Result<Decoder> Decoder::open(const DepthCodecDescription& description, const DepthFormat& format) {
   if (const auto checked = check(format); !checked) return fail(checked.error());
-  auto planes = make_decoder(description, format);
+  const auto codec = find_codec(description.name);
+  if (!codec) return fail(codec.error());
+  auto planes = (*codec)->make_decoder(description, format);
   if (!planes) return fail(planes.error());
-  if (description.format != format_of(description.name)) {
-    return fail(ErrorCode::kInvalid, "depth codec " + description.name + ": the stream says pictures are " +
+  const PixelFormat picture = (*codec)->picture;
+  if (description.format != picture) {
+    return fail(ErrorCode::kInvalid, "depth codec " + description.name + ": its pictures are " +
+                                         std::string(name(picture)) + ", not " +
                                          std::string(name(description.format)));
   }
   return Decoder(std::make_unique<Parts>(std::move(*planes), format, description.format));

@@ -36,7 +36,7 @@ inline Scene kinect_scene(int width, int height, int time = 0) {
       double z = inside(x) ? 900.0 + y : 2000.0 + 2000.0 * x / width;
       z += (random() % 8 == 0 ? 1.0 : 0.0) * z * z / 351300.0;
       const bool shadow = !inside(x) && inside(x + width / 40.0);
-      const bool margin = x >= width - 8 || random() % 200 == 0;
+      const bool margin = x >= width - 8 || random() % 2000 == 0;
       if (margin || (shadow && y % 5 != 0)) continue;
       scene.depth(x, y) = kinect_level(z);
       scene.state(x, y) = shadow ? DepthState::kFilled : DepthState::kMeasured;

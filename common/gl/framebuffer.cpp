@@ -56,6 +56,7 @@ void Framebuffer::begin(const Program& program) {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, name_.id());
   glViewport(0, 0, width_, height_);
   (has_depth_ ? glEnable : glDisable)(GL_DEPTH_TEST);
+  glEnable(GL_CULL_FACE);
   glUseProgram(program.id());
 }
 

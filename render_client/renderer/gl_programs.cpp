@@ -1,0 +1,142 @@
+#include "render_client/renderer/gl_programs.h"
+
+#include <array>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "render_client/renderer/merge_rules.h"
+#include "shaders/build_mesh.comp.h"
+#include "shaders/draw_mesh.frag.h"
+#include "shaders/draw_mesh.vert.h"
+#include "shaders/make_source.comp.h"
+#include "shaders/measure_tilts.comp.h"
+#include "shaders/merge_layers.comp.h"
+
+namespace copresence::renderer {
+namespace {
+
+using gl::Access;
+using gl::Define;
+
+// As GLSL writes it, exact to the last bit.
+std::string literal(float value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.9e", double(value));
+  return text.data();
+}
+
+std::string element(const char* array, std::size_t index) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%s[%zu]", array, index);
+  return text.data();
+}
+
+}  // namespace
+
+Result<MeasureTilts> MeasureTilts::make(gl::Context& context) {
+  const std::array defines = {Define{"CELL", std::to_string(kCell)},
+                              Define{"CELL_PIXELS", std::to_string(kCellPixels)},
+                              Define{"UNKNOWN_COSINE", literal(kUnknownCosine)}};
+  auto program = gl::Program::compute(context, shaders::measure_tilts_comp, defines);
+  if (!program) return fail(program.error());
+  return MeasureTilts(std::move(*program));
+}
+
+void MeasureTilts::run(const gl::Texture& depth, const CameraModel& model, float metres_per_unit,
+                       const gl::Texture& cosines) {
+  depth.bind(0);
+  cosines.bind_image(0, Access::kWrite);
+  program_.set("metres_per_unit", metres_per_unit);
+  program_.set("focal", Eigen::Vector2d(model.fx, model.fy).cast<float>().eval());
+  program_.set("center", Eigen::Vector2d(model.cx, model.cy).cast<float>().eval());
+  program_.dispatch_over(cosines.width(), cosines.height());
+}
+
+Result<MakeSource> MakeSource::make(gl::Context& context) {
+  const std::array defines = {Define{"CELL", std::to_string(kCell)},
+                              Define{"FILLED_WORTH", literal(kFilledWorth)},
+                              Define{"AMBIENT", literal(kAmbient)}};
+  auto program = gl::Program::compute(context, shaders::make_source_comp, defines);
+  if (!program) return fail(program.error());
+  return MakeSource(std::move(*program));
+}
+
+void MakeSource::run(const gl::Texture& cosines, const gl::Texture& state, const gl::Texture* color,
+                     const Eigen::Matrix<float, 3, 4>& color_matching, const gl::Texture& source) {
+  cosines.bind(0);
+  state.bind(1);
+  if (color) color->bind(2);
+  source.bind_image(0, Access::kWrite);
+  program_.set("has_color", color ? 1 : 0);
+  program_.set("color_matching", color_matching);
+  program_.dispatch_over(source.width(), source.height());
+}
+
+Result<BuildMesh> BuildMesh::make(gl::Context& context) {
+  const std::array defines = {Define{"GAP_INVERSE", literal(kGapSteps * kStepInverse)},
+                              Define{"MAX_SLOPE", literal(kMaxSlope)}};
+  auto program = gl::Program::compute(context, shaders::build_mesh_comp, defines);
+  if (!program) return fail(program.error());
+  return BuildMesh(std::move(*program));
+}
+
+void BuildMesh::run(const gl::Texture& depth, float metres_per_unit, float pixel_angle, gl::Buffer& command,
+                    const gl::Buffer& indices) {
+  command.write(std::span<const gl::DrawCommand>(std::array{gl::DrawCommand{}}));
+  depth.bind(0);
+  command.bind_storage(0);
+  indices.bind_storage(1);
+  program_.set("metres_per_unit", metres_per_unit);
+  program_.set("pixel_angle", pixel_angle);
+  program_.dispatch_over(depth.width(), depth.height());
+}
+
+Result<DrawMesh> DrawMesh::make(gl::Context& context) {
+  auto program = gl::Program::graphics(context, shaders::draw_mesh_vert, shaders::draw_mesh_frag);
+  if (!program) return fail(program.error());
+  return DrawMesh(std::move(*program));
+}
+
+void DrawMesh::run(const gl::Texture& depth, const gl::Texture& rays, float metres_per_unit,
+                   const gl::Texture& source, const Eigen::Matrix4f& clip_from_camera,
+                   const gl::Buffer& command, const gl::Buffer& indices, gl::Framebuffer& layer) {
+  depth.bind(0);
+  rays.bind(1);
+  source.bind(2);
+  program_.set("metres_per_unit", metres_per_unit);
+  program_.set("clip_from_camera", clip_from_camera);
+  layer.draw_indirect(program_, indices, command);
+}
+
+Result<void> MergeLayers::run(std::span<const Source> sources, const Eye& eye, const gl::Texture& fragments,
+                              const gl::Texture& depths, bool wants_depth, const Target& target) {
+  auto compiled = programs_.find(sources.size());
+  if (compiled == programs_.end()) {
+    // The range is kRangeSigmas of half a step each, uncertainty_range_m().
+    const std::array defines = {Define{"LAYERS", std::to_string(sources.size())},
+                                Define{"RANGE_PER_SQUARE", literal(kRangeSigmas * 0.5F * kStepInverse)},
+                                Define{"TIE_RATIO", literal(kTieRatio)}};
+    auto program = gl::Program::compute(*context_, shaders::merge_layers_comp, defines);
+    if (!program) return fail(program.error());
+    compiled = programs_.emplace(sources.size(), std::move(*program)).first;
+  }
+  gl::Program& program = compiled->second;
+  fragments.bind(0);
+  depths.bind(1);
+  target.color.bind_image(0, Access::kWrite);
+  target.depth.bind_image(1, Access::kWrite);
+  target.camera.bind_image(2, Access::kWrite);
+  target.quality.bind_image(3, Access::kWrite);
+  program.set("wants_depth", wants_depth ? 1 : 0);
+  program.set("w_near_far", eye.w_near_far);
+  program.set("ray_from_pixel", eye.ray_from_pixel);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    program.set(element("source_axis", i).c_str(), sources[i].axis);
+    program.set(element("calibration_error", i).c_str(), sources[i].calibration_error_m);
+  }
+  program.dispatch_over(target.color.width(), target.color.height());
+  return {};
+}
+
+}  // namespace copresence::renderer

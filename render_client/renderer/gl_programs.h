@@ -1,0 +1,99 @@
+#pragma once
+
+// The shaders of the GL renderer, a class each: their setters' arguments are the uniforms and bindings of
+// shaders/<name>. Constants of merge_rules.h are compiled in. Private to the GL renderer.
+//
+// Thread: the context's.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <map>
+#include <span>
+
+#include "common/frame/camera_model.h"
+#include "common/gl/buffer.h"
+#include "common/gl/context.h"
+#include "common/gl/framebuffer.h"
+#include "common/gl/program.h"
+#include "common/gl/texture.h"
+#include "common/result.h"
+
+namespace copresence::renderer {
+
+/// measure_tilts.comp: depth (kR16ui) to cos(theta) by cell (kR32f).
+class MeasureTilts {
+ public:
+  static Result<MeasureTilts> make(gl::Context& context);
+  void run(const gl::Texture& depth, const CameraModel& model, float metres_per_unit,
+           const gl::Texture& cosines);
+
+ private:
+  explicit MeasureTilts(gl::Program program) : program_(std::move(program)) {}
+  gl::Program program_;
+};
+
+/// make_source.comp: matched colour, or gray where `color` is null, and worth (kRgba8).
+class MakeSource {
+ public:
+  static Result<MakeSource> make(gl::Context& context);
+  void run(const gl::Texture& cosines, const gl::Texture& state, const gl::Texture* color,
+           const Eigen::Matrix<float, 3, 4>& color_matching, const gl::Texture& source);
+
+ private:
+  explicit MakeSource(gl::Program program) : program_(std::move(program)) {}
+  gl::Program program_;
+};
+
+/// build_mesh.comp: depth to triangles.
+class BuildMesh {
+ public:
+  static Result<BuildMesh> make(gl::Context& context);
+  /// `command` holds a gl::DrawCommand afterwards; `indices` has room for six per quad.
+  void run(const gl::Texture& depth, float metres_per_unit, float pixel_angle, gl::Buffer& command,
+           const gl::Buffer& indices);
+
+ private:
+  explicit BuildMesh(gl::Program program) : program_(std::move(program)) {}
+  gl::Program program_;
+};
+
+/// draw_mesh.vert and .frag: triangles into a layer of colour and worth.
+class DrawMesh {
+ public:
+  static Result<DrawMesh> make(gl::Context& context);
+  void run(const gl::Texture& depth, const gl::Texture& rays, float metres_per_unit,
+           const gl::Texture& source, const Eigen::Matrix4f& clip_from_camera, const gl::Buffer& command,
+           const gl::Buffer& indices, gl::Framebuffer& layer);
+
+ private:
+  explicit DrawMesh(gl::Program program) : program_(std::move(program)) {}
+  gl::Program program_;
+};
+
+/// merge_layers.comp: the layers to the view.
+class MergeLayers {
+ public:
+  struct Source {
+    Eigen::Vector4f axis;  ///< dot with (point in the eye's frame, 1) is the depth along the camera's axis, m
+    float calibration_error_m;
+  };
+  struct Eye {
+    Eigen::Vector2f w_near_far;      ///< 1/m
+    Eigen::Vector4f ray_from_pixel;  ///< xy * pixel + zw
+  };
+  struct Target {
+    const gl::Texture &color, &depth, &camera, &quality;
+  };
+
+  explicit MergeLayers(gl::Context& context) : context_(&context) {}
+
+  /// A shader is compiled for each number of sources once. `wants_depth`: else only the colour is written.
+  Result<void> run(std::span<const Source> sources, const Eye& eye, const gl::Texture& fragments,
+                   const gl::Texture& depths, bool wants_depth, const Target& target);
+
+ private:
+  gl::Context* context_;
+  std::map<std::size_t, gl::Program> programs_;
+};
+
+}  // namespace copresence::renderer

@@ -1,0 +1,194 @@
+#include "render_client/renderer/gl_renderer.h"
+
+#include <cassert>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/gl/framebuffer.h"
+#include "common/gl/texture.h"
+#include "render_client/renderer/gl_programs.h"
+#include "render_client/renderer/gl_source.h"
+
+namespace copresence::renderer {
+namespace {
+
+using gl::Format;
+using gl::Reader;
+
+// What is made for a size of the view and a number of cameras.
+struct Layers {
+  gl::Texture fragments, depths;
+  std::vector<gl::Framebuffer> by_camera;
+
+  Layers(gl::Context& context, int width, int height, int count)
+      : fragments(context, Format::kRgba8, width, height, count),
+        depths(context, Format::kDepth32f, width, height, count) {
+    for (int i = 0; i < count; ++i)
+      by_camera.emplace_back(context, std::initializer_list{&std::as_const(fragments)}, &depths, i);
+  }
+};
+
+// What is made for a size of the view.
+struct Target {
+  gl::Texture color, depth, camera, quality;
+
+  Target(gl::Context& context, int width, int height)
+      : color(context, Format::kRgba8, width, height),
+        depth(context, Format::kR32f, width, height),
+        camera(context, Format::kR8ui, width, height),
+        quality(context, Format::kR32f, width, height) {}
+};
+
+// Clip coordinates whose pixels' centres are whole numbers and whose rows run from the top. Depth is linear
+// in w = 1/z, from 0 at near to 1 at far, so that the merge gets w back by one multiplication.
+Eigen::Matrix4d clip_from_eye(const VirtualCamera& eye) {
+  const CameraModel& lens = eye.lens;
+  const double per_w = 1.0 / (1.0 / eye.near_m - 1.0 / eye.far_m);
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
+  clip(0, 0) = 2 * lens.fx / lens.width;
+  clip(0, 2) = 2 * (lens.cx + 0.5) / lens.width - 1;
+  clip(1, 1) = 2 * lens.fy / lens.height;
+  clip(1, 2) = 2 * (lens.cy + 0.5) / lens.height - 1;
+  clip(2, 2) = 2 * per_w / eye.near_m - 1;
+  clip(2, 3) = -2 * per_w;
+  clip(3, 2) = 1;
+  return clip;
+}
+
+MergeLayers::Eye merge_eye(const VirtualCamera& eye) {
+  const CameraModel& lens = eye.lens;
+  return {
+      .w_near_far = Eigen::Vector2d(1 / eye.near_m, 1 / eye.far_m).cast<float>(),
+      .ray_from_pixel =
+          Eigen::Vector4d(1 / lens.fx, 1 / lens.fy, -lens.cx / lens.fx, -lens.cy / lens.fy).cast<float>()};
+}
+
+MergeLayers::Source merge_source(const CameraView& camera, const VirtualCamera& eye) {
+  const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
+  return {.axis = camera_from_eye.matrix().row(2).transpose().cast<float>(),
+          .calibration_error_m = static_cast<float>(camera.calibration_error_m)};
+}
+
+class GlRenderer final : public Renderer {
+ public:
+  GlRenderer(gl::Context& context, MeasureTilts tilts, MakeSource look, BuildMesh mesh, DrawMesh draw)
+      : context_(context),
+        tilts_(std::move(tilts)),
+        look_(std::move(look)),
+        mesh_(std::move(mesh)),
+        draw_(std::move(draw)),
+        merge_(context) {}
+
+  std::string_view name() const override { return "gl"; }
+
+  Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye, HostPixels wanted,
+                      MergedView& view) override {
+    assert(cameras.size() < kNoCamera && eye.near_m > 0 && eye.near_m < eye.far_m);
+    prepare(cameras, eye.lens.width, eye.lens.height);
+    if (cameras.empty()) {
+      show_nothing();
+    } else {
+      draw_layers(cameras, eye);
+      if (auto merged = merge_layers(cameras, eye, wanted); !merged) return merged;
+    }
+    read_back(wanted, view);
+    return context_.check("drawing the view");
+  }
+
+ private:
+  void prepare(std::span<const CameraView> cameras, int width, int height) {
+    if (!target_ || target_->color.width() != width || target_->color.height() != height) {
+      target_.reset();
+      layers_.reset();
+      target_.emplace(context_, width, height);
+    }
+    if (!cameras.empty() && (!layers_ || layers_->by_camera.size() != cameras.size())) {
+      layers_.reset();  // before the new ones ask for memory
+      layers_.emplace(context_, width, height, static_cast<int>(cameras.size()));
+    }
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      const CameraModel& model = cameras[i].model;
+      if (i == sources_.size()) {
+        sources_.emplace_back(context_, model);
+      } else if (sources_[i].width() != model.width || sources_[i].height() != model.height) {
+        sources_[i] = GlSource(context_, model);
+      }
+    }
+    if (sources_.size() > cameras.size()) sources_.erase(sources_.begin() + cameras.size(), sources_.end());
+  }
+
+  void draw_layers(std::span<const CameraView> cameras, const VirtualCamera& eye) {
+    const Eigen::Matrix4d clip_from_world = clip_from_eye(eye) * eye.world_from_eye.inverse().matrix();
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      sources_[i].update(cameras[i], tilts_, look_, mesh_);
+      gl::Framebuffer& layer = layers_->by_camera[i];
+      layer.clear_color(0, {0, 0, 0, 0});
+      layer.clear_depth(1);
+      sources_[i].draw((clip_from_world * cameras[i].world_from_camera.matrix()).cast<float>(), draw_, layer);
+    }
+  }
+
+  Result<void> merge_layers(std::span<const CameraView> cameras, const VirtualCamera& eye,
+                            HostPixels wanted) {
+    merge_sources_.clear();
+    for (const CameraView& camera : cameras) merge_sources_.push_back(merge_source(camera, eye));
+    auto merged =
+        merge_.run(merge_sources_, merge_eye(eye), layers_->fragments, layers_->depths, wanted.depth,
+                   {target_->color, target_->depth, target_->camera, target_->quality});
+    context_.barrier(Reader::kFetch | Reader::kFramebuffer | Reader::kHost);
+    return merged;
+  }
+
+  void show_nothing() {
+    target_->color.clear();
+    target_->depth.clear();
+    target_->quality.clear();
+    target_->camera.upload(Image<std::uint8_t>(target_->camera.width(), target_->camera.height(), kNoCamera));
+  }
+
+  void read_back(HostPixels wanted, MergedView& view) const {
+    view.width = target_->color.width();
+    view.height = target_->color.height();
+    view.texture = target_->color.id();
+    const auto fetch = [](bool asked_for, const gl::Texture& texture, auto& image) {
+      if (asked_for) {
+        texture.read(image);
+      } else {
+        image.resize(0, 0);
+      }
+    };
+    fetch(wanted.color, target_->color, view.color);
+    fetch(wanted.depth, target_->depth, view.depth_m);
+    fetch(wanted.depth, target_->camera, view.camera);
+    fetch(wanted.depth, target_->quality, view.quality);
+  }
+
+  gl::Context& context_;
+  MeasureTilts tilts_;
+  MakeSource look_;
+  BuildMesh mesh_;
+  DrawMesh draw_;
+  MergeLayers merge_;
+  std::vector<GlSource> sources_;  // by camera
+  std::vector<MergeLayers::Source> merge_sources_;
+  std::optional<Layers> layers_;
+  std::optional<Target> target_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context) {
+  auto tilts = MeasureTilts::make(context);
+  if (!tilts) return fail(tilts.error());
+  auto look = MakeSource::make(context);
+  if (!look) return fail(look.error());
+  auto mesh = BuildMesh::make(context);
+  if (!mesh) return fail(mesh.error());
+  auto draw = DrawMesh::make(context);
+  if (!draw) return fail(draw.error());
+  return std::make_unique<GlRenderer>(context, std::move(*tilts), std::move(*look), std::move(*mesh),
+                                      std::move(*draw));
+}
+
+}  // namespace copresence::renderer

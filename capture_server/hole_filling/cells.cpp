@@ -1,0 +1,190 @@
+#include "capture_server/hole_filling/cells.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture_server/hole_filling/filling_rules.h"
+
+namespace copresence::hole_filling {
+namespace {
+
+constexpr float kNoSurface = -1e6f;  // differs from every depth by more than any slope allows
+constexpr float kNothingYet = 1e6f;
+
+}  // namespace
+
+Cells::Cells(int width_px, int height_px)
+    : columns_((width_px + kCellPx - 1) / kCellPx),
+      rows_((height_px + kCellPx - 1) / kCellPx),
+      stride_(columns_ + 2 * kMargin) {
+  const std::size_t cells = static_cast<std::size_t>(stride_) * (rows_ + 2 * kMargin);
+  for (auto* plane : {&far, &near, &slope_x, &slope_y, &middle_x_, &middle_y_}) plane->assign(cells, 0);
+  for (auto* plane : {&far_count, &near_count, &wanted, &has_depth_}) plane->assign(cells, 0);
+  for (auto& direction : reach) direction.assign(cells, 0);
+  smooth_.assign(cells, kNoSurface);
+  const std::size_t padded_width = static_cast<std::size_t>(columns_) * kCellPx;
+  for (auto* line : {&strip_.sum, &strip_.nearest, &strip_.farthest}) line->assign(padded_width, 0);
+  for (auto* line : {&strip_.count, &strip_.row_sum, &strip_.wanted}) line->assign(padded_width, 0);
+}
+
+void Cells::see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units,
+                Image<float>& steps) {
+  steps.resize(depth.width(), depth.height());
+  for (int row = 0; row < rows_; ++row) {
+    std::fill(strip_.sum.begin(), strip_.sum.end(), 0.0f);
+    std::fill(strip_.nearest.begin(), strip_.nearest.end(), 0.0f);
+    std::fill(strip_.farthest.begin(), strip_.farthest.end(), kNothingYet);
+    std::fill(strip_.count.begin(), strip_.count.end(), std::uint8_t{0});
+    std::fill(strip_.row_sum.begin(), strip_.row_sum.end(), std::uint8_t{0});
+    std::fill(strip_.wanted.begin(), strip_.wanted.end(), std::uint8_t{0});
+    const int end = std::min(depth.height(), (row + 1) * kCellPx);
+    for (int y = row * kCellPx; y < end; ++y) add_row(depth, fillable, y, steps_times_units, steps);
+    close_strip(row, steps);
+  }
+  find_slopes();
+  move_to_middles();
+  find_reach();
+}
+
+void Cells::add_row(const DepthImage& depth, const Image<std::uint8_t>& fillable, int y,
+                    float steps_times_units, Image<float>& steps) {
+  const std::uint16_t* in = depth.row(y).data();
+  const std::uint8_t* want = fillable.row(y).data();
+  float* out = steps.row(y).data();
+  float *sum = strip_.sum.data(), *nearest = strip_.nearest.data(), *farthest = strip_.farthest.data();
+  std::uint8_t *count = strip_.count.data(), *wants = strip_.wanted.data();
+  std::uint8_t* row_sum = strip_.row_sum.data();
+  const int row = y % kCellPx;
+  for (int x = 0; x < depth.width(); ++x) {
+    const float s = in[x] != 0 ? steps_times_units / static_cast<float>(in[x]) : 0.0f;
+    out[x] = s;
+    sum[x] += s;
+    nearest[x] = std::max(nearest[x], s);
+    farthest[x] = std::min(farthest[x], in[x] != 0 ? s : kNothingYet);
+  }
+  for (int x = 0; x < depth.width(); ++x) {
+    count[x] = static_cast<std::uint8_t>(count[x] + (in[x] != 0));
+    row_sum[x] = static_cast<std::uint8_t>(row_sum[x] + (in[x] != 0 ? row : 0));
+    wants[x] |= want[x];
+  }
+}
+
+void Cells::close_strip(int row, const Image<float>& steps) {
+  for (int column = 0; column < columns_; ++column) {
+    const int cell = at(column, row), x = column * kCellPx;
+    float sum = 0, nearest = 0, farthest = kNothingYet;
+    int count = 0, wants = 0, column_sum = 0, row_sum = 0;
+    for (int i = x; i < x + kCellPx; ++i) {
+      sum += strip_.sum[i];
+      nearest = std::max(nearest, strip_.nearest[i]);
+      farthest = std::min(farthest, strip_.farthest[i]);
+      count += strip_.count[i];
+      column_sum += strip_.count[i] * (i - x);
+      row_sum += strip_.row_sum[i];
+      wants |= strip_.wanted[i];
+    }
+    wanted[cell] = static_cast<std::uint8_t>(wants);
+    has_depth_[cell] = count >= kCellEnough;
+    far_count[cell] = static_cast<std::uint8_t>(count);
+    near_count[cell] = 0;
+    smooth_[cell] = kNoSurface;
+    if (count == 0) continue;
+    const float share = 1 / static_cast<float>(count);
+    far[cell] = sum * share;
+    middle_x_[cell] = static_cast<float>(column_sum) * share - 0.5f * (kCellPx - 1);
+    middle_y_[cell] = static_cast<float>(row_sum) * share - 0.5f * (kCellPx - 1);
+    if (nearest - farthest > kOneSurface) {
+      split(cell, column, row, steps);
+    } else if (count >= kCellEnough) {
+      smooth_[cell] = far[cell];
+    }
+  }
+}
+
+/// Parts the pixels of a cell into two surfaces.
+void Cells::split(int cell, int column, int row, const Image<float>& steps) {
+  const int right = std::min(steps.width(), (column + 1) * kCellPx),
+            bottom = std::min(steps.height(), (row + 1) * kCellPx);
+  float nearest = 0, farthest = kNothingYet;
+  for (int y = row * kCellPx; y < bottom; ++y) {
+    for (int x = column * kCellPx; x < right; ++x) {
+      nearest = std::max(nearest, steps(x, y));
+      if (steps(x, y) > 0) farthest = std::min(farthest, steps(x, y));
+    }
+  }
+  const float middle = 0.5f * (nearest + farthest);
+  float far_sum = 0, near_sum = 0;
+  int far_pixels = 0, near_pixels = 0;
+  for (int y = row * kCellPx; y < bottom; ++y) {
+    for (int x = column * kCellPx; x < right; ++x) {
+      const float s = steps(x, y);
+      if (s > middle) {
+        near_sum += s, ++near_pixels;
+      } else if (s > 0) {
+        far_sum += s, ++far_pixels;
+      }
+    }
+  }
+  far[cell] = far_sum / static_cast<float>(far_pixels);
+  near[cell] = near_sum / static_cast<float>(near_pixels);
+  far_count[cell] = static_cast<std::uint8_t>(far_pixels);
+  near_count[cell] = static_cast<std::uint8_t>(near_pixels);
+}
+
+/// Differences over two cells, to whichever sides lie on the same surface.
+void Cells::find_slopes() {
+  constexpr int kApart = 2;
+  constexpr float kMostApart = kSteepest * kApart * kCellPx;
+  for (int row = 0; row < rows_; ++row) {
+    const int first = at(0, row);
+    const float* here = &smooth_[first];
+    const auto slope = [&](int neighbour, const float* middle, float* out) {
+      const float *before = here - neighbour, *after = here + neighbour;
+      for (int i = 0; i < columns_; ++i) {
+        const float forward = after[i] - here[i], backward = here[i] - before[i];
+        const float has_forward = std::abs(forward) <= kMostApart ? 1.0f : 0.0f;
+        const float has_backward = std::abs(backward) <= kMostApart ? 1.0f : 0.0f;
+        const float rise = has_forward * forward + has_backward * backward;
+        const float run = has_forward * (kApart * kCellPx + middle[i + neighbour] - middle[i]) +
+                          has_backward * (kApart * kCellPx + middle[i] - middle[i - neighbour]);
+        out[i] = here[i] > 0 && run > 0 ? rise / run : 0.0f;
+      }
+    };
+    slope(kApart, &middle_x_[first], &slope_x[first]);
+    slope(kApart * stride_, &middle_y_[first], &slope_y[first]);
+  }
+}
+
+/// Depths were means over what a cell holds; from here on they are those of its middle.
+void Cells::move_to_middles() {
+  for (int row = 0; row < rows_; ++row) {
+    const int first = at(0, row);
+    for (int cell = first; cell < first + columns_; ++cell) {
+      far[cell] -= slope_x[cell] * middle_x_[cell] + slope_y[cell] * middle_y_[cell];
+    }
+  }
+}
+
+void Cells::find_reach() {
+  for (std::size_t d = 0; d < kDirections.size(); ++d) {
+    const int towards = offset(kDirections[d]);
+    const bool upward = towards > 0;  // the neighbour must be known first
+    std::uint8_t* out = reach[d].data();
+    const std::uint8_t* has = has_depth_.data();
+    for (int i = 0; i < rows_; ++i) {
+      const int first = at(0, upward ? rows_ - 1 - i : i);
+      const auto step = [&](int cell) {
+        const int next = cell + towards;
+        const std::uint8_t farther = out[next] != 0 && out[next] < kReachCells ? out[next] + 1 : 0;
+        out[cell] = has[next] != 0 ? std::uint8_t{1} : farther;
+      };
+      if (towards == 1) {
+        for (int cell = first + columns_ - 1; cell >= first; --cell) step(cell);
+      } else {
+        for (int cell = first; cell < first + columns_; ++cell) step(cell);
+      }
+    }
+  }
+}
+
+}  // namespace copresence::hole_filling

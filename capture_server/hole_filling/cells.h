@@ -1,0 +1,67 @@
+#pragma once
+
+// Depth in cells of 4x4 pixels: what lies where, and how it slopes. Wide holes are reasoned about on these,
+// sixteen times fewer than pixels and four times less noisy. Thread: one thread at a time per object.
+
+#include <array>
+#include <vector>
+
+#include "common/frame/image.h"
+
+namespace copresence::hole_filling {
+
+class Cells {
+ public:
+  static constexpr int kMargin = 2;  ///< empty cells around the image, so that neighbours need no check
+  struct Direction {
+    int dx, dy;
+  };
+  static constexpr std::array<Direction, 8> kDirections{
+      {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};  // opposite ones side by side
+
+  Cells(int width_px, int height_px);
+
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  /// Index of a cell into everything below. Requires -kMargin <= column < columns() + kMargin, rows alike.
+  int at(int column, int row) const { return (row + kMargin) * stride_ + column + kMargin; }
+  int offset(Direction direction) const { return direction.dy * stride_ + direction.dx; }
+
+  /// Sees `depth` anew. `steps` becomes the depth in sensor steps, 0 where there is none. Requires images of
+  /// this size.
+  void see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units,
+           Image<float>& steps);
+
+  // Per cell. A cell whose depths differ by more than kOneSurface holds two surfaces, split halfway.
+  std::vector<float> far,
+      near;  ///< steps of the surfaces at the cell's middle; of no meaning where there is none
+  std::vector<std::uint8_t> far_count,
+      near_count;                       ///< measured pixels on them; near_count is 0 for one surface
+  std::vector<float> slope_x, slope_y;  ///< steps per pixel; 0 where unknown
+  std::vector<std::uint8_t> wanted;     ///< whether the cell has fillable holes
+
+  /// Per direction and cell: how many cells away the next one with depth lies; 0 = none within kReachCells.
+  std::array<std::vector<std::uint8_t>, 8> reach;
+
+ private:
+  struct Strip {
+    std::vector<float> sum, nearest, farthest;
+    std::vector<std::uint8_t> count, row_sum, wanted;
+  };
+  void add_row(const DepthImage& depth, const Image<std::uint8_t>& fillable, int y, float steps_times_units,
+               Image<float>& steps);
+  void close_strip(int row, const Image<float>& steps);
+  void split(int cell, int column, int row, const Image<float>& steps);
+  void find_slopes();
+  void find_reach();
+
+  int columns_, rows_, stride_;
+  Strip strip_;
+  void move_to_middles();
+
+  std::vector<float> middle_x_, middle_y_;  // where a cell's depth was measured, pixels from its middle
+  std::vector<float> smooth_;               // a cell's depth where it holds one surface, else kNoSurface
+  std::vector<std::uint8_t> has_depth_;
+};
+
+}  // namespace copresence::hole_filling

@@ -1,0 +1,66 @@
+#include "capture_server/hole_filling/fillable.h"
+
+#include <cassert>
+#include <cstring>
+
+namespace copresence::hole_filling {
+namespace {
+
+constexpr std::uint8_t kTouchesBorder = 255;
+
+/// Marks what lies in short column runs; sets every pixel of `fillable`.
+void mark_columns(const StateImage& state, int widest, Image<std::uint8_t>& fillable) {
+  const int width = state.width(), height = state.height();
+  std::vector<std::uint8_t> run(width, kTouchesBorder);  // holes above, this one included
+  for (int y = 0; y < height; ++y) {
+    const DepthState* states = state.row(y).data();
+    std::uint8_t *above = run.data(), *out = fillable.row(y).data();
+    for (int x = 0; x < width; ++x) {
+      const auto longer = static_cast<std::uint8_t>(above[x] + (above[x] != kTouchesBorder));
+      above[x] = states[x] == DepthState::kHole ? longer : std::uint8_t{0};
+      out[x] = above[x];
+    }
+  }
+  std::fill(run.begin(), run.end(),
+            kTouchesBorder);  // now the whole run's length, handed up from its last pixel
+  for (int y = height - 1; y >= 0; --y) {
+    std::uint8_t *below = run.data(), *out = fillable.row(y).data();
+    for (int x = 0; x < width; ++x) {
+      const std::uint8_t length = below[x] != 0 ? below[x] : out[x];
+      below[x] = out[x] != 0 ? length : std::uint8_t{0};
+      out[x] = static_cast<std::uint8_t>(below[x] - 1) < widest;
+    }
+  }
+}
+
+/// First pixel at or after `x` that is no hole, or `width`.
+int end_of_run(const DepthState* states, int x, int width) {
+  std::uint64_t eight = 0;
+  while (x + 8 <= width && (std::memcpy(&eight, states + x, 8), eight == 0)) x += 8;
+  while (x < width && states[x] == DepthState::kHole) ++x;
+  return x;
+}
+
+}  // namespace
+
+void find_fillable(const StateImage& state, int widest, Image<std::uint8_t>& fillable) {
+  static_assert(static_cast<int>(DepthState::kHole) == 0 && sizeof(DepthState) == 1);
+  assert(widest >= 1 && widest < kTouchesBorder);
+  fillable.resize(state.width(), state.height());
+  mark_columns(state, widest, fillable);
+  const int width = state.width();
+  for (int y = 0; y < state.height(); ++y) {
+    const DepthState* states = state.row(y).data();
+    for (int x = 0; x < width;) {
+      const void* hole = std::memchr(states + x, 0, static_cast<std::size_t>(width - x));
+      if (hole == nullptr) break;
+      const int first = static_cast<int>(static_cast<const DepthState*>(hole) - states);
+      x = end_of_run(states, first, width);
+      if (first > 0 && x < width && x - first <= widest) {
+        std::memset(fillable.row(y).data() + first, 1, static_cast<std::size_t>(x - first));
+      }
+    }
+  }
+}
+
+}  // namespace copresence::hole_filling

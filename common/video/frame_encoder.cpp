@@ -8,6 +8,18 @@
 
 namespace copresence::video {
 
+namespace {
+
+/// Colour may run ahead of its rate by so many frames' worth: the delay that a keyframe causes on a link of
+/// that rate.
+constexpr double kColorBufferFrames = 3;
+
+PictureRate color_rate(int kbps, double frames_per_second) {
+  return {double(kbps), kbps * kColorBufferFrames / frames_per_second};
+}
+
+}  // namespace
+
 Result<FrameEncoder> FrameEncoder::open(const StreamDescription& stream, const VideoSettings& settings) {
   if (auto checked = check(settings); !checked) return fail(checked.error());
   PictureSettings depth_settings{.kind = PictureKind::kDepth,
@@ -15,38 +27,33 @@ Result<FrameEncoder> FrameEncoder::open(const StreamDescription& stream, const V
                                  .width = stream.model.width,
                                  .height = stream.model.height,
                                  .frames_per_second = stream.frames_per_second,
-                                 .kbps = settings.depth_kbps.value_or(0),
                                  .qp = settings.depth_qp};
+  std::optional<DepthBudget> budget;
+  if (settings.depth_kbps) {
+    budget.emplace(*settings.depth_kbps, stream.frames_per_second);
+    depth_settings.rate = budget->picture_rate(0);
+  }
   auto depth = PictureEncoder::open(depth_settings);
   if (!depth) return fail(depth.error());
-  if (!stream.has_color) return FrameEncoder(std::move(*depth), std::nullopt);
+  if (!stream.has_color) return FrameEncoder(std::move(*depth), budget, std::nullopt);
   PictureSettings color_settings = depth_settings;
   color_settings.kind = PictureKind::kColor;
   color_settings.format = PixelFormat::kYuv420;
-  color_settings.kbps = settings.color_kbps;
+  color_settings.rate = color_rate(settings.color_kbps, stream.frames_per_second);
   auto color = PictureEncoder::open(color_settings);
   if (!color) return fail(color.error());
-  return FrameEncoder(std::move(*depth), std::move(*color));
+  return FrameEncoder(std::move(*depth), budget, std::move(*color));
 }
 
-FrameEncoder::FrameEncoder(PictureEncoder depth, std::optional<PictureEncoder> color)
-    : depth_(std::move(depth)), color_(std::move(color)) {}
+FrameEncoder::FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budget,
+                           std::optional<PictureEncoder> color)
+    : depth_(std::move(depth)), budget_(budget), color_(std::move(color)) {}
 
 Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   const bool keyframe = frame.depth.keyframe;
   assert(keyframe || previous_ != 0);
   assert(frame.stamp.sequence > previous_ && (!frame.color || color_));
   color_keyframe_needed_ = color_keyframe_needed_ || keyframe;
-
-  auto depth = depth_.encode(frame.depth.picture, keyframe);
-  if (!depth) return fail(depth.error());
-  std::vector<std::uint8_t> color;
-  if (frame.color) {
-    auto encoded = color_->encode(*frame.color, color_keyframe_needed_);
-    if (!encoded) return fail(encoded.error());
-    color = std::move(*encoded);
-    color_keyframe_needed_ = false;
-  }
 
   SideData data;
   data.sequence = frame.stamp.sequence;
@@ -60,23 +67,37 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   data.table = frame.depth.table;
   data.state_mask = frame.depth.state_mask;
 
+  if (budget_) depth_.set_rate(budget_->picture_rate(side_data_bytes(data)));
+  auto depth = depth_.encode(frame.depth.picture, keyframe);
+  if (!depth) return fail(depth.error());
+  std::vector<std::uint8_t> color;
+  if (frame.color) {
+    auto encoded = color_->encode(*frame.color, color_keyframe_needed_);
+    if (!encoded) return fail(encoded.error());
+    color = std::move(*encoded);
+    color_keyframe_needed_ = false;
+  }
+
   EncodedFrame encoded;
   encoded.keyframe = keyframe;
   encoded.sequence = frame.stamp.sequence;
   encoded.depth = add_side_data(*depth, color, data);
   encoded.color = std::move(color);
   encoded.durations = frame.durations;
+  if (budget_) budget_->spent(encoded.depth.size());
   previous_ = frame.stamp.sequence;
   previous_pose_ = frame.stamp.world_from_camera;
   return encoded;
 }
 
 void FrameEncoder::set_depth_kbps(int kbps) {
-  depth_.set_kbps(kbps);
+  assert(budget_ && kbps >= kMinKbps && kbps <= kMaxKbps);
+  budget_->set_kbps(kbps);
 }
 
 void FrameEncoder::set_color_kbps(int kbps) {
-  if (color_) color_->set_kbps(kbps);
+  assert(kbps >= kMinKbps && kbps <= kMaxKbps);
+  if (color_) color_->set_rate(color_rate(kbps, color_->settings().frames_per_second));
 }
 
 }  // namespace copresence::video

@@ -10,6 +10,7 @@
 #include "common/frame/planar_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
+#include "common/video/depth_budget.h"
 #include "common/video/picture_encoder.h"
 #include "common/video/video_settings.h"
 
@@ -31,9 +32,10 @@ class FrameEncoder {
   void set_color_kbps(int kbps);
 
  private:
-  FrameEncoder(PictureEncoder depth, std::optional<PictureEncoder> color);
+  FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budget, std::optional<PictureEncoder> color);
 
   PictureEncoder depth_;
+  std::optional<DepthBudget> budget_;
   std::optional<PictureEncoder> color_;
   std::uint64_t previous_ = 0;  // sequence of the last frame, 0 before the first
   std::optional<Rigid3> previous_pose_;

@@ -7,6 +7,7 @@
 // decoder gives the very same samples back. Thread: one at a time; different encoders are independent.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/frame/picture.h"
@@ -17,14 +18,20 @@ namespace copresence::video {
 
 enum class PictureKind { kDepth, kColor };
 
+/// A constant rate: every stretch of pictures stays below it plus the buffer.
+struct PictureRate {
+  double kbps = 0;
+  double buffer_kbit = 0;
+};
+
 struct PictureSettings {
   PictureKind kind = PictureKind::kDepth;
   PixelFormat format = PixelFormat::kGray8;
   int width = 0;  ///< even
   int height = 0;
   double frames_per_second = 30;  ///< nominal: what a rate in kbit/s is spread over
-  int kbps = 0;                   ///< 0: constant quantiser `qp`
-  int qp = 0;
+  int qp = 0;                     ///< constant quantiser, where there is no rate
+  std::optional<PictureRate> rate = std::nullopt;
 };
 
 class PictureEncoder {
@@ -37,8 +44,8 @@ class PictureEncoder {
   /// keyframe.
   Result<std::vector<std::uint8_t>> encode(const Picture& picture, bool keyframe);
 
-  /// From the next picture on. Requires an encoder opened with a rate, kbps > 0.
-  void set_kbps(int kbps);
+  /// From the next picture on. Requires an encoder opened with a rate; numbers above 0.
+  void set_rate(const PictureRate& rate);
 
   const PictureSettings& settings() const { return settings_; }
 

@@ -15,7 +15,9 @@ constexpr std::uint8_t kStopBit = 0x80;
 constexpr std::uint8_t kLayoutVersion = 1;
 constexpr std::array<std::uint8_t, 16> kUuid = {0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58,
                                                 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d, 0x80, 0x6a};
-constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20;
+constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 50, kPoseBytes = 96;
+constexpr std::size_t kFramingBytes =
+    8;  // start code, NAL unit header, payload type, last byte of its size, end
 
 enum Flag : std::uint8_t { kHasColor = 1, kHasPose = 2 };
 
@@ -121,6 +123,12 @@ std::uint32_t crc_of_all(std::span<const std::uint8_t> payload, const std::vecto
 }
 
 }  // namespace
+
+std::size_t side_data_bytes(const SideData& data) {
+  const std::size_t payload =
+      kFixedBytes + (data.world_from_camera ? kPoseBytes : 0) + data.table.size() + data.state_mask.size();
+  return payload + payload / 255 + kFramingBytes;
+}
 
 std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
                                         std::span<const std::uint8_t> color, const SideData& data) {

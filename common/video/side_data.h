@@ -6,6 +6,7 @@
 // makes damage, loss of a part and a wrong pair of pictures an error. The layout is drawn byte by byte in
 // docs/sei.md and held by SideData.HasTheDocumentedBytes. Thread: pure.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -28,6 +29,9 @@ struct SideData {
 
   friend bool operator==(const SideData&, const SideData&) = default;
 };
+
+/// About what the side data adds to the access unit: emulation prevention bytes are not counted.
+std::size_t side_data_bytes(const SideData& data);
 
 /// The access unit with its essential NAL units and, before its first slice, the side data. `color` is the
 /// frame's colour access unit, empty where there is none. Requires access units as a PictureEncoder makes

@@ -120,7 +120,7 @@ TEST(PictureEncoder, KeepsToItsRateAndToAChangedOne) {
                                         .format = PixelFormat::kYuv420,
                                         .width = 160,
                                         .height = 120,
-                                        .kbps = 400})
+                                        .rate = PictureRate{400, 40}})
                       .value();
   const auto kbps_of_a_second = [&](int first) {
     std::size_t bytes = 0;
@@ -131,7 +131,7 @@ TEST(PictureEncoder, KeepsToItsRateAndToAChangedOne) {
   };
   EXPECT_LE(kbps_of_a_second(0), 400 * 1.1);
   EXPECT_NEAR(kbps_of_a_second(30), 400, 80);
-  to_video.set_kbps(200);
+  to_video.set_rate({200, 20});
   kbps_of_a_second(60);
   EXPECT_NEAR(kbps_of_a_second(90), 200, 40);
 }

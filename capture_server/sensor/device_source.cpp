@@ -254,19 +254,20 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
   openni::VideoStream* streams[] = {&depth_, &color_};
   const int stream_count = description_.has_color ? 2 : 1;
   const Instant give_up = steady_clock::now() + (counters_.frames ? kStallAfter : kFirstFrameAfter);
-  std::optional<Instant> waits_until;  // for colour
+  Instant waits_until = Instant::max();  // for colour
   while (true) {
     const Instant now = steady_clock::now();
-    const bool may_wait = description_.has_color && (!waits_until || now < *waits_until);
+    const bool may_wait = description_.has_color && now < waits_until;
     if (auto pair = pairing_->take(may_wait)) {
       // Depth that came before the colour stream was up: no frame has to begin without colour for that.
       const bool too_early =
           description_.has_color && !pair->color && counters_.frames == 0 && now < color_is_up_by_;
       if (!too_early) return std::move(*pair);
-      waits_until.reset();
+      waits_until = Instant::max();
       continue;
     }
-    if (pairing_->has_depth() && !waits_until) waits_until = now + std::chrono::microseconds(half_period_us_);
+    if (pairing_->has_depth() && waits_until == Instant::max())
+      waits_until = now + std::chrono::microseconds(half_period_us_);
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     if (gone_->gone()) {
       return fail(ErrorCode::kUnavailable, fmt::format("{}: unplugged; plug it in again", description_.name));
@@ -275,13 +276,11 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
       return fail(ErrorCode::kTimeout,
                   fmt::format("{}: it sends no frames; unplug it and plug it in again", description_.name));
     }
-    int wait_ms = kSliceMs;
-    if (waits_until) {
-      const auto left = std::chrono::ceil<milliseconds>(*waits_until - now).count();
-      wait_ms = std::clamp(static_cast<int>(left), 1, kSliceMs);
-    }
+    const auto wait_ms = std::chrono::ceil<milliseconds>(
+        std::clamp<Duration>(waits_until - now, milliseconds(1), milliseconds(kSliceMs)));
     int ready = 0;
-    if (openni::OpenNI::waitForAnyStream(streams, stream_count, &ready, wait_ms) == openni::STATUS_OK) {
+    if (openni::OpenNI::waitForAnyStream(streams, stream_count, &ready, static_cast<int>(wait_ms.count())) ==
+        openni::STATUS_OK) {
       read(*streams[ready]);
     }
   }

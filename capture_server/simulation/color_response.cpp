@@ -1,0 +1,90 @@
+#include "capture_server/simulation/color_response.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "capture_server/simulation/hash_noise.h"
+
+namespace copresence::simulation {
+namespace {
+
+constexpr int kTile = 256;      // pixels; the tile's place changes with each frame
+constexpr float kGrain = 1.3f;  // standard deviation of the noise, of 255
+constexpr float kDarkCorners = 0.12f;
+
+}  // namespace
+
+ColorResponse::ColorResponse(int width, int height, std::uint32_t seed, std::uint32_t camera)
+    : seed_(hash(seed, camera, 0xC0)) {
+  const float strength = camera == 0 ? 0.15f : 1.0f;
+  const auto draw = [&](std::uint32_t what) { return strength * (2 * unit(hash(seed_, what)) - 1); };
+  mixing_.setIdentity();
+  for (int c = 0; c < 3; ++c) {
+    const auto channel = static_cast<std::uint32_t>(c);
+    mixing_(c, c) = 1 + 0.12f * draw(channel);
+    for (int d = 0; d < 3; ++d) {
+      if (d != c) mixing_(c, d) = 0.04f * draw(10 + 3 * channel + static_cast<std::uint32_t>(d));
+    }
+    offset_[c] = 5.0f / 255 * draw(20 + channel);
+    gamma_[c] = 1 + 0.08f * draw(30 + channel);
+    offset_fixed_[static_cast<std::size_t>(c)] =
+        static_cast<std::int32_t>(std::lround(offset_[c] * 255 * 16));
+    for (std::size_t value = 0; value < 256; ++value) {
+      curve_[value][static_cast<std::size_t>(c)] = static_cast<std::int16_t>(
+          std::lround(16 * 255 * std::pow(static_cast<float>(value) / 255, gamma_[c])));
+    }
+    for (int d = 0; d < 3; ++d) {
+      mixing_fixed_[static_cast<std::size_t>(3 * c + d)] =
+          static_cast<std::int32_t>(std::lround(4096 * mixing_(c, d)));
+    }
+  }
+  const float center_x = 0.5f * static_cast<float>(width - 1),
+              center_y = 0.5f * static_cast<float>(height - 1);
+  const float diagonal = center_x * center_x + center_y * center_y;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float dx = static_cast<float>(x) - center_x, dy = static_cast<float>(y) - center_y;
+      corner_.push_back(static_cast<std::uint16_t>(
+          std::lround(4096 * (1 - kDarkCorners * (dx * dx + dy * dy) / diagonal))));
+    }
+  }
+  for (std::uint32_t i = 0; i < 3 * kTile * kTile; ++i) {
+    grain_.push_back(static_cast<std::int8_t>(std::lround(16 * kGrain * normal(hash(seed_, 100, i)))));
+  }
+}
+
+Eigen::Vector3f ColorResponse::respond(const Eigen::Vector3f& color) const {
+  Eigen::Vector3f curved;
+  for (int c = 0; c < 3; ++c) curved[c] = std::pow(std::clamp(color[c], 0.0f, 1.0f), gamma_[c]);
+  return (mixing_ * curved + offset_).cwiseMax(0.0f).cwiseMin(1.0f);
+}
+
+void ColorResponse::expose(const ColorImage& truth, std::uint64_t frame, ColorImage& picture) const {
+  assert(truth.pixels().size() == corner_.size());
+  picture.resize(truth.width(), truth.height());
+  const std::uint32_t place =
+      hash(seed_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32));
+  const int tile_x = static_cast<int>(place % kTile), tile_y = static_cast<int>(place / kTile % kTile);
+  const auto& m = mixing_fixed_;
+  for (int y = 0; y < truth.height(); ++y) {
+    const Rgb8* in = truth.row(y).data();
+    Rgb8* out = picture.row(y).data();
+    const std::uint16_t* corner =
+        corner_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(truth.width());
+    const std::int8_t* grain_row =
+        grain_.data() + static_cast<std::size_t>(3 * kTile * ((y + tile_y) % kTile));
+    for (int x = 0; x < truth.width(); ++x) {
+      const std::int32_t r = curve_[in[x].r][0], g = curve_[in[x].g][1], b = curve_[in[x].b][2];
+      const std::int8_t* grain = grain_row + 3 * ((x + tile_x) % kTile);
+      const auto channel = [&](std::size_t c) {
+        const std::int32_t mixed = (m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b) >> 12;
+        const std::int32_t seen = (mixed * corner[x] >> 12) + offset_fixed_[c] + grain[c];
+        return static_cast<std::uint8_t>(std::clamp((seen + 8) >> 4, 0, 255));
+      };
+      out[x] = {channel(0), channel(1), channel(2)};
+    }
+  }
+}
+
+}  // namespace copresence::simulation

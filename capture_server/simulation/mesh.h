@@ -1,0 +1,81 @@
+#pragma once
+
+// Triangles, and the few solids that furniture and people are made of. Metres; the world's frame is x right,
+// y down, z forward, with the floor at y = 0, so what stands on it has negative y.
+//
+// Faces are cut into cells of at most `cell` metres since light is kept per vertex.
+// Thread: values.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace copresence::simulation {
+
+struct Vertex {
+  Eigen::Vector3f position, normal;  ///< the normal points out of the solid, length 1
+  Eigen::Vector2f uv;                ///< the pattern's coordinates, mostly metres along the surface
+};
+
+struct Mesh {
+  std::vector<Vertex> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  int material = 0;  ///< index into the world's materials
+};
+
+/// A flat rectangle: `center` +- `half_u` +- `half_v`, with u to the right and v down as seen from the side
+/// it faces. uv in metres from the corner (-half_u, -half_v), or from 0 to 1 when `whole`.
+Mesh panel(const Eigen::Vector3f& center, const Eigen::Vector3f& half_u, const Eigen::Vector3f& half_v,
+           int material, float cell, bool whole = false);
+
+/// A box of the given full size, turned about the vertical by `yaw` radians.
+Mesh box(const Eigen::Vector3f& center, const Eigen::Vector3f& size, int material, float yaw = 0,
+         float cell = 0.08f);
+
+/// One cross-section of a loft: an ellipse (squarer with `square`) around (x, z) at height y of the loft's
+/// own frame.
+struct Ring {
+  float y = 0, half_x = 0, half_z = 0, x = 0, z = 0;
+};
+
+/// A closed body of smoothly joined cross-sections; needs two or more, ordered by ascending y. uv: metres
+/// around, metres along. `square` from 0 (ellipse) to 1 (nearly a box).
+Mesh loft(const Eigen::Isometry3f& place, std::span<const Ring> rings, int material, float square = 0,
+          int around = 24, int steps_per_ring = 4);
+
+/// A sheet given by a function of (u, v) from 0 to 1, seen from both sides. uv in metres along its edges.
+template <class Surface>
+Mesh sheet(int cells_u, int cells_v, float metres_u, float metres_v, int material, Surface&& surface);
+
+/// Recomputes vertex normals from the triangles' areas. Leaves vertices without a triangle alone.
+void smooth_normals(Mesh& mesh);
+
+// implementation
+
+template <class Surface>
+Mesh sheet(int cells_u, int cells_v, float metres_u, float metres_v, int material, Surface&& surface) {
+  Mesh mesh;
+  mesh.material = material;
+  for (int j = 0; j <= cells_v; ++j) {
+    for (int i = 0; i <= cells_u; ++i) {
+      const float u = static_cast<float>(i) / static_cast<float>(cells_u);
+      const float v = static_cast<float>(j) / static_cast<float>(cells_v);
+      mesh.vertices.push_back({surface(u, v), Eigen::Vector3f::Zero(), {u * metres_u, v * metres_v}});
+    }
+  }
+  const auto columns = static_cast<std::uint32_t>(cells_u + 1);
+  for (std::uint32_t j = 0; j < static_cast<std::uint32_t>(cells_v); ++j) {
+    for (std::uint32_t i = 0; i + 1 < columns; ++i) {
+      const std::uint32_t a = j * columns + i, b = a + 1, c = a + columns, d = c + 1;
+      mesh.triangles.push_back({a, b, d});
+      mesh.triangles.push_back({a, d, c});
+    }
+  }
+  smooth_normals(mesh);
+  return mesh;
+}
+
+}  // namespace copresence::simulation

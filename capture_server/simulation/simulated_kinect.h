@@ -1,0 +1,61 @@
+#pragma once
+
+// A Kinect in a simulated world: depth with a Kinect's faults and colour registered to it, frame by frame.
+// Thread: one thread per camera; several cameras may share a world.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "capture_server/simulation/color_response.h"
+#include "capture_server/simulation/kinect_noise.h"
+#include "capture_server/simulation/true_camera.h"
+#include "capture_server/simulation/world.h"
+#include "common/frame/camera_model.h"
+#include "common/frame/rigid3.h"
+#include "common/result.h"
+
+namespace copresence::simulation {
+
+/// A Kinect's camera at the given size: 585 px focal length at 640 pixels of width, no distortion.
+/// Requires a size that check() accepts.
+CameraModel kinect_model(int width, int height);
+
+/// Where `count` Kinects stand in a world of this project: around the figure, looking at it. The first two
+/// are 70 degrees apart in front of it, the third and fourth behind. world_from_camera, metres. Requires 1 <=
+/// count <= kMostKinects.
+std::vector<Rigid3> kinect_poses(int count);
+inline constexpr int kMostKinects = 8;
+
+/// A pose that looks from `eye` to `target`, the picture upright (the world's y is down). Requires that the
+/// two do not stand above each other.
+Rigid3 look_from(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
+
+class SimulatedKinect {
+ public:
+  /// One of several Kinects that run at once: `poses` are all of them, `index` says which one this is.
+  /// Fails  as TrueCamera::make(). Requires index < poses.size().
+  static Result<SimulatedKinect> make(std::shared_ptr<const World> world, const CameraModel& model,
+                                      std::span<const Rigid3> poses, std::size_t index, DepthUnit unit,
+                                      std::uint32_t seed);
+
+  /// What it delivers as its frame number `frame` when the world is at `phase`. The noise belongs to the
+  /// frame number.
+  void expose(double phase, std::uint64_t frame, DepthImage& depth, ColorImage& color);
+
+  /// The truth behind the last exposure.
+  const TrueView& truth() const { return *truth_; }
+  const CameraModel& model() const { return camera_.model(); }
+  const Rigid3& world_from_camera() const { return camera_.world_from_camera(); }
+
+ private:
+  SimulatedKinect(TrueCamera camera, DepthUnit unit, std::uint32_t seed, std::uint32_t index);
+
+  TrueCamera camera_;
+  KinectNoise noise_;
+  ColorResponse response_;
+  const TrueView* truth_ = nullptr;
+};
+
+}  // namespace copresence::simulation

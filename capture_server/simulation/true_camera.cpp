@@ -1,0 +1,321 @@
+#include "capture_server/simulation/true_camera.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace copresence::simulation {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+constexpr float kLampRadius = 0.2f;
+constexpr float kFigureReach = 0.95f, kFigureHeight = 2.0f;  // metres around the place where it stands
+std::array<Vector2f, 4> sub_pixels() {
+  return {Vector2f(-0.125f, -0.375f), Vector2f(0.375f, -0.125f), Vector2f(0.125f, 0.375f),
+          Vector2f(-0.375f, 0.125f)};
+}
+
+struct Surface {
+  Vector3f position, normal;
+  Vector2f uv;
+};
+
+template <class Value>
+Value interpolate(const Ray& ray, const Value& a, const Value& b, const Value& c) {
+  return a * (1 - ray.u - ray.v) + b * ray.u + c * ray.v;
+}
+
+Surface surface_at(const Mesh& mesh, const Ray& ray) {
+  const auto& t = mesh.triangles[ray.triangle];
+  const Vertex &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+  return {interpolate(ray, a.position, b.position, c.position),
+          interpolate(ray, a.normal, b.normal, c.normal).normalized(), interpolate(ray, a.uv, b.uv, c.uv)};
+}
+
+}  // namespace
+
+Result<TrueCamera> TrueCamera::make(std::shared_ptr<const World> world, const CameraModel& model,
+                                    const Rigid3& world_from_camera) {
+  if (auto usable = check(model); !usable) return fail(usable.error());
+  if (!world_from_camera.is_rigid())
+    return fail(ErrorCode::kInvalid, "a camera's pose is no rigid transform");
+  return TrueCamera(std::move(world), model, world_from_camera);
+}
+
+TrueCamera::TrueCamera(std::shared_ptr<const World> world, const CameraModel& model,
+                       const Rigid3& world_from_camera)
+    : world_(std::move(world)),
+      model_(model),
+      world_from_camera_(world_from_camera),
+      eye_(world_from_camera.translation.cast<float>()),
+      posed_(world_->parts()) {
+  const Eigen::Matrix3f turn = world_from_camera.rotation.cast<float>();
+  for (const Vector2f& ray : rays(model)) directions_.push_back(turn * Vector3f(ray.x(), ray.y(), 1));
+  pixel_x_ = turn.col(0) / static_cast<float>(model.fx);
+  pixel_y_ = turn.col(1) / static_cast<float>(model.fy);
+  trace_still();
+  find_shadow_blocks();
+  view_ = still_;
+  room_light_ = still_light_;
+  spans_.resize(static_cast<std::size_t>(model.height));
+  part_of_.assign(directions_.size(), -1);
+  figure_light_.resize(directions_.size(), Vector3f::Zero());
+}
+
+Vector3f TrueCamera::still_light(const Ray& ray, const Vector3f& looking, Vector3f& of_lamp,
+                                 bool mirrors) const {
+  of_lamp.setZero();
+  if (ray.mesh < 0) return Vector3f::Zero();
+  const auto m = static_cast<std::size_t>(ray.mesh);
+  const Mesh& mesh = world_->furnishing().meshes[m];
+  const Material& material = world_->furnishing().materials[static_cast<std::size_t>(mesh.material)];
+  const Surface surface = surface_at(mesh, ray);
+  const Vector3f color = albedo(material, surface.uv);
+  if (material.emission > 0) return color * material.emission;
+
+  const auto& t = mesh.triangles[ray.triangle];
+  const auto& lights = world_->light().vertices[m];
+  of_lamp = color.cwiseProduct(interpolate(ray, lights[t[0]].lamp, lights[t[1]].lamp, lights[t[2]].lamp));
+  Vector3f light =
+      of_lamp + color.cwiseProduct(interpolate(ray, lights[t[0]].rest, lights[t[1]].rest, lights[t[2]].rest));
+  if (material.mirror > 0 && mirrors) {
+    const Vector3f normal = surface.normal.dot(looking) > 0 ? Vector3f(-surface.normal) : surface.normal;
+    const Vector3f away = looking - 2 * looking.dot(normal) * normal;
+    Ray reflection{surface.position + 0.003f * normal, away};
+    world_->still().trace({&reflection, 1});
+    Vector3f unused;
+    light = light * (1 - material.mirror) + material.mirror * still_light(reflection, away, unused, false);
+    of_lamp *= 1 - material.mirror;
+  }
+  return light;
+}
+
+void TrueCamera::trace_still() {
+  still_.depth_m = Image<float>(model_.width, model_.height);
+  still_.color = ColorImage(model_.width, model_.height);
+  still_.infrared = Image<float>(model_.width, model_.height);
+  still_light_.assign(directions_.size(), Vector3f::Zero());
+  still_lamp_.assign(directions_.size(), Vector3f::Zero());
+  const auto width = static_cast<std::size_t>(model_.width);
+  std::vector<Ray> row(width);
+  for (std::size_t y = 0; y < static_cast<std::size_t>(model_.height); ++y) {
+    const std::size_t start = y * width;
+    for (std::size_t x = 0; x < width; ++x) row[x] = Ray{eye_, directions_[start + x]};
+    world_->still().trace(row);
+    for (std::size_t x = 0; x < width; ++x) {
+      if (row[x].mesh < 0) continue;
+      const Mesh& mesh = world_->furnishing().meshes[static_cast<std::size_t>(row[x].mesh)];
+      const Material& material = world_->furnishing().materials[static_cast<std::size_t>(mesh.material)];
+      const Surface surface = surface_at(mesh, row[x]);
+      still_.depth_m.data()[start + x] = row[x].far;
+      still_.infrared.data()[start + x] =
+          material.infrared * std::abs(surface.normal.dot(directions_[start + x].normalized()));
+    }
+    for (const Vector2f& offset : sub_pixels()) {
+      for (std::size_t x = 0; x < width; ++x) {
+        row[x] = Ray{eye_, directions_[start + x] + offset.x() * pixel_x_ + offset.y() * pixel_y_};
+      }
+      world_->still().trace(row);
+      for (std::size_t x = 0; x < width; ++x) {
+        Vector3f of_lamp;
+        still_light_[start + x] += 0.25f * still_light(row[x], row[x].direction.normalized(), of_lamp, true);
+        still_lamp_[start + x] += 0.25f * of_lamp;
+      }
+    }
+    for (std::size_t x = 0; x < width; ++x)
+      still_.color.data()[start + x] = to_screen(still_light_[start + x]);
+  }
+}
+
+// Shadows are soft, so four pixels share one. Only places count whose way to the lamp passes where the figure
+// may be.
+void TrueCamera::find_shadow_blocks() {
+  const Furnishing& furnishing = world_->furnishing();
+  if (world_->figure().empty() || furnishing.lights.empty()) return;
+  const Vector3f lamp = furnishing.lights.front().center, feet = world_->figure().place.translation();
+  const Capsule reach{feet - Vector3f(0, kFigureReach, 0),
+                      feet - Vector3f(0, kFigureHeight - kFigureReach, 0), kFigureReach};
+  ShadowPoints points;
+  std::vector<Block> blocks;
+  for (int y = 0; y < model_.height; y += 2) {
+    for (int x = 0; x < model_.width; x += 2) {
+      const auto i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(model_.width) + static_cast<std::size_t>(x);
+      if (still_.depth_m.data()[i] <= 0 || still_lamp_[i].maxCoeff() <= 0.002f) continue;
+      points.add(eye_ + still_.depth_m.data()[i] * directions_[i], lamp);
+      blocks.push_back({x, y});
+    }
+  }
+  std::vector<float> hidden(points.size());
+  shade(points, {&reach, 1}, kLampRadius, hidden);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    // A place within the reach is never shaded by it in shade()'s sense; the figure may well shade it.
+    const Vector3f position(points.x[i], points.y[i], points.z[i]);
+    const bool inside = std::hypot(position.x() - feet.x(), position.z() - feet.z()) < kFigureReach;
+    if (hidden[i] <= 0 && !inside) continue;
+    blocks_.push_back(blocks[i]);
+    shadow_points_.add(position, lamp);
+  }
+  hidden_.assign(blocks_.size(), 0.0f);
+}
+
+void TrueCamera::cast_shadows(const std::vector<Capsule>& capsules) {
+  const std::vector<float> before = hidden_;
+  shade(shadow_points_, capsules, kLampRadius, hidden_);
+  const auto width = static_cast<std::size_t>(model_.width);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (hidden_[i] < 0.004f) hidden_[i] = 0;
+    if (hidden_[i] == 0 && before[i] == 0) continue;
+    for (const std::size_t row : {std::size_t{0}, std::size_t{1}}) {
+      const std::size_t start =
+          (static_cast<std::size_t>(blocks_[i].y) + row) * width + static_cast<std::size_t>(blocks_[i].x);
+      for (std::size_t p = start; p < start + 2; ++p) {
+        room_light_[p] = still_light_[p] - hidden_[i] * still_lamp_[p];
+        view_.color.data()[p] = to_screen(room_light_[p]);
+      }
+    }
+  }
+}
+
+// Rows and columns that the capsules cover, a little wider than the parts that they stand for.
+void TrueCamera::find_spans(const std::vector<Capsule>& capsules) {
+  std::fill(spans_.begin(), spans_.end(), Span{model_.width, 0});
+  const Rigid3 camera_from_world = world_from_camera_.inverse();
+  for (const Capsule& capsule : capsules) {
+    constexpr int kSteps = 4;
+    for (int step = 0; step <= kSteps; ++step) {
+      const float t = static_cast<float>(step) / kSteps;
+      const Vector3f place = capsule.from + t * (capsule.to - capsule.from);
+      const double reach = 1.7 * capsule.radius + 0.5 * (capsule.to - capsule.from).norm() / kSteps + 0.03;
+      const Eigen::Vector3d center = camera_from_world * place.cast<double>();
+      if (center.z() + reach < 0.05) continue;
+      int left = 0, right = model_.width, top = 0, bottom = model_.height;
+      if (const double nearest = center.z() - reach; nearest > 0.05) {
+        const Eigen::Vector2d a = project(model_, center);
+        const double around_x = reach * model_.fx / nearest * 1.15 + 2,
+                     around_y = reach * model_.fy / nearest * 1.15 + 2;
+        left = static_cast<int>(std::clamp(a.x() - around_x, 0.0, double(model_.width)));
+        right = static_cast<int>(std::clamp(a.x() + around_x, 0.0, double(model_.width)));
+        top = static_cast<int>(std::clamp(a.y() - around_y, 0.0, double(model_.height)));
+        bottom = static_cast<int>(std::clamp(a.y() + around_y, 0.0, double(model_.height)));
+      }
+      for (int y = top; y < bottom; ++y) {
+        Span& span = spans_[static_cast<std::size_t>(y)];
+        span = {std::min(span.first, left), std::max(span.end, right)};
+      }
+    }
+  }
+}
+
+void TrueCamera::draw_figure(const std::vector<Eigen::Isometry3f>& pose,
+                             const std::vector<Capsule>& capsules) {
+  const Furnishing& furnishing = world_->furnishing();
+  const auto width = static_cast<std::size_t>(model_.width);
+  std::vector<std::size_t> pixels;
+  std::vector<Light> lights;
+  std::vector<Vector3f> colors;
+  ShadowPoints points;
+  const Vector3f lamp = furnishing.lights.empty() ? Vector3f::Zero() : furnishing.lights.front().center;
+  for (std::size_t y = 0; y < spans_.size(); ++y) {
+    const Span span = spans_[y];
+    if (span.first >= span.end) continue;
+    rays_.clear();
+    for (int x = span.first; x < span.end; ++x) {
+      const std::size_t i = y * width + static_cast<std::size_t>(x);
+      const float room = still_.depth_m.data()[i];
+      rays_.push_back(Ray{eye_, directions_[i], 1e-3f, room > 0 ? room : 1e30f});
+    }
+    posed_.trace(rays_);
+    for (std::size_t x = 0; x < rays_.size(); ++x) {
+      const Ray& ray = rays_[x];
+      if (ray.mesh < 0) continue;
+      const std::size_t i = y * width + static_cast<std::size_t>(span.first) + x;
+      const auto part = static_cast<std::size_t>(ray.mesh);
+      const Mesh& mesh = world_->figure().parts[part];
+      const Material& material = furnishing.materials[static_cast<std::size_t>(mesh.material)];
+      const Surface surface = surface_at(mesh, ray);
+      Vector3f normal = pose[part].linear() * surface.normal;
+      const float facing = normal.dot(ray.direction) / ray.direction.norm();
+      if (facing > 0) normal = -normal;
+      const Vector3f position = eye_ + ray.far * ray.direction;
+      part_of_[i] = static_cast<std::int8_t>(ray.mesh);
+      view_.depth_m.data()[i] = ray.far;
+      view_.infrared.data()[i] = material.infrared * std::abs(facing);
+      pixels.push_back(i);
+      lights.push_back(light_at(furnishing, world_->light(), position, normal));
+      colors.push_back(albedo(material, surface.uv));
+      points.add(position, lamp);
+    }
+  }
+  std::vector<float> hidden(points.size());
+  shade(points, capsules, kLampRadius, hidden);
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    const Vector3f light = colors[k].cwiseProduct(lights[k].rest + (1 - hidden[k]) * lights[k].lamp);
+    figure_light_[pixels[k]] = light;
+    view_.color.data()[pixels[k]] = to_screen(light);
+  }
+}
+
+// Pixels on the outline show the share of each side.
+void TrueCamera::smooth_outline() {
+  const auto width = static_cast<std::size_t>(model_.width), height = static_cast<std::size_t>(model_.height);
+  rays_.clear();
+  std::vector<std::pair<std::size_t, std::size_t>> outline;  // the pixel, and one that shows the figure there
+  for (std::size_t y = 1; y + 1 < height; ++y) {
+    const int first = std::max(spans_[y].first, 1), end = std::min(spans_[y].end, model_.width - 1);
+    for (int x = first; x < end; ++x) {
+      const std::size_t i = y * width + static_cast<std::size_t>(x);
+      const bool here = part_of_[i] >= 0;
+      for (const std::size_t beside : {i - 1, i + 1, i - width, i + width}) {
+        if ((part_of_[beside] >= 0) == here) continue;
+        outline.push_back({i, here ? i : beside});
+        for (const Vector2f& offset : sub_pixels()) {
+          const float room = still_.depth_m.data()[i];
+          rays_.push_back(Ray{eye_, directions_[i] + offset.x() * pixel_x_ + offset.y() * pixel_y_, 1e-3f,
+                              room > 0 ? room : 1e30f});
+        }
+        break;
+      }
+    }
+  }
+  posed_.trace(rays_);
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    float share = 0;
+    for (std::size_t ray = 4 * k; ray < 4 * k + 4; ++ray) share += rays_[ray].mesh >= 0 ? 0.25f : 0.0f;
+    const auto [pixel, figure] = outline[k];
+    view_.color.data()[pixel] = to_screen(share * figure_light_[figure] + (1 - share) * room_light_[pixel]);
+  }
+}
+
+const TrueView& TrueCamera::look(double phase) {
+  const Figure& figure = world_->figure();
+  if (figure.empty()) return view_;
+  // What the figure covered last time shows the room again.
+  for (std::size_t y = 0; y < spans_.size(); ++y) {
+    const Span span = spans_[y];
+    if (span.first >= span.end) continue;
+    const std::size_t start =
+        y * static_cast<std::size_t>(model_.width) + static_cast<std::size_t>(span.first);
+    const auto count = static_cast<std::size_t>(span.end - span.first);
+    std::copy_n(still_.depth_m.data() + start, count, view_.depth_m.data() + start);
+    std::copy_n(still_.infrared.data() + start, count, view_.infrared.data() + start);
+    std::fill_n(part_of_.begin() + static_cast<std::ptrdiff_t>(start), count, std::int8_t{-1});
+    for (std::size_t i = start; i < start + count; ++i) view_.color.data()[i] = to_screen(room_light_[i]);
+  }
+  const std::vector<Eigen::Isometry3f> pose = figure.pose(phase);
+  std::vector<Capsule> capsules;
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    const Capsule& capsule = figure.capsules[i];
+    capsules.push_back({pose[i] * capsule.from, pose[i] * capsule.to, capsule.radius});
+  }
+  posed_.pose(pose);
+  cast_shadows(capsules);
+  find_spans(capsules);
+  draw_figure(pose, capsules);
+  smooth_outline();
+  return view_;
+}
+
+}  // namespace copresence::simulation

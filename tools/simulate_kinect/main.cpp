@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <numbers>
+
+#include "capture_server/recording/oni_writer.h"
+#include "capture_server/simulation/simulated_kinect.h"
+#include "tools/simulate_kinect/output.h"
+#include "tools/simulate_kinect/settings.h"
+#include "tools/simulate_kinect/view_path.h"
+
+namespace copresence::simulate_kinect {
+namespace {
+
+Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (problem) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("{}: the folder cannot be made: {}", folder.string(), problem.message()));
+  }
+  return folder;
+}
+
+// Microseconds at 30 frames a second, each rounded by itself so that no error adds up.
+std::chrono::microseconds time_of(int frame) {
+  return std::chrono::microseconds((static_cast<std::int64_t>(frame) * 1'000'000 + 15) / 30);
+}
+
+Result<void> record(const Settings& settings, const std::shared_ptr<const simulation::World>& world,
+                    const std::vector<Rigid3>& poses, std::size_t index) {
+  const CameraModel model = simulation::kinect_model(settings.width, settings.height);
+  auto kinect = simulation::SimulatedKinect::make(world, model, poses, index, settings.unit, settings.seed);
+  if (!kinect) return fail(kinect.error());
+  const std::string name = fmt::format("camera{}", index);
+  recording::OniContent content;
+  content.camera = {name, model, true, settings.unit, poses[index]};
+  content.jpeg_quality = settings.jpeg_quality;
+  auto writer = recording::OniWriter::create((settings.folder / (name + ".oni")).string(), content);
+  if (!writer) return fail(writer.error());
+  std::filesystem::path truth;
+  if (settings.truth) {
+    const auto folder = make_folder(settings.folder / "truth" / name);
+    if (!folder) return fail(folder.error());
+    truth = *folder;
+  }
+
+  DepthImage depth;
+  ColorImage color;
+  for (int frame = 0; frame < settings.frames; ++frame) {
+    const auto number = static_cast<std::uint64_t>(frame);
+    kinect->expose(simulation::phase_of_frame(number, static_cast<std::uint64_t>(settings.frames)), number,
+                   depth, color);
+    if (auto written = writer->write_depth(time_of(frame), depth); !written) return written;
+    if (auto written = writer->write_color(time_of(frame), color); !written) return written;
+    if (settings.truth) {
+      if (auto written = write_truth(truth, frame, kinect->truth()); !written) return written;
+    }
+  }
+  return writer->finish();
+}
+
+Result<void> show_truth(const Settings& settings, const std::shared_ptr<const simulation::World>& world,
+                        const std::filesystem::path& path_file) {
+  const auto path = ViewPath::load(path_file);
+  if (!path) return fail(path.error());
+  const auto folder = make_folder(settings.folder / "truth" / path_file.stem());
+  if (!folder) return fail(folder.error());
+  const double focal =
+      0.5 * settings.truth_height / std::tan(settings.truth_fov_deg * std::numbers::pi / 360);
+  const CameraModel model{settings.truth_width,       settings.truth_height,       focal, focal,
+                          0.5 * settings.truth_width, 0.5 * settings.truth_height, {}};
+  for (int frame = 0; frame < settings.frames; ++frame) {
+    const auto stop = path->at(frame);
+    auto camera = simulation::TrueCamera::make(world, model, simulation::look_from(stop.eye, stop.look));
+    if (!camera) return fail(camera.error());
+    const double phase = simulation::phase_of_frame(static_cast<std::uint64_t>(frame),
+                                                    static_cast<std::uint64_t>(settings.frames));
+    if (auto written = write_truth(*folder, frame, camera->look(phase)); !written) return written;
+  }
+  return {};
+}
+
+Result<void> simulate(const Settings& settings) {
+  if (auto folder = make_folder(settings.folder); !folder) return fail(folder.error());
+  auto made = simulation::World::make(settings.world);
+  if (!made) return fail(made.error());
+  const auto world = std::make_shared<const simulation::World>(std::move(*made));
+  const std::vector<Rigid3> poses = simulation::kinect_poses(settings.cameras);
+  for (std::size_t index = 0; index < poses.size(); ++index) {
+    if (auto recorded = record(settings, world, poses, index); !recorded) return recorded;
+    fmt::print(stderr, "camera{}.oni: {} frames\n", index, settings.frames);
+  }
+  for (const auto& path_file : settings.truth_views) {
+    if (auto shown = show_truth(settings, world, path_file); !shown) return shown;
+  }
+  const std::string made_by =
+      fmt::format("simulate_kinect {} --cameras {} --frames {} --seed {} --size {}x{}", settings.world,
+                  settings.cameras, settings.frames, settings.seed, settings.width, settings.height);
+  return write_text(settings.folder / "scene.toml",
+                    scene_toml(simulation::kinect_model(settings.width, settings.height), poses, made_by));
+}
+
+}  // namespace
+}  // namespace copresence::simulate_kinect
+
+int main(int argc, char** argv) {
+  const auto settings = copresence::simulate_kinect::read_command_line(argc, argv);
+  if (!settings) return settings.error();
+  if (const auto done = copresence::simulate_kinect::simulate(*settings); !done) {
+    fmt::print(stderr, "simulate_kinect: {}\n", done.error().what);
+    return 1;
+  }
+  return 0;
+}

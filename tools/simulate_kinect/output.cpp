@@ -1,0 +1,63 @@
+#include "tools/simulate_kinect/output.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace copresence::simulate_kinect {
+
+std::string scene_toml(const CameraModel& model, std::span<const Rigid3> poses, const std::string& made_by) {
+  std::string text = fmt::format(
+      "# Made by: {}\n# Metres; the world is x right, y down, z forward, its floor at y = 0.\nup = [0, -1, "
+      "0]\n",
+      made_by);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Eigen::Matrix4d m = poses[i].matrix().array() + 0.0;  // no -0
+    text += fmt::format(
+        "\n[[camera]]\nname = \"camera{0}\"\naddress = \"127.0.0.1:{1}\"\nwidth = {2}\nheight = {3}\nfx = "
+        "{4:.6f}\nfy = {5:.6f}\n"
+        "cx = {6:.6f}\ncy = {7:.6f}\n",
+        i, 7001 + i, model.width, model.height, model.fx, model.fy, model.cx, model.cy);
+    text += "world_from_camera = [";
+    for (int r = 0; r < 4; ++r) {
+      text += fmt::format("{}[{:.12g}, {:.12g}, {:.12g}, {:.12g}]", r == 0 ? "" : ", ", m(r, 0), m(r, 1),
+                          m(r, 2), m(r, 3));
+    }
+    text += fmt::format("]\nsource = \"camera{}.oni\"\n", i);
+  }
+  return text;
+}
+
+Result<void> write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text << std::flush;
+  if (!file)
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("{}: cannot be written; is the disk full?", path.string()));
+  return {};
+}
+
+Result<void> write_truth(const std::filesystem::path& folder, int frame, const simulation::TrueView& view) {
+  cv::Mat depth(view.depth_m.height(), view.depth_m.width(), CV_16UC1);
+  for (int y = 0; y < depth.rows; ++y) {
+    for (int x = 0; x < depth.cols; ++x) {
+      const float units = view.depth_m(x, y) * 10000.0f + 0.5f;
+      depth.at<std::uint16_t>(y, x) = units < 65536.0f ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
+    }
+  }
+  const cv::Mat rgb(view.color.height(), view.color.width(), CV_8UC3, const_cast<Rgb8*>(view.color.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  for (const auto& [kind, image] : {std::pair{"depth", depth}, std::pair{"color", bgr}}) {
+    const auto path = folder / fmt::format("{}_{:04}.png", kind, frame);
+    if (!cv::imwrite(path.string(), image)) {
+      return fail(ErrorCode::kUnavailable,
+                  fmt::format("{}: cannot be written; is the disk full?", path.string()));
+    }
+  }
+  return {};
+}
+
+}  // namespace copresence::simulate_kinect

@@ -1,0 +1,34 @@
+#pragma once
+
+// The command line of simulate_kinect, checked.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "common/frame/depth_unit.h"
+
+namespace copresence::simulate_kinect {
+
+struct Settings {
+  std::string world;
+  int cameras = 2;
+  int frames = 60;
+  std::filesystem::path folder;
+  std::uint32_t seed = 1;
+  int width = 640, height = 480;
+  DepthUnit unit = DepthUnit::kMillimetre;
+  int jpeg_quality = 85;
+  bool truth = false;                              ///< also write what perfect cameras see
+  std::vector<std::filesystem::path> truth_views;  ///< path files of further viewpoints
+  int truth_width = 1280, truth_height = 720;      ///< of those
+  double truth_fov_deg = 50;                       ///< vertical
+};
+
+/// The settings, or the exit code to leave with: 0 after --help and --version, 2 after a wrong command line
+/// (said on standard error).
+tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
+
+}  // namespace copresence::simulate_kinect

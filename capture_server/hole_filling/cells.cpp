@@ -16,7 +16,9 @@ constexpr float kNothingYet = 1e6f;
 Cells::Cells(int width_px, int height_px)
     : columns_((width_px + kCellPx - 1) / kCellPx),
       rows_((height_px + kCellPx - 1) / kCellPx),
-      stride_(columns_ + 2 * kMargin) {
+      stride_(columns_ + 2 * kMargin),
+      pixel_stride_(columns_ * kCellPx + 2 * kMarginPx),
+      steps_(static_cast<std::size_t>(pixel_stride_) * (rows_ * kCellPx + 2 * kMarginPx)) {
   const std::size_t cells = static_cast<std::size_t>(stride_) * (rows_ + 2 * kMargin);
   for (auto* plane : {&far, &near, &slope_x, &slope_y, &middle_x_, &middle_y_}) plane->assign(cells, 0);
   for (auto* plane : {&far_count, &near_count, &wanted, &has_depth_}) plane->assign(cells, 0);
@@ -27,9 +29,7 @@ Cells::Cells(int width_px, int height_px)
   for (auto* line : {&strip_.count, &strip_.row_sum, &strip_.wanted}) line->assign(padded_width, 0);
 }
 
-void Cells::see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units,
-                Image<float>& steps) {
-  steps.resize(depth.width(), depth.height());
+void Cells::see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units) {
   for (int row = 0; row < rows_; ++row) {
     std::fill(strip_.sum.begin(), strip_.sum.end(), 0.0f);
     std::fill(strip_.nearest.begin(), strip_.nearest.end(), 0.0f);
@@ -38,38 +38,42 @@ void Cells::see(const DepthImage& depth, const Image<std::uint8_t>& fillable, fl
     std::fill(strip_.row_sum.begin(), strip_.row_sum.end(), std::uint8_t{0});
     std::fill(strip_.wanted.begin(), strip_.wanted.end(), std::uint8_t{0});
     const int end = std::min(depth.height(), (row + 1) * kCellPx);
-    for (int y = row * kCellPx; y < end; ++y) add_row(depth, fillable, y, steps_times_units, steps);
-    close_strip(row, steps);
+    for (int y = row * kCellPx; y < end; ++y) add_row(depth.row(y), fillable.row(y), y, steps_times_units);
+    close_strip(row);
   }
   find_slopes();
   move_to_middles();
   find_reach();
 }
 
-void Cells::add_row(const DepthImage& depth, const Image<std::uint8_t>& fillable, int y,
-                    float steps_times_units, Image<float>& steps) {
-  const std::uint16_t* in = depth.row(y).data();
-  const std::uint8_t* want = fillable.row(y).data();
-  float* out = steps.row(y).data();
+void Cells::add_row(std::span<const std::uint16_t> depth, std::span<const std::uint8_t> fillable, int y,
+                    float steps_times_units) {
+  const int width = static_cast<int>(depth.size());
+  const std::uint16_t* in = depth.data();
+  const std::uint8_t* want = fillable.data();
+  float* out = &steps_[pixel_at(0, y)];
   float *sum = strip_.sum.data(), *nearest = strip_.nearest.data(), *farthest = strip_.farthest.data();
-  std::uint8_t *count = strip_.count.data(), *wants = strip_.wanted.data();
-  std::uint8_t* row_sum = strip_.row_sum.data();
-  const int row = y % kCellPx;
-  for (int x = 0; x < depth.width(); ++x) {
-    const float s = in[x] != 0 ? steps_times_units / static_cast<float>(in[x]) : 0.0f;
+  for (int x = 0; x < width; ++x) {
+    // Divides by 1 where there is nothing: a division under a condition is not vectorised.
+    const float units = static_cast<float>(in[x]);
+    const float quotient = steps_times_units / std::max(units, 1.0f);
+    const float s = units > 0 ? quotient : 0.0f;
+    const float candidate = units > 0 ? quotient : kNothingYet;
     out[x] = s;
     sum[x] += s;
     nearest[x] = std::max(nearest[x], s);
-    farthest[x] = std::min(farthest[x], in[x] != 0 ? s : kNothingYet);
+    farthest[x] = std::min(farthest[x], candidate);
   }
-  for (int x = 0; x < depth.width(); ++x) {
+  std::uint8_t *count = strip_.count.data(), *row_sum = strip_.row_sum.data(), *wants = strip_.wanted.data();
+  const int row = y % kCellPx;
+  for (int x = 0; x < width; ++x) {
     count[x] = static_cast<std::uint8_t>(count[x] + (in[x] != 0));
     row_sum[x] = static_cast<std::uint8_t>(row_sum[x] + (in[x] != 0 ? row : 0));
     wants[x] |= want[x];
   }
 }
 
-void Cells::close_strip(int row, const Image<float>& steps) {
+void Cells::close_strip(int row) {
   for (int column = 0; column < columns_; ++column) {
     const int cell = at(column, row), x = column * kCellPx;
     float sum = 0, nearest = 0, farthest = kNothingYet;
@@ -94,7 +98,7 @@ void Cells::close_strip(int row, const Image<float>& steps) {
     middle_x_[cell] = static_cast<float>(column_sum) * share - 0.5f * (kCellPx - 1);
     middle_y_[cell] = static_cast<float>(row_sum) * share - 0.5f * (kCellPx - 1);
     if (nearest - farthest > kOneSurface) {
-      split(cell, column, row, steps);
+      split(cell, column, row);
     } else if (count >= kCellEnough) {
       smooth_[cell] = far[cell];
     }
@@ -102,28 +106,23 @@ void Cells::close_strip(int row, const Image<float>& steps) {
 }
 
 /// Parts the pixels of a cell into two surfaces.
-void Cells::split(int cell, int column, int row, const Image<float>& steps) {
-  const int right = std::min(steps.width(), (column + 1) * kCellPx),
-            bottom = std::min(steps.height(), (row + 1) * kCellPx);
+void Cells::split(int cell, int column, int row) {
+  const float* corner = steps(column * kCellPx, row * kCellPx);
   float nearest = 0, farthest = kNothingYet;
-  for (int y = row * kCellPx; y < bottom; ++y) {
-    for (int x = column * kCellPx; x < right; ++x) {
-      nearest = std::max(nearest, steps(x, y));
-      if (steps(x, y) > 0) farthest = std::min(farthest, steps(x, y));
-    }
+  for (int i = 0; i < kCellPx * kCellPx; ++i) {
+    const float s = corner[i / kCellPx * pixel_stride_ + i % kCellPx];
+    nearest = std::max(nearest, s);
+    farthest = std::min(farthest, s > 0 ? s : kNothingYet);
   }
   const float middle = 0.5f * (nearest + farthest);
   float far_sum = 0, near_sum = 0;
   int far_pixels = 0, near_pixels = 0;
-  for (int y = row * kCellPx; y < bottom; ++y) {
-    for (int x = column * kCellPx; x < right; ++x) {
-      const float s = steps(x, y);
-      if (s > middle) {
-        near_sum += s, ++near_pixels;
-      } else if (s > 0) {
-        far_sum += s, ++far_pixels;
-      }
-    }
+  for (int i = 0; i < kCellPx * kCellPx; ++i) {
+    const float s = corner[i / kCellPx * pixel_stride_ + i % kCellPx];
+    near_sum += s > middle ? s : 0;
+    near_pixels += s > middle;
+    far_sum += s > middle ? 0 : s;
+    far_pixels += s > 0 && s <= middle;
   }
   far[cell] = far_sum / static_cast<float>(far_pixels);
   near[cell] = near_sum / static_cast<float>(near_pixels);

@@ -27,10 +27,14 @@ class Cells {
   int at(int column, int row) const { return (row + kMargin) * stride_ + column + kMargin; }
   int offset(Direction direction) const { return direction.dy * stride_ + direction.dx; }
 
-  /// Sees `depth` anew. `steps` becomes the depth in sensor steps, 0 where there is none. Requires images of
-  /// this size.
-  void see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units,
-           Image<float>& steps);
+  /// Sees `depth` anew. Requires images of this size.
+  void see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units);
+
+  /// Depth of a pixel in sensor steps, 0 where there is none and outside the image; its neighbours lie beside
+  /// it, and pixel_stride() apart from row to row. Requires a pixel at most kMarginPx outside the cells.
+  const float* steps(int x, int y) const { return &steps_[pixel_at(x, y)]; }
+  int pixel_stride() const { return pixel_stride_; }
+  static constexpr int kMarginPx = 4;
 
   // Per cell. A cell whose depths differ by more than kOneSurface holds two surfaces, split halfway.
   std::vector<float> far,
@@ -48,14 +52,18 @@ class Cells {
     std::vector<float> sum, nearest, farthest;
     std::vector<std::uint8_t> count, row_sum, wanted;
   };
-  void add_row(const DepthImage& depth, const Image<std::uint8_t>& fillable, int y, float steps_times_units,
-               Image<float>& steps);
-  void close_strip(int row, const Image<float>& steps);
-  void split(int cell, int column, int row, const Image<float>& steps);
+  std::size_t pixel_at(int x, int y) const {
+    return static_cast<std::size_t>(y + kMarginPx) * pixel_stride_ + static_cast<std::size_t>(x + kMarginPx);
+  }
+  void add_row(std::span<const std::uint16_t> depth, std::span<const std::uint8_t> fillable, int y,
+               float steps_times_units);
+  void close_strip(int row);
+  void split(int cell, int column, int row);
   void find_slopes();
   void find_reach();
 
-  int columns_, rows_, stride_;
+  int columns_, rows_, stride_, pixel_stride_;
+  std::vector<float> steps_;
   Strip strip_;
   void move_to_middles();
 

@@ -31,7 +31,10 @@ constexpr float kSteepest = 1;        ///< steps per pixel: steeper differences 
 constexpr float kSameSurface = 3;     ///< steps: measured pixels this near to a guess correct it
 constexpr float kGuessWeight = 0.5f;  ///< of the guess against the measured pixels that correct it
 constexpr int kWindowPx = 2;          ///< radius of the window in which measured pixels correct a guess
-constexpr float kColorSigma = 24;     ///< of 255, Euclidean over the channels
+constexpr float kShadowPxPerStep =
+    0.16f;  ///< width of a shadow: f b = 43.5 px m, and a third for the slope of things
+constexpr float kShadowSlackPx = 2;  ///< and its ragged rim
+constexpr float kColorSigma = 24;    ///< of 255, Euclidean over the channels
 
 // The simpler methods.
 constexpr int kMedianWindowPx = 4;        ///< radius of the first pass

@@ -21,7 +21,6 @@ class JointFilling final : public HoleFiller {
   float steps_times_units_;
   DepthRangeUnits range_;
   Image<std::uint8_t> fillable_;
-  Image<float> steps_;
   Cells cells_;
 };
 

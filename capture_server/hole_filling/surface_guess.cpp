@@ -101,6 +101,17 @@ int opposite_sides(const Sightings& seen, const Group& group) {
   return axes;
 }
 
+/// Whether the near surface, `steps` before the far one, stands close enough beside the cell to keep the
+/// sensor's projector from lighting it. Either side, since pictures may be mirrored.
+bool in_shadow(const Sightings& seen, const Group& near, float steps, int column, int row) {
+  const float reach = kShadowPxPerStep * steps + kShadowSlackPx;
+  for (int i = near.begin; i < near.end; ++i) {
+    const Sighting& s = seen.entries[i];
+    if (s.row == row && static_cast<float>((std::abs(s.column - column) - 1) * kCellPx) <= reach) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 SurfaceGuess guess_surfaces(const Cells& cells, int column, int row, const ColorImage* color) {
@@ -126,7 +137,9 @@ SurfaceGuess guess_surfaces(const Cells& cells, int column, int row, const Color
   guess.far = mean_plane(seen, far);
   if (near.weight == 0) return guess;
   guess.near = mean_plane(seen, near);
-  guess.near_surrounds = opposite_sides(seen, near) >= 2 && opposite_sides(seen, far) == 0;
+  const bool surrounded = opposite_sides(seen, near) >= 2 && opposite_sides(seen, far) == 0;
+  const bool shadowed = in_shadow(seen, near, guess.near.steps - guess.far.steps, column, row);
+  guess.prefers_near = surrounded || (!shadowed && near.weight > far.weight);
   if (color != nullptr) {
     guess.far_color = mean_color(seen, far, *color);
     guess.near_color = mean_color(seen, near, *color);

@@ -17,8 +17,8 @@ struct Plane {
 struct SurfaceGuess {
   Plane far, near;
   std::array<float, 3> far_color{},
-      near_color{};             ///< mean, of 255; only where there are two and colour is known
-  bool near_surrounds = false;  ///< the near surface lies on opposite sides of the cell, the far one does not
+      near_color{};           ///< mean, of 255; only where there are two and colour is known
+  bool prefers_near = false;  ///< what to believe where neither pixels nor colour tell
 };
 
 /// Looks around `cell`. `color` may be null.

@@ -48,8 +48,16 @@ class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
   std::atomic<bool> gone_ = false;
 };
 
-// The mode to take: a known format, even sizes, then nearest to 640x480, then to 30 a second, then 1 mm
-// before 0.1 mm.
+bool is_usable(const openni::VideoMode& mode, bool is_depth) {
+  const openni::PixelFormat format = mode.getPixelFormat();
+  const bool known =
+      is_depth ? format == openni::PIXEL_FORMAT_DEPTH_1_MM || format == openni::PIXEL_FORMAT_DEPTH_100_UM
+               : format == openni::PIXEL_FORMAT_RGB888;
+  const auto sane = [](int size) { return size >= 2 && size <= 4096 && size % 2 == 0; };
+  return known && sane(mode.getResolutionX()) && sane(mode.getResolutionY());
+}
+
+// The usable mode that is nearest to the size wanted, then to 30 a second, then in 1 mm before 0.1 mm.
 std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
                                              int height) {
   std::optional<openni::VideoMode> chosen;
@@ -57,18 +65,10 @@ std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, b
   const auto& modes = sensor.getSupportedVideoModes();
   for (int i = 0; i < modes.getSize(); ++i) {
     const openni::VideoMode& mode = modes[i];
-    const openni::PixelFormat format = mode.getPixelFormat();
-    const bool usable =
-        is_depth ? format == openni::PIXEL_FORMAT_DEPTH_1_MM || format == openni::PIXEL_FORMAT_DEPTH_100_UM
-                 : format == openni::PIXEL_FORMAT_RGB888;
-    const bool even = mode.getResolutionX() % 2 == 0 && mode.getResolutionY() % 2 == 0;
-    if (!usable || !even || mode.getResolutionX() < 2 || mode.getResolutionX() > 4096 ||
-        mode.getResolutionY() < 2 || mode.getResolutionY() > 4096) {
-      continue;
-    }
+    if (!is_usable(mode, is_depth)) continue;
     const std::tuple distance{
         std::abs(mode.getResolutionX() - width) + std::abs(mode.getResolutionY() - height),
-        std::abs(mode.getFps() - 30), format == openni::PIXEL_FORMAT_DEPTH_100_UM ? 1 : 0};
+        std::abs(mode.getFps() - 30), mode.getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_100_UM ? 1 : 0};
     if (!chosen || distance < least) {
       chosen = mode;
       least = distance;
@@ -131,6 +131,7 @@ class DeviceSource final : public FrameSource {
   SensorDescription description_;
   std::int64_t half_period_us_ = 16667;
   std::optional<Pairing> pairing_;
+  Instant color_is_up_by_{};
   int last_index_[2] = {0, 0};  // of depth, of colour
   SourceCounters counters_;
 };
@@ -149,7 +150,8 @@ Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::Sens
                 fmt::format("{}: it offers no {} of even size; use another camera", description_.name,
                             is_depth ? "depth in 1 mm or 0.1 mm" : "colour in RGB888"));
   }
-  if (stream.setVideoMode(*mode) != openni::STATUS_OK) {
+  // A device with one mode may refuse to be told so.
+  if (stream.setVideoMode(*mode) != openni::STATUS_OK && !is_usable(stream.getVideoMode(), is_depth)) {
     return fail(
         ErrorCode::kUnavailable,
         fmt::format(
@@ -218,6 +220,7 @@ Result<void> DeviceSource::start() {
                     "controller of its own",
                     description_.name, last_open_ni_error()));
   }
+  color_is_up_by_ = steady_clock::now() + kStallAfter;
   return {};
 }
 
@@ -251,12 +254,20 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
   openni::VideoStream* streams[] = {&depth_, &color_};
   const int stream_count = description_.has_color ? 2 : 1;
   const Instant give_up = steady_clock::now() + (counters_.frames ? kStallAfter : kFirstFrameAfter);
-  std::optional<Instant> waits_until;  // for colour
+  Instant waits_until = Instant::max();  // for colour
   while (true) {
     const Instant now = steady_clock::now();
-    const bool may_wait = description_.has_color && (!waits_until || now < *waits_until);
-    if (auto pair = pairing_->take(may_wait)) return std::move(*pair);
-    if (pairing_->has_depth() && !waits_until) waits_until = now + std::chrono::microseconds(half_period_us_);
+    const bool may_wait = description_.has_color && now < waits_until;
+    if (auto pair = pairing_->take(may_wait)) {
+      // Depth that came before the colour stream was up: no frame has to begin without colour for that.
+      const bool too_early =
+          description_.has_color && !pair->color && counters_.frames == 0 && now < color_is_up_by_;
+      if (!too_early) return std::move(*pair);
+      waits_until = Instant::max();
+      continue;
+    }
+    if (pairing_->has_depth() && waits_until == Instant::max())
+      waits_until = now + std::chrono::microseconds(half_period_us_);
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     if (gone_->gone()) {
       return fail(ErrorCode::kUnavailable, fmt::format("{}: unplugged; plug it in again", description_.name));
@@ -265,13 +276,11 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
       return fail(ErrorCode::kTimeout,
                   fmt::format("{}: it sends no frames; unplug it and plug it in again", description_.name));
     }
-    int wait_ms = kSliceMs;
-    if (waits_until) {
-      const auto left = std::chrono::ceil<milliseconds>(*waits_until - now).count();
-      wait_ms = std::clamp(static_cast<int>(left), 1, kSliceMs);
-    }
+    const auto wait_ms = std::chrono::ceil<milliseconds>(
+        std::clamp<Duration>(waits_until - now, milliseconds(1), milliseconds(kSliceMs)));
     int ready = 0;
-    if (openni::OpenNI::waitForAnyStream(streams, stream_count, &ready, wait_ms) == openni::STATUS_OK) {
+    if (openni::OpenNI::waitForAnyStream(streams, stream_count, &ready, static_cast<int>(wait_ms.count())) ==
+        openni::STATUS_OK) {
       read(*streams[ready]);
     }
   }

@@ -48,7 +48,8 @@ struct SourceSettings {
   bool loop = false;  ///< begin again after the last frame, one mean period later
 };
 
-/// What happened to the pictures a source got. Every one is in a frame or counted here.
+/// What happened to the pictures a source got. Every one is in a frame or counted here, but for a camera's
+/// depth before its colour is up.
 struct SourceCounters {
   std::uint64_t frames = 0;  ///< handed over
   std::uint64_t depth_without_color =

@@ -236,11 +236,10 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
     }
     if (steady_clock::now() > give_up) {
       halt();
-      return fail(
-          ErrorCode::kTimeout,
-          fmt::format(
-              "{}: no frame for a second after frame {} of {}, so it is damaged there; record it again",
-              recording_.path, depth_track_.index, depth_track_.frames));
+      return fail(ErrorCode::kTimeout,
+                  fmt::format("{}: no frame for a second after frame {} of {}: it is damaged there, or this "
+                              "machine is far too busy; record it again or end other programs",
+                              recording_.path, depth_track_.index, depth_track_.frames));
     }
   }
 }

@@ -6,7 +6,9 @@
 // A frame is in flight from the moment it is queued for a client until that client acknowledges it, wherever
 // it is meanwhile: our queue, the kernel's, the network's, the client's. A client has room while fewer than
 // kFrames frames and less than kBytes bytes are in flight. A frame it has no room for is skipped, and with it
-// every frame up to the next keyframe, since none of them can be decoded without it.
+// every frame up to the next keyframe, since none of them can be decoded without it. Having skipped, it has
+// room again only when nothing is in flight any more: keyframes cost all clients, so they are asked for those
+// that have caught up.
 //
 // Thread: a value.
 
@@ -19,9 +21,11 @@ namespace copresence::wire {
 class ClientWindow {
  public:
   static constexpr std::size_t kFrames = 8;           ///< 0.27 s at 30 frames per second
-  static constexpr std::size_t kBytes = 1024 * 1024;  ///< and the frame that crosses the mark
+  static constexpr std::size_t kBytes = 1024 * 1024;  ///< not counting the frame that crosses the mark
 
-  bool has_room() const { return in_flight_.size() < kFrames && bytes_ < kBytes; }
+  bool has_room() const {
+    return in_step_ ? in_flight_.size() < kFrames && bytes_ < kBytes : in_flight_.empty();
+  }
   /// Nothing was skipped since the last keyframe it got; false before the first one.
   bool in_step() const { return in_step_; }
   bool may_have(bool keyframe) const { return has_room() && (keyframe || in_step_); }

@@ -3,11 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <thread>
-
-#include "common/wire/frame_client.h"
-#include "common/wire/frame_server.h"
-#include "tests/common/wire/sample_messages.h"
+#include "common/wire/client_window.h"
+#include "tests/common/wire/raw_peer.h"
+#include "tests/common/wire/served.h"
 
 namespace copresence::wire {
 namespace {
@@ -15,59 +13,13 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-/// A server on a free port, its wire thread, and a camera that captures when told.
-class Served {
- public:
-  Served() : Served(*listen("127.0.0.1:0", false)) {}
-  explicit Served(const ListeningSocket& socket)
-      : address_(socket.address()), server_(*FrameServer::open(socket, sample_description())) {
-    wire_ = std::jthread([this](std::stop_token stop) { server_->run(stop); });
-  }
-
-  FrameServer& server() { return *server_; }
-  const std::string& address() const { return address_; }
-
-  /// One frame as a pipeline makes it: encoded only if wanted. Whether it was.
-  bool capture(std::size_t depth_bytes = 1000) {
-    ++counters_.captured;
-    if (!server_->wants_frames()) {
-      ++counters_.window_full;
-      return false;
-    }
-    auto frame = std::make_shared<EncodedFrame>();
-    frame->keyframe = server_->take_keyframe_request();
-    frame->sequence = counters_.captured;
-    frame->depth.assign(depth_bytes, static_cast<std::uint8_t>(frame->sequence));
-    frame->color.assign(depth_bytes / 2, 0x55);
-    server_->send(frame, counters_);
-    return true;
-  }
-
-  template <class Condition>
-  bool eventually(const Condition& condition) {
-    for (int i = 0; i < 2000 && !condition(); ++i) std::this_thread::sleep_for(1ms);
-    return condition();
-  }
-
- private:
-  std::string address_;
-  std::unique_ptr<FrameServer> server_;
-  FrameCounters counters_;
-  std::jthread wire_;
-};
-
-Result<FrameClient> client_of(const Served& served) {
-  return FrameClient::connect(served.address(), 2s, {});
-}
-
 TEST(Loopback, CarriesAFrameAsItIs) {
   Served served;
-  auto client = client_of(served);
+  auto client = served.client();
   ASSERT_TRUE(client) << client.error().what;
   EXPECT_EQ(client->description(), sample_description());
-  EXPECT_EQ(client->clock(), ClockOffset{});
-  ASSERT_TRUE(served.eventually([&] { return served.server().wants_frames(); }));
-  ASSERT_TRUE(served.capture(50000));
+  EXPECT_EQ(client->clock(), ClockOffset{}) << "both read this machine's clock";
+  ASSERT_EQ(served.capture_when_wanted(50000), 1u);
   const auto received = client->receive({});
   ASSERT_TRUE(received) << received.error().what;
   EXPECT_TRUE(received->frame.keyframe);
@@ -76,38 +28,202 @@ TEST(Loopback, CarriesAFrameAsItIs) {
   EXPECT_EQ(received->frame.color, std::vector<std::uint8_t>(25000, 0x55));
   EXPECT_EQ(received->counters, (FrameCounters{1, 0, 0}));
   EXPECT_LE(received->sent_at, received->received_at);
-  EXPECT_GT(client->bytes_received(), 75000u);
+  EXPECT_EQ(client->bytes_received(), 283 + 72 + 75000u);
+}
+
+TEST(Loopback, CarriesFramesWithoutColourAndOfEverySize) {
+  Served served;
+  auto client = served.client();
+  ASSERT_TRUE(client);
+  for (const std::size_t size : {1u, 2u, 65536u, 1000000u, 5000000u}) {
+    ASSERT_NE(served.capture_when_wanted(size), 0u);
+    const auto received = client->receive({});
+    ASSERT_TRUE(received) << received.error().what;
+    EXPECT_EQ(received->frame.depth.size(), size);
+    EXPECT_EQ(received->frame.color.size(), size / 2);
+  }
 }
 
 TEST(Loopback, TellsWhyAStreamEnds) {
   Served served;
-  auto client = client_of(served);
+  auto client = served.client();
   ASSERT_TRUE(client);
+  ASSERT_NE(served.capture_when_wanted(), 0u);
   served.server().end("the recording is over");
+  EXPECT_TRUE(client->receive({})) << "a frame sent before still arrives";
   const auto received = client->receive({});
   ASSERT_FALSE(received);
   EXPECT_EQ(received.error().code, ErrorCode::kEndOfStream);
   EXPECT_EQ(received.error().what, "the recording is over");
 }
 
+TEST(Loopback, EndsInTimeEvenIfAClientDoesNotListen) {
+  Served served;
+  auto deaf = served.client();
+  ASSERT_TRUE(deaf);
+  ASSERT_NE(served.capture_when_wanted(5'000'000), 0u);  // more than the sockets hold
+  const auto before = std::chrono::steady_clock::now();
+  served.server().end("the camera is gone");
+  EXPECT_TRUE(eventually([&] { return served.is_done(); }));
+  EXPECT_LT(std::chrono::steady_clock::now() - before, 2s);
+}
+
 TEST(Loopback, RestsWithoutClients) {
   Served served;
   EXPECT_FALSE(served.server().wants_frames());
-  EXPECT_FALSE(served.capture());
+  EXPECT_FALSE(served.server().take_keyframe_request());
+  EXPECT_EQ(served.capture(), 0u);
 }
 
-TEST(Loopback, StopsWaitingWhenAsked) {
+TEST(Loopback, StopsWaitingWhenAskedAndGoesOnAfterwards) {
   Served served;
-  auto client = client_of(served);
+  auto client = served.client();
   ASSERT_TRUE(client);
   std::stop_source stop;
   std::jthread soon([&] {
-    std::this_thread::sleep_for(50ms);
+    std::this_thread::sleep_for(20ms);
     stop.request_stop();
   });
-  const auto before = std::chrono::steady_clock::now();
   EXPECT_FALSE(client->receive(stop.get_token()));
-  EXPECT_LT(std::chrono::steady_clock::now() - before, 1s);
+  ASSERT_NE(served.capture_when_wanted(), 0u);
+  EXPECT_TRUE(client->receive({}));
+}
+
+TEST(Loopback, PausesTheEncoderOnlyWhenEveryWindowIsFull) {
+  Served served;
+  auto client = served.client();
+  ASSERT_TRUE(client);
+  for (std::size_t i = 0; i < ClientWindow::kFrames; ++i) ASSERT_NE(served.capture_when_wanted(), 0u);
+  EXPECT_TRUE(eventually([&] { return !served.server().wants_frames(); }));
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(served.capture(), 0u);
+  for (std::size_t i = 0; i < ClientWindow::kFrames; ++i) ASSERT_TRUE(client->receive({}));
+  const std::uint64_t next = served.capture_when_wanted();
+  EXPECT_EQ(next, ClientWindow::kFrames + 6);
+  const auto received = client->receive({});
+  ASSERT_TRUE(received);
+  EXPECT_FALSE(received->frame.keyframe) << "nothing was encoded that it does not have";
+  EXPECT_EQ(received->counters.window_full, 5u);
+}
+
+TEST(Loopback, SurvivesClientsThatVanish) {
+  Served served;
+  auto client = served.client();
+  ASSERT_TRUE(client);
+  {
+    RawPeer killed(served.address());
+    killed.say(encode(Hello{}));
+    ASSERT_TRUE(killed.hear());
+    ASSERT_NE(served.capture_when_wanted(100000), 0u);
+    killed.vanish();
+  }
+  ASSERT_TRUE(client->receive({}));
+  EXPECT_TRUE(eventually([&] { return served.server().counters().clients == 1; }));
+  ASSERT_NE(served.capture_when_wanted(), 0u);
+  EXPECT_TRUE(client->receive({}));
+}
+
+TEST(Loopback, NoticesThatItsServerVanished) {
+  auto served = std::make_unique<Served>();
+  auto client = served->client();
+  ASSERT_TRUE(client);
+  served.reset();
+  const auto received = client->receive({});
+  ASSERT_FALSE(received);
+  EXPECT_EQ(received.error().code, ErrorCode::kUnavailable);
+  EXPECT_THAT(received.error().what, HasSubstr("hung up"));
+  EXPECT_FALSE(client->receive({})) << "and stays that way";
+}
+
+TEST(Loopback, ConnectsAnewToAServersSuccessor) {
+  const auto socket = listen("127.0.0.1:0", false);  // the parent's
+  ASSERT_TRUE(socket);
+  for (int life = 0; life < 3; ++life) {
+    Served served(*socket);
+    auto client = served.client();
+    ASSERT_TRUE(client) << client.error().what;
+    ASSERT_NE(served.capture_when_wanted(), 0u);
+    EXPECT_TRUE(client->receive({})->frame.keyframe);
+  }
+}
+
+TEST(Loopback, RefusesAnotherVersionAndSaysWhatToDo) {
+  Served served;
+  RawPeer stranger(served.address());
+  stranger.say(encode(Hello{kProtocolVersion + 1}));
+  const auto answer = stranger.hear();
+  ASSERT_TRUE(answer);
+  const auto refusal = decode_refusal(body_of(*answer));
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->reason, RefusalReason::kVersion);
+  EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 1, this client 2"));
+  EXPECT_THAT(refusal->text, HasSubstr("same release"));
+  EXPECT_FALSE(stranger.hear());
+}
+
+TEST(Loopback, RefusesOneClientTooMany) {
+  Served served;
+  std::vector<FrameClient> clients;
+  for (std::size_t i = 0; i < FrameServer::kMaxClients; ++i) {
+    auto client = served.client();
+    ASSERT_TRUE(client) << client.error().what;
+    clients.push_back(std::move(*client));
+  }
+  const auto one_more = served.client();
+  ASSERT_FALSE(one_more);
+  EXPECT_EQ(one_more.error().code, ErrorCode::kUnavailable) << "one may leave: not final";
+  EXPECT_THAT(one_more.error().what, HasSubstr("32 clients already"));
+  clients.pop_back();
+  EXPECT_TRUE(eventually([&] { return served.client().has_value(); }));
+}
+
+TEST(Loopback, HangsUpOnNonsenseAndOnNobodyElse) {
+  Served served;
+  auto client = served.client();
+  ASSERT_TRUE(client);
+  const Bytes hello = encode(Hello{});
+  Bytes twice = hello;
+  twice.insert(twice.end(), hello.begin(), hello.end());
+  const auto after_hello = [&hello](const Bytes& message) {
+    Bytes both = hello;
+    both.insert(both.end(), message.begin(), message.end());
+    return both;
+  };
+  std::vector<Bytes> nonsense = {
+      twice,
+      after_hello(encode(FrameAck{1})),                         // of a frame nobody sent
+      after_hello(encode(Pong{})),                              // the server's to say
+      after_hello(encode(EndOfStream{std::string(500, 'x')})),  // likewise
+      after_hello({0xff, 0xff, 0xff, 0xff, 0x13, 0, 0, 0}),     // of 4 GiB
+      after_hello({0, 0, 0, 0, 99, 0, 0, 0}),                   // of no type
+      encode_keyframe_request(),                                // before hello
+      Bytes(100000, 0xaa),
+  };
+  for (const Bytes& message : nonsense) {
+    RawPeer peer(served.address());
+    peer.say(message);
+    peer.hear_out();  // returns, since the server hangs up
+  }
+  RawPeer browser(served.address());
+  browser.say("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  browser.hear_out();
+
+  RawPeer half(served.address());
+  half.say(Bytes(hello.begin(), hello.begin() + 10));
+  ASSERT_NE(served.capture_when_wanted(), 0u);
+  EXPECT_TRUE(client->receive({}));
+}
+
+TEST(Loopback, DoesNotQueueAnswersForWhoeverNeverReadsThem) {
+  Served served;
+  RawPeer flood(served.address());
+  flood.say(encode(Hello{}));
+  Bytes pings;
+  for (int i = 0; i < 1000; ++i) {
+    const Bytes ping = encode(Ping{at_ns(i)});
+    pings.insert(pings.end(), ping.begin(), ping.end());
+  }
+  for (int i = 0; i < 1000; ++i) flood.say(pings);  // fails quietly once the server hangs up
+  EXPECT_TRUE(eventually([&] { return served.server().counters().clients == 0; }));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "tests/common/wire/raw_peer.h"
 #include "tests/common/wire/sample_messages.h"
 
 namespace copresence::wire {
@@ -16,10 +17,6 @@ using testing::HasSubstr;
 
 std::span<const std::uint8_t, kHeaderBytes> header_of(const Bytes& message) {
   return std::span(message).first<kHeaderBytes>();
-}
-
-std::span<const std::uint8_t> body_of(const Bytes& message) {
-  return std::span(message).subspan(kHeaderBytes);
 }
 
 Result<void> decoded(MessageType type, std::span<const std::uint8_t> body) {

@@ -1,0 +1,208 @@
+// A client and servers that are none.
+
+#include "common/wire/frame_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <thread>
+
+#include "tests/common/wire/raw_peer.h"
+#include "tests/common/wire/sample_messages.h"
+
+namespace copresence::wire {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+/// Listens and does with the first connection what a test wants.
+class FakeServer {
+ public:
+  explicit FakeServer(std::function<void(RawPeer&)> behaviour) {
+    thread_ = std::jthread([this, behaviour = std::move(behaviour)] {
+      RawPeer peer(acceptor_);
+      behaviour(peer);
+    });
+  }
+  std::string address() const { return "127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port()); }
+
+  Result<FrameClient> client(std::chrono::milliseconds timeout = 2s) const {
+    return FrameClient::connect(address(), timeout, {});
+  }
+
+ private:
+  asio::io_context io_;
+  asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}};
+  std::jthread thread_;
+};
+
+Bytes frame_message() {
+  const FrameHeadMessage head = encode(sample_frame_head());
+  Bytes message(head.size() + 100, 7);
+  std::copy(head.begin(), head.end(), message.begin());
+  return message;
+}
+
+/// Says something right after a proper handshake and listens until the client hangs up.
+auto welcomes_and_says(const Bytes& bytes) {
+  return [bytes](RawPeer& peer) {
+    peer.hear();
+    peer.say(encode(sample_welcome()));
+    peer.say(bytes);
+    peer.hear_out();
+  };
+}
+
+Error error_after_handshake(const Bytes& bytes) {
+  FakeServer server(welcomes_and_says(bytes));
+  auto client = server.client();
+  if (!client) return client.error();
+  const auto received = client->receive({});
+  return received ? Error{ErrorCode::kInvalid, "no error"} : received.error();
+}
+
+Error error_of_connecting(const Bytes& answer) {
+  FakeServer server([&](RawPeer& peer) {
+    peer.hear();
+    peer.say(answer);
+    peer.hear_out();
+  });
+  const auto client = server.client();
+  return client ? Error{ErrorCode::kInvalid, "no error"} : client.error();
+}
+
+TEST(FrameClient, SaysThatNothingListens) {
+  std::string address;
+  {
+    asio::io_context io;
+    asio::ip::tcp::acceptor gone(io, {asio::ip::address_v4::loopback(), 0});
+    address = "127.0.0.1:" + std::to_string(gone.local_endpoint().port());
+  }
+  const auto client = FrameClient::connect(address, 2s, {});
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error().code, ErrorCode::kUnavailable);
+  EXPECT_THAT(client.error().what, HasSubstr(address + ": nothing listens there"));
+}
+
+TEST(FrameClient, RefusesWhatIsNoAddress) {
+  const auto client = FrameClient::connect("kitchen", 2s, {});
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error().code, ErrorCode::kInvalid);
+}
+
+TEST(FrameClient, DoesNotWaitForeverForAWelcome) {
+  FakeServer silent([](RawPeer& peer) { peer.hear_out(); });
+  const auto client = silent.client(100ms);
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error().code, ErrorCode::kTimeout);
+  EXPECT_THAT(client.error().what, HasSubstr("does not answer"));
+}
+
+TEST(FrameClient, StopsConnectingWhenAsked) {
+  FakeServer silent([](RawPeer& peer) { peer.hear_out(); });
+  std::stop_source stop;
+  std::jthread soon([&] {
+    std::this_thread::sleep_for(20ms);
+    stop.request_stop();
+  });
+  const auto before = std::chrono::steady_clock::now();
+  EXPECT_FALSE(FrameClient::connect(silent.address(), 10s, stop.get_token()));
+  EXPECT_LT(std::chrono::steady_clock::now() - before, 5s);
+}
+
+TEST(FrameClient, TakesARefusalOfItsVersionAsFinal) {
+  const Error error =
+      error_of_connecting(encode(Refusal{RefusalReason::kVersion, "install the same release"}));
+  EXPECT_EQ(error.code, ErrorCode::kRefused);
+  EXPECT_THAT(error.what, HasSubstr("install the same release"));
+}
+
+TEST(FrameClient, TakesAFullServerAsPassing) {
+  EXPECT_EQ(error_of_connecting(encode(Refusal{RefusalReason::kFull, "full"})).code, ErrorCode::kUnavailable);
+}
+
+TEST(FrameClient, BelievesNoServerThatTalksNonsense) {
+  EXPECT_EQ(error_of_connecting(Bytes(1000, 0xaa)).code, ErrorCode::kCorrupt);
+  EXPECT_EQ(error_of_connecting(encode(Hello{})).code, ErrorCode::kCorrupt);
+  EXPECT_EQ(error_of_connecting(frame_message()).code, ErrorCode::kCorrupt) << "before any welcome";
+  EXPECT_THAT(error_of_connecting({'S', 'S', 'H', '-', '2', '.', '0', '-'}).what,
+              HasSubstr("no capture_server"));
+  EXPECT_EQ(error_after_handshake(Bytes(1000, 0xaa)).code, ErrorCode::kCorrupt);
+  EXPECT_EQ(error_after_handshake(encode(sample_welcome())).code, ErrorCode::kCorrupt) << "twice";
+  EXPECT_EQ(error_after_handshake(encode(Pong{at_ns(1), at_ns(2)})).code, ErrorCode::kCorrupt)
+      << "never pinged";
+  Bytes impossible = frame_message();
+  impossible[kHeaderBytes + 61] = 1;  // more depth than bytes
+  EXPECT_EQ(error_after_handshake(impossible).code, ErrorCode::kCorrupt);
+}
+
+TEST(FrameClient, SurvivesEveryEndInTheMiddleOfAMessage) {
+  const Bytes frame = frame_message();
+  for (const std::size_t size : {0u, 1u, 7u, 8u, 40u, 71u, 72u, 100u, 171u}) {
+    FakeServer server([&](RawPeer& peer) {
+      peer.hear();
+      peer.say(encode(sample_welcome()));
+      peer.say(Bytes(frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(size)));
+    });
+    auto client = server.client();
+    ASSERT_TRUE(client);
+    const auto received = client->receive({});
+    ASSERT_FALSE(received);
+    EXPECT_EQ(received.error().code, ErrorCode::kUnavailable) << "after " << size << " bytes";
+  }
+}
+
+TEST(FrameClient, AcknowledgesEachFrameAsItArrives) {
+  std::optional<Bytes> ack;
+  {
+    FakeServer server([&](RawPeer& peer) {
+      peer.hear();
+      peer.say(encode(sample_welcome()));
+      peer.say(frame_message());
+      ack = peer.hear();
+    });
+    auto client = server.client();
+    ASSERT_TRUE(client);
+    ASSERT_TRUE(client->receive({}));
+  }
+  ASSERT_TRUE(ack);
+  EXPECT_EQ(*ack, encode(FrameAck{300}));
+}
+
+TEST(FrameClient, FollowsTheClockOfAnotherMachine) {
+  constexpr auto kAhead = 1000s;
+  FakeServer server([&](RawPeer& peer) {
+    peer.hear();
+    Welcome welcome = sample_welcome();
+    welcome.server_time = std::chrono::steady_clock::now() + kAhead;
+    peer.say(encode(welcome));
+    for (int pings = 0; pings < 2;) {
+      const auto message = peer.hear();
+      if (!message) return;
+      if (type_of(*message) != MessageType::kPing) continue;
+      const auto ping = decode_ping(body_of(*message));
+      peer.say(encode(Pong{ping->client_time, std::chrono::steady_clock::now() + kAhead}));
+      ++pings;
+    }
+    peer.say(encode(EndOfStream{"done"}));
+    peer.hear_out();
+  });
+  auto client = server.client();
+  ASSERT_TRUE(client);
+  const auto holds = [&] {
+    const ClockOffset clock = client->clock();
+    return clock.uncertainty > Duration::zero() &&
+           std::chrono::abs(clock.offset - kAhead) <= clock.uncertainty;
+  };
+  EXPECT_TRUE(holds()) << "from the handshake alone";
+  const auto received = client->receive({});
+  ASSERT_FALSE(received);
+  EXPECT_EQ(received.error().code, ErrorCode::kEndOfStream);
+  EXPECT_TRUE(holds());
+}
+
+}  // namespace
+}  // namespace copresence::wire

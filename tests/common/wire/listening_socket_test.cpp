@@ -1,0 +1,82 @@
+#include "common/wire/listening_socket.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/wire/host_port.h"
+
+namespace copresence::wire {
+namespace {
+
+using testing::HasSubstr;
+using testing::MatchesRegex;
+
+Error error_of(const std::string& address, bool insecure = false) {
+  const auto socket = listen(address, insecure);
+  return socket ? Error{ErrorCode::kInvalid, "no error"} : socket.error();
+}
+
+TEST(HostPort, ReadsWhatPeopleWrite) {
+  EXPECT_EQ(*parse_host_port("127.0.0.1:7001"), (HostPort{"127.0.0.1", 7001}));
+  EXPECT_EQ(*parse_host_port("kitchen.local:65535"), (HostPort{"kitchen.local", 65535}));
+  EXPECT_EQ(*parse_host_port("[::1]:7001"), (HostPort{"::1", 7001}));
+}
+
+TEST(HostPort, SaysHowToWriteIt) {
+  for (const char* text : {"", ":", "localhost", "localhost:", ":7001", "a:65536", "a:-1", "a:7x", "::1:7001",
+                           "[]:7001", "a b\n:7001"}) {
+    const auto address = parse_host_port(text);
+    ASSERT_FALSE(address) << text;
+    EXPECT_EQ(address.error().code, ErrorCode::kInvalid);
+    EXPECT_THAT(address.error().what, HasSubstr("write HOST:PORT"));
+  }
+}
+
+TEST(ListeningSocket, NamesThePortItGot) {
+  const auto socket = listen("127.0.0.1:0", false);
+  ASSERT_TRUE(socket) << socket.error().what;
+  EXPECT_THAT(socket->address(), MatchesRegex("127\\.0\\.0\\.1:[1-9][0-9]+"));
+}
+
+TEST(ListeningSocket, SaysThatAPortIsInUse) {
+  const auto socket = listen("127.0.0.1:0", false);
+  ASSERT_TRUE(socket);
+  const Error error = error_of(socket->address());
+  EXPECT_EQ(error.code, ErrorCode::kUnavailable);
+  EXPECT_THAT(error.what, HasSubstr(socket->address() + " is in use"));
+}
+
+TEST(ListeningSocket, StaysOnThisMachineUnlessToldOtherwise) {
+  for (const char* address : {"0.0.0.0:0", "[::]:0", "[::ffff:0.0.0.0]:0"}) {
+    const Error error = error_of(address);
+    if (error.code == ErrorCode::kNotFound) continue;  // no IPv6 here
+    EXPECT_EQ(error.code, ErrorCode::kInvalid) << address;
+    EXPECT_THAT(error.what, HasSubstr("--insecure")) << address;
+  }
+  EXPECT_TRUE(listen("0.0.0.0:0", true));
+}
+
+TEST(ListeningSocket, SaysThatAnAddressIsNotOfThisMachine) {
+  EXPECT_EQ(error_of("203.0.113.7:0", true).code, ErrorCode::kUnavailable);
+}
+
+TEST(ListeningSocket, IsTakenOverFromAParent) {
+  auto parents = listen("127.0.0.1:0", false);
+  ASSERT_TRUE(parents);
+  const std::string address = parents->address();
+  const auto childs = ListeningSocket::adopt(::dup(parents->descriptor()));
+  ASSERT_TRUE(childs);
+  EXPECT_EQ(childs->address(), address);
+}
+
+TEST(ListeningSocket, TakesNothingElseOver) {
+  EXPECT_FALSE(ListeningSocket::adopt(-1));
+  const int file = ::open("/dev/null", O_RDONLY);
+  EXPECT_FALSE(ListeningSocket::adopt(file));
+  ::close(file);
+}
+
+}  // namespace
+}  // namespace copresence::wire

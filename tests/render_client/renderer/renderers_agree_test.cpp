@@ -1,0 +1,174 @@
+// Holds the two renderers' pictures together: same cameras, same eye, same view.
+
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+
+#include "common/frame/workers.h"
+#include "render_client/renderer/cpu_renderer.h"
+#include "render_client/renderer/gl_renderer.h"
+#include "render_client/renderer/merge_rules.h"
+#include "tests/render_client/renderer/surfaces.h"
+#include "tests/support/gl_test.h"
+
+namespace copresence::renderer {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 270;
+
+// Half a Kinect's pixels, to be quick.
+CameraModel half_kinect_model() {
+  return {320, 240, 292.5, 292.5, 159.75, 119.75, {}};
+}
+
+Surface seen_from(const Rigid3& world_from_camera, const Eigen::Vector3d& n, double d) {
+  return plane(world_from_camera.rotation.transpose() * n, d - n.dot(world_from_camera.translation));
+}
+
+// Two walls that meet, a floor, and a ball before them; metres, the camera's convention for the world too.
+Surface room(const Rigid3& world_from_camera) {
+  const Eigen::Vector3d ball(0.1, 0.2, 1.8);
+  return together(
+      {seen_from(world_from_camera, {0.3, 0, 1}, 3), seen_from(world_from_camera, {-0.5, 0, 1}, 3.2),
+       seen_from(world_from_camera, {0, 1, 0}, 0.9), sphere(world_from_camera.inverse() * ball, 0.35)});
+}
+
+struct Scene {
+  std::vector<RgbdFrame> frames;
+  std::vector<CameraView> cameras;
+};
+
+struct Sensing {
+  bool color = true;
+  bool noise = false;
+};
+
+// Two cameras, half a metre apart, that look at the ball.
+Scene scene(const Sensing& sensing) {
+  Scene made;
+  made.frames.reserve(2);
+  for (int i = 0; i < 2; ++i) {
+    CameraView camera;
+    camera.model = half_kinect_model();
+    camera.unit = DepthUnit::k100Micrometres;
+    camera.version = 1;
+    camera.world_from_camera.translation.x() = i == 0 ? -0.25 : 0.25;
+    camera.world_from_camera.rotation = turned(i == 0 ? 8 : -8);
+    if (i == 1) camera.color_matching << 0.9F, 0.05F, 0, 0.01F, 0, 1.1F, 0, 0, 0.02F, 0, 0.95F, -0.01F;
+    made.frames.push_back(frame_of(camera.model, room(camera.world_from_camera),
+                                   sensing.color ? std::optional(Paint(gradient)) : std::nullopt));
+    if (sensing.noise) measure_like_a_kinect(made.frames.back(), 0.04, unsigned(i));
+    // a filled patch
+    for (int v = 50; v < 80; ++v) {
+      for (int u = 100; u < 150; ++u) {
+        auto& state = made.frames.back().state(u, v);
+        if (state == DepthState::kMeasured) state = DepthState::kFilled;
+      }
+    }
+    made.cameras.push_back(camera);
+  }
+  for (int i = 0; i < 2; ++i) made.cameras[i].frame = &made.frames[i];
+  return made;
+}
+
+// Per cent of the view, and per cent of the pixels shown in both.
+struct Difference {
+  double shown_in_one = 0;
+  double color = 0;       // more than 8/255 apart
+  double winner = 0;      // of different cameras
+  double millimetre = 0;  // of the same camera, and more than a millimetre apart
+  double steps = 0;       // the same, and more than kPlanarSteps of the sensor apart
+};
+
+std::ostream& operator<<(std::ostream& out, const Difference& d) {
+  return out << "shown in one only " << d.shown_in_one << " %, colour " << d.color << " %, winner "
+             << d.winner << " %, depth by a millimetre " << d.millimetre << " %, by " << kPlanarSteps
+             << " steps " << d.steps << " %";
+}
+
+Difference compare(const MergedView& a, const MergedView& b) {
+  double both = 0;
+  Difference count;
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) {
+      const float p_m = a.depth_m(x, y), q_m = b.depth_m(x, y);
+      count.shown_in_one += (p_m > 0) != (q_m > 0);
+      if (p_m == 0 || q_m == 0) continue;
+      ++both;
+      const Rgba8 p = a.color(x, y), q = b.color(x, y);
+      count.color += std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)}) > 8;
+      const bool same_winner = a.camera(x, y) == b.camera(x, y);
+      count.winner += !same_winner;
+      if (!same_winner) continue;
+      count.millimetre += std::abs(p_m - q_m) > 0.001F;
+      count.steps += std::abs(p_m - q_m) > kPlanarSteps * sensor_step_m(p_m);
+    }
+  }
+  EXPECT_GT(both, a.width * a.height / 3);
+  const double per_view = 100.0 / (a.width * a.height), per_pixel = 100 / both;
+  return {count.shown_in_one * per_view, count.color * per_pixel, count.winner * per_pixel,
+          count.millimetre * per_pixel, count.steps * per_pixel};
+}
+
+class RenderersAgree : public gl::GlTest {
+ protected:
+  // From several eyes; the worst of each.
+  Difference differ(const Scene& scene, int largest_block) {
+    NoWorkers workers;
+    const auto cpu = make_cpu_renderer(workers, {.largest_block = largest_block});
+    const auto gl = make_gl_renderer(context());
+    if (!gl) {
+      ADD_FAILURE() << gl.error().what;
+      return {};
+    }
+    Difference worst;
+    for (const double degrees : {-20.0, 3.0, 14.0}) {
+      const VirtualCamera eye = orbiting_eye(kWidth, kHeight, degrees, 2);
+      MergedView ours, theirs;
+      constexpr HostPixels kAll{.color = true, .depth = true};
+      EXPECT_TRUE(cpu->render(scene.cameras, eye, kAll, ours));
+      EXPECT_TRUE((*gl)->render(scene.cameras, eye, kAll, theirs));
+      const Difference here = compare(ours, theirs);
+      std::cout << degrees << " degrees: " << here << '\n';
+      worst = {std::max(worst.shown_in_one, here.shown_in_one), std::max(worst.color, here.color),
+               std::max(worst.winner, here.winner), std::max(worst.millimetre, here.millimetre),
+               std::max(worst.steps, here.steps)};
+    }
+    return worst;
+  }
+};
+
+// Flat regions are drawn pixel by pixel here, as the GL renderer always does: nothing but rounding is left.
+TEST_F(RenderersAgree, PixelByPixelOnASmoothRoom) {
+  const Difference worst = differ(scene({}), 1);
+  EXPECT_LE(worst.shown_in_one, 0.1);
+  EXPECT_LE(worst.color, 0.2);
+  EXPECT_LE(worst.winner, 1);
+  EXPECT_LE(worst.millimetre, 0.5);
+}
+
+TEST_F(RenderersAgree, PixelByPixelOnARoomAsAKinectSeesIt) {
+  const Difference worst = differ(scene({.noise = true}), 1);
+  EXPECT_LE(worst.shown_in_one, 0.1);
+  EXPECT_LE(worst.color, 0.2);
+  EXPECT_LE(worst.winner, 4) << "tilts are measured differently in flat blocks";
+  EXPECT_LE(worst.millimetre, 1);
+}
+
+// And as the CPU renderer runs: it flattens noise in flat blocks, the GL renderer shows it.
+TEST_F(RenderersAgree, OnARoomAsAKinectSeesIt) {
+  const Difference worst = differ(scene({.noise = true}), 16);
+  EXPECT_LE(worst.shown_in_one, 0.5);
+  EXPECT_LE(worst.color, 1);
+  EXPECT_LE(worst.steps, 1);
+}
+
+TEST_F(RenderersAgree, OnARoomWithoutColor) {
+  const Difference worst = differ(scene({.color = false}), 16);
+  EXPECT_LE(worst.shown_in_one, 0.5);
+  EXPECT_LE(worst.color, 1);
+  EXPECT_LE(worst.steps, 1);
+}
+
+}  // namespace
+}  // namespace copresence::renderer

@@ -19,21 +19,49 @@ Attributes attributes(const ViewVertex& vertex) {
   return a;
 }
 
-// An edge's function of the pixel, >= 0 on the inner side of a clockwise triangle and kTolerancePx beyond.
-struct Edge {
-  float x, y;    // where the edge begins
-  float dx, dy;  // to its end
-  float tolerance;
+// Twice the area of the triangle; positive when it is clockwise.
+float area(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
 
+// A function of the pixel, >= 0 on the inner side of an edge of a clockwise polygon and kTolerancePx beyond.
+class Edge {
+ public:
   Edge(const ViewVertex& from, const ViewVertex& to)
-      : x(from.x),
-        y(from.y),
-        dx(to.x - from.x),
-        dy(to.y - from.y),
-        tolerance(kTolerancePx * (std::abs(dx) + std::abs(dy))) {}
+      : x_(from.x),
+        y_(from.y),
+        dx_(to.x - from.x),
+        dy_(to.y - from.y),
+        tolerance_(kTolerancePx * (std::abs(dx_) + std::abs(dy_))) {}
 
-  Floats at(const Floats& pixel_x, float pixel_y) const {
-    return all(dx * (pixel_y - y) + tolerance) - dy * (pixel_x - x);
+  Floats at(const Floats& x, float y) const { return (dx_ * (y - y_) + tolerance_) - dy_ * (x - x_); }
+
+ private:
+  float x_, y_, dx_, dy_, tolerance_;
+};
+
+template <std::size_t kEdges>
+struct Polygon {
+  std::array<Edge, kEdges> edges;
+
+  Floats inside(const Floats& x, float y) const {
+    Floats least = edges[0].at(x, y);
+    for (std::size_t i = 1; i < kEdges; ++i) least = smaller(least, edges[i].at(x, y));
+    return least;
+  }
+};
+
+// w, k, u and v as affine functions of the pixel.
+struct AttributePlane {
+  Attributes origin, per_x, per_y;
+  float x, y;     // of the origin
+  float nearest;  // w of the nearest corner: in a sliver, the outline's tolerance would reach far beyond it
+
+  // p and q are two directions along which the attributes change by P and Q.
+  void solve(float p_x, float p_y, const Attributes& P, float q_x, float q_y, const Attributes& Q) {
+    const float per_area = 1.0F / (p_x * q_y - p_y * q_x);
+    per_x = (P * q_y - Q * p_y) * per_area;
+    per_y = (Q * p_x - P * q_x) * per_area;
   }
 };
 
@@ -51,49 +79,78 @@ void Band::begin(int width, int top, int rows, float far_m, int camera_width, in
   texel_.resize(w_.size());
 }
 
-void Band::draw(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c) {
+// The pixels that the corners span, as far as they lie in the band.
+template <class... Vertices>
+bool Band::find_box(Box& box, const Vertices&... corners) const {
   const float bottom =
-      std::min(std::max(std::max(a.y, b.y), c.y) + kTolerancePx, static_cast<float>(top_ + rows_ - 1));
-  const float top = std::max(std::min(std::min(a.y, b.y), c.y) - kTolerancePx, static_cast<float>(top_));
-  const float right =
-      std::min(std::max(std::max(a.x, b.x), c.x) + kTolerancePx, static_cast<float>(width_ - 1));
-  const float left = std::max(std::min(std::min(a.x, b.x), c.x) - kTolerancePx, 0.0F);
-  const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-  if (!(area > 0) || !(top <= bottom) || !(left <= right)) return;
-  const int first_y = static_cast<int>(std::ceil(top)), last_y = static_cast<int>(std::floor(bottom));
-  const int first_x = static_cast<int>(std::ceil(left)), last_x = static_cast<int>(std::floor(right));
-  if (first_y > last_y || first_x > last_x) return;
+      std::min(std::max({corners.y...}) + kTolerancePx, static_cast<float>(top_ + rows_ - 1));
+  const float top = std::max(std::min({corners.y...}) - kTolerancePx, static_cast<float>(top_));
+  if (!(top <= bottom)) return false;
+  const float right = std::min(std::max({corners.x...}) + kTolerancePx, static_cast<float>(width_ - 1));
+  const float left = std::max(std::min({corners.x...}) - kTolerancePx, 0.0F);
+  if (!(left <= right)) return false;
+  // All four are within the band and so not negative.
+  box = {.left = static_cast<int>(std::ceil(left)),
+         .top = static_cast<int>(std::ceil(top)),
+         .right = static_cast<int>(right),
+         .bottom = static_cast<int>(bottom)};
+  return box.left <= box.right && box.top <= box.bottom;
+}
 
-  const Edge ab(a, b), bc(b, c), ca(c, a);
-  const float per_area = 1.0F / area;
-  const Attributes at_a = attributes(a);
-  const Attributes to_b = attributes(b) - at_a, to_c = attributes(c) - at_a;
-  const Attributes per_x = (to_b * (c.y - a.y) - to_c * (b.y - a.y)) * per_area;
-  const Attributes per_y = (to_c * (b.x - a.x) - to_b * (c.x - a.x)) * per_area;
-  // In a sliver the tolerance reaches far beyond the corners' depths.
-  const float nearest = std::max(std::max(a.w, b.w), c.w);
-
-  for (int y = first_y; y <= last_y; ++y) {
+template <class Outline, class Plane>
+void Band::fill(const Box& box, const Outline& outline, const Plane& plane) {
+  for (int y = box.top; y <= box.bottom; ++y) {
     const auto pixel_y = static_cast<float>(y);
-    const Attributes row = at_a + per_y * (pixel_y - a.y);
+    const Attributes row = plane.origin + plane.per_y * (pixel_y - plane.y);
     float* const depths = w_.data() + offset(y);
     std::uint32_t* const texels = texel_.data() + offset(y);
-    for (int x = first_x; x <= last_x; x += kLanes) {
+    for (int x = box.left; x <= box.right; x += kLanes) {
       const Floats pixel_x = ramp() + static_cast<float>(x);
-      const Floats inside =
-          smaller(smaller(ab.at(pixel_x, pixel_y), bc.at(pixel_x, pixel_y)), ca.at(pixel_x, pixel_y));
-      const Floats offset_x = pixel_x - a.x;
-      const Floats w = smaller(row[0] + per_x[0] * offset_x, all(nearest));
+      const Floats across = pixel_x - plane.x;
+      const Floats w = smaller(row[0] + plane.per_x[0] * across, all(plane.nearest));
       const Floats there = load<Floats>(depths + x);
-      const Ints wins = (inside >= 0) & (w > there);
+      const Ints wins = (outline.inside(pixel_x, pixel_y) >= 0) & (w > there);
       if (bits(wins) == 0) continue;
-      const Floats z = 1.0F / (row[1] + per_x[1] * offset_x);
-      const Ints u = truncated(smaller(larger((row[2] + per_x[2] * offset_x) * z, Floats{}), all(last_u_)));
-      const Ints v = truncated(smaller(larger((row[3] + per_x[3] * offset_x) * z, Floats{}), all(last_v_)));
+      const Floats z = 1.0F / (row[1] + plane.per_x[1] * across);
+      const Ints u =
+          truncated(smaller(larger((row[2] + plane.per_x[2] * across) * z, Floats{}), all(last_u_)));
+      const Ints v =
+          truncated(smaller(larger((row[3] + plane.per_x[3] * across) * z, Floats{}), all(last_v_)));
       store(depths + x, wins ? w : there);
       store(texels + x, wins ? (v << 16 | u) : load<Ints>(texels + x));
     }
   }
+}
+
+void Band::draw(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c) {
+  Box box;
+  if (!(area(a, b, c) > 0) || !find_box(box, a, b, c)) return;
+  AttributePlane plane;
+  plane.origin = attributes(a);
+  plane.x = a.x;
+  plane.y = a.y;
+  plane.nearest = std::max(std::max(a.w, b.w), c.w);
+  plane.solve(b.x - a.x, b.y - a.y, attributes(b) - plane.origin, c.x - a.x, c.y - a.y,
+              attributes(c) - plane.origin);
+  fill(box, Polygon<3>{{Edge(a, b), Edge(b, c), Edge(c, a)}}, plane);
+}
+
+void Band::draw(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c, const ViewVertex& d) {
+  Box box;
+  if (!find_box(box, a, b, c, d)) return;
+  if (!(area(a, b, d) > 0) || !(area(b, c, d) > 0) || !(area(a, b, c) > 0) || !(area(a, c, d) > 0)) {
+    draw(a, b, d);
+    draw(b, c, d);
+    return;
+  }
+  AttributePlane plane;
+  const Attributes at_a = attributes(a), at_b = attributes(b), at_c = attributes(c), at_d = attributes(d);
+  plane.origin = (at_a + at_b + at_c + at_d) * 0.25F;
+  plane.x = (a.x + b.x + c.x + d.x) * 0.25F;
+  plane.y = (a.y + b.y + c.y + d.y) * 0.25F;
+  plane.nearest = std::max(std::max(a.w, b.w), std::max(c.w, d.w));
+  plane.solve(c.x - a.x, c.y - a.y, at_c - at_a, d.x - b.x, d.y - b.y, at_d - at_b);
+  fill(box, Polygon<4>{{Edge(a, b), Edge(b, c), Edge(c, d), Edge(d, a)}}, plane);
 }
 
 namespace {
@@ -126,8 +183,8 @@ void draw_clipped(const std::array<ClipVertex, 3>& corners, float near_m, Band& 
 void draw_patch(const DepthMesh& mesh, const DepthMesh::Patch& patch, const PatchExtent& extent,
                 const std::vector<ViewVertex>& vertices, const ProjectionMatrix& matrix, float near_m,
                 Band& band) {
-  const auto draw = [&](std::uint16_t a, std::uint16_t b, std::uint16_t c) {
-    const std::size_t first = patch.first_vertex;
+  const std::size_t first = patch.first_vertex;
+  const auto triangle = [&](std::uint16_t a, std::uint16_t b, std::uint16_t c) {
     if (extent.in_front) {
       band.draw(vertices[first + a], vertices[first + b], vertices[first + c]);
     } else {
@@ -138,12 +195,16 @@ void draw_patch(const DepthMesh& mesh, const DepthMesh::Patch& patch, const Patc
   };
   for (std::size_t q = patch.first_quad; q < patch.first_quad + patch.quads; ++q) {
     const auto& [a, b, c, d] = mesh.quads[q];
-    draw(a, b, d);
-    draw(b, c, d);
+    if (extent.in_front) {
+      band.draw(vertices[first + a], vertices[first + b], vertices[first + c], vertices[first + d]);
+    } else {
+      triangle(a, b, d);
+      triangle(b, c, d);
+    }
   }
   for (std::size_t t = patch.first_triangle; t < patch.first_triangle + patch.triangles; ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
-    draw(a, b, c);
+    triangle(a, b, c);
   }
 }
 

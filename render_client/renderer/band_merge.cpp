@@ -1,5 +1,6 @@
 #include "render_client/renderer/band_merge.h"
 
+#include <algorithm>
 #include <cassert>
 
 #include "render_client/renderer/lanes.h"
@@ -9,193 +10,143 @@
 namespace copresence::renderer {
 namespace {
 
-constexpr std::int32_t kFraction = kTexelSteps - 1;
-constexpr int kFractionBits = 4;
-static_assert(1 << kFractionBits == kTexelSteps);
-constexpr std::uint32_t kOpaque = 0xFF000000U;
 constexpr float kPerAlpha = 1.0F / 255;
-
-Ints texels_at(const Band& band, int y, int x) {
-  return load<Ints>(band.texels(y) + x);
-}
-
-Floats source_depths(const MergeSource& source, const Floats& x, float y, const Floats& z) {
-  return z * (source.depth[0] * x + (source.depth[1] * y + source.depth[2])) + source.depth[3];
-}
 
 // Eight neighbouring pixels of the view on their way through the merge.
 struct Group {
-  unsigned shown = 0;    // bit per pixel
-  unsigned blended = 0;  // of them, those whose colour has several cameras' share
-  Ints best{};           // camera
-  Ints texel{};          // its texture coordinate
-  Floats quality{};      // its quality index; only where asked for or several cameras meet
-  Floats depth{};        // inverse
-  Floats sum{};          // of the weights
+  Ints shown;             // all bits set where there is anything
+  bool is_shown = false;  // anywhere
+  bool is_mixed = false;  // some colour has several cameras' share; then the weights count, else best
+  Ints best;              // camera
+  Floats depth;           // its, inverse
+  Floats quality;         // its quality index; only where asked for or where cameras overlap
+  Floats sum;             // of the weights
   Floats weight[kMostCameras];
 };
 
+Floats clamped(const Floats& v) {
+  return smaller(larger(v, Floats{}), all(1.0F));
+}
+
 class RowMerge {
  public:
-  RowMerge(std::span<const MergeSource> sources, std::span<const Band> bands, int y, HostPixels wanted)
-      : sources_(sources), bands_(bands), y_(y), wanted_(wanted) {
-    for (std::size_t i = 0; i < bands.size(); ++i) depths_[i] = bands[i].depths(y);
+  RowMerge(std::span<const MergeSource> sources, std::span<const Band> bands, int y, bool quality_wanted)
+      : sources_(sources),
+        empty_(bands[0].empty()),
+        y_(static_cast<float>(y)),
+        quality_wanted_(quality_wanted) {
+    for (std::size_t i = 0; i < bands.size(); ++i) {
+      depths_[i] = bands[i].depths(y);
+      texels_[i] = bands[i].texels(y);
+    }
   }
 
-  /// What the eight pixels from x on show.
+  // What the eight pixels from x on show.
   void look(int x, Group& group) const {
-    const float empty = bands_[0].empty();
-    unsigned overlapping = 0;
-    Floats nearest = all(empty);
+    Floats nearest = all(empty_);
     Ints first{};  // the nearest fragment's camera
-    group.shown = 0;
+    Ints overlap{}, shown{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       const Floats w = load<Floats>(depths_[i] + x);
-      const unsigned there = bits(w > empty);
-      if (there == 0) continue;
-      overlapping |= group.shown & there;
-      group.shown |= there;
+      const Ints there = w > empty_;
+      overlap |= shown & there;
+      shown |= there;
       const Ints nearer = w > nearest;
       first = nearer ? all(static_cast<std::int32_t>(i)) : first;
-      nearest = nearer ? w : nearest;
+      nearest = larger(w, nearest);
     }
-    group.blended = 0;
-    if (group.shown == 0) return;
+    group.shown = shown;
+    group.is_shown = bits(shown) != 0;
+    group.is_mixed = false;
     group.best = first;
     group.depth = nearest;
-    if (overlapping != 0 || wanted_.depth) {
-      weigh(x, nearest, first, group);
-    } else {
-      group.texel = texels_of(first, x);
-    }
+    if (bits(overlap) || (quality_wanted_ && group.is_shown)) weigh(x, first, nearest, group);
   }
 
-  void color(int x, const Group& group, std::uint32_t* out) const {
-    SamplePoints points;
-    locate(group.best, group.texel, group.shown, points);
-    sample(points, out);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      out[lane] = group.shown >> lane & 1 ? out[lane] | kOpaque : 0;
-    }
-    if (group.blended) blend(x, group, out);
+  // r, g, b, a of the eight pixels. Requires that something is shown.
+  Ints color(int x, const Group& group) const {
+    const Ints opaque = all(static_cast<std::int32_t>(0xFF000000U)) & group.shown;
+    return (group.is_mixed ? mixture(x, group) : best_colors(x, group)) | opaque;
   }
 
  private:
-  Ints texels_of(const Ints& camera, int x) const {
-    Ints texel = texels_at(bands_[0], y_, x);
-    for (std::size_t i = 1; i < sources_.size(); ++i) {
-      const Ints won = camera == static_cast<std::int32_t>(i);
-      if (bits(won)) texel = won ? texels_at(bands_[i], y_, x) : texel;
+  Ints best_colors(int x, const Group& group) const {
+    Ints colors{};
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const Ints won = (group.best == static_cast<std::int32_t>(i)) & group.shown;
+      if (bits(won)) colors |= won & sample(*sources_[i].texture, won & load<Ints>(texels_[i] + x));
     }
-    return texel;
+    return colors & 0x00FFFFFF;
   }
 
-  // cos(theta) of the pixels nearest to the texture coordinates, with what being filled costs.
-  Floats cosines(const MergeSource& source, const Ints& texel, unsigned lanes) const {
-    const Texture& texture = *source.texture;
-    const Ints half = all(std::int32_t{kTexelSteps / 2});
-    const Ints u = ((texel & 0xFFFF) + half) >> kFractionBits;
-    const Ints v = ((texel >> 16 & 0xFFFF) + half) >> kFractionBits;
-    const Ints index = v * texture.width() + u;
-    Ints alpha{};
-    for (int lane = 0; lane < kLanes; ++lane) {
-      if (lanes >> lane & 1) alpha[lane] = static_cast<std::int32_t>(texture.data()[index[lane]] >> 24);
+  Ints mixture(int x, const Group& group) const {
+    Floats r{}, g{}, b{};
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const Ints counts = (group.weight[i] > 0) & group.shown;
+      if (!bits(counts)) continue;
+      const Ints colors = sample(*sources_[i].texture, counts & load<Ints>(texels_[i] + x));
+      const Floats share = counts ? group.weight[i] / group.sum : Floats{};
+      r += share * as_floats(colors & 0xFF);
+      g += share * as_floats(colors >> 8 & 0xFF);
+      b += share * as_floats(colors >> 16 & 0xFF);
     }
-    return as_floats(alpha) * kPerAlpha;
+    return truncated(r + 0.5F) | truncated(g + 0.5F) << 8 | truncated(b + 0.5F) << 16;
   }
 
-  // The rules of merge_rules.h, for eight pixels.
-  void weigh(int x, const Floats& nearest, const Ints& first, Group& group) const {
+  Floats source_depth(std::size_t i, const Floats& x, const Floats& z) const {
+    const Eigen::Vector4f& d = sources_[i].depth;
+    return z * (d[0] * x + (d[1] * y_ + d[2])) + d[3];
+  }
+
+  // The rules of merge_rules.h, for eight pixels: fragment_worth() of every camera, then blend_weight().
+  void weigh(int x, const Ints& first, const Floats& nearest, Group& group) const {
     const Floats pixel_x = ramp() + static_cast<float>(x);
-    const auto pixel_y = static_cast<float>(y_);
-    const float empty = bands_[0].empty();
     const Floats nearest_z = 1.0F / nearest;
-    Floats first_source_z{}, first_error{};
+    Floats first_z{}, first_error{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       const Ints is_first = first == static_cast<std::int32_t>(i);
-      const Floats source_z = source_depths(sources_[i], pixel_x, pixel_y, nearest_z);
-      first_source_z = is_first ? source_z : first_source_z;
+      first_z = is_first ? source_depth(i, pixel_x, nearest_z) : first_z;
       first_error = is_first ? all(sources_[i].calibration_error_m) : first_error;
     }
     Floats best_worth{};
-    Floats worth[kMostCameras];
     for (std::size_t i = 0; i < sources_.size(); ++i) {
+      group.weight[i] = Floats{};
       const Floats w = load<Floats>(depths_[i] + x);
-      const Ints there = w > empty;
-      worth[i] = Floats{};
-      if (bits(there) == 0) continue;
+      const Ints there = w > empty_;
+      if (!bits(there)) continue;
       const Floats z = 1.0F / w;
-      const Floats source_z = source_depths(sources_[i], pixel_x, pixel_y, z);
-      const Floats range =
-          kRangeSigmas * 0.5F * kStepInverse * (source_z * source_z + first_source_z * first_source_z) +
-          first_error + sources_[i].calibration_error_m;
-      const Floats fade = smaller(larger(2.0F - 2.0F * (z - nearest_z) / range, Floats{}), all(1.0F));
+      const Floats source_z = source_depth(i, pixel_x, z);
+      const Floats range = kRangeSigmas * 0.5F * kStepInverse * (source_z * source_z + first_z * first_z) +
+                           first_error + sources_[i].calibration_error_m;
+      const Floats fade = clamped(2.0F - 2.0F * (z - nearest_z) / range);
       const Ints counts = there & (fade > 0);
-      const unsigned counting = bits(counts);
-      if (counting == 0) continue;
-      const Ints texel = texels_at(bands_[i], y_, x);
-      const Floats quality = cosines(sources_[i], texel, counting) / (source_z * source_z);
-      worth[i] = counts ? quality * fade : Floats{};
-      const Ints better = worth[i] > best_worth;
-      best_worth = better ? worth[i] : best_worth;
+      if (!bits(counts)) continue;
+      const Ints alpha =
+          nearest_texels(*sources_[i].texture, counts & load<Ints>(texels_[i] + x)) >> 24 & 0xFF;
+      const Floats quality = as_floats(alpha) * kPerAlpha / (source_z * source_z);
+      const Floats worth = counts ? quality * fade : Floats{};
+      const Ints better = worth > best_worth;
+      best_worth = larger(worth, best_worth);
       group.best = better ? all(static_cast<std::int32_t>(i)) : group.best;
       group.quality = better ? quality : group.quality;
-      group.texel = better ? texel : group.texel;
       group.depth = better ? w : group.depth;
+      group.weight[i] = worth;
     }
     group.sum = Floats{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const Floats share = (worth[i] - kTieRatio * best_worth) / ((1.0F - kTieRatio) * best_worth);
-      group.weight[i] = smaller(larger(share, Floats{}), all(1.0F));
+      group.weight[i] =
+          clamped((group.weight[i] - kTieRatio * best_worth) / ((1.0F - kTieRatio) * best_worth));
       group.sum += group.weight[i];
     }
-    group.blended = bits(group.sum > 1.0F) & group.shown;
-  }
-
-  void locate(const Ints& camera, const Ints& texel, unsigned lanes, SamplePoints& points) const {
-    const Ints u = texel & 0xFFFF;
-    const Ints v = texel >> 16 & 0xFFFF;
-    store(points.across.data(), u & kFraction);
-    store(points.down.data(), v & kFraction);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const bool shown = lanes >> lane & 1;
-      const Texture& texture = *sources_[shown ? camera[lane] : 0].texture;
-      points.row[lane] = texture.width();
-      points.texel[lane] =
-          texture.data() + (shown ? static_cast<std::ptrdiff_t>(v[lane] >> kFractionBits) * texture.width() +
-                                        (u[lane] >> kFractionBits)
-                                  : 0);
-    }
-  }
-
-  void blend(int x, const Group& group, std::uint32_t* out) const {
-    Floats r{}, g{}, b{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const Ints counts = group.weight[i] > 0;
-      const unsigned lanes = bits(counts) & group.blended;
-      if (lanes == 0) continue;
-      SamplePoints points;
-      locate(all(static_cast<std::int32_t>(i)), texels_at(bands_[i], y_, x), lanes, points);
-      alignas(32) std::uint32_t colors[kLanes];
-      sample(points, colors);
-      const Ints c = load<Ints>(colors);
-      const Floats share = counts ? group.weight[i] / group.sum : Floats{};
-      r += share * as_floats(c & 0xFF);
-      g += share * as_floats(c >> 8 & 0xFF);
-      b += share * as_floats(c >> 16 & 0xFF);
-    }
-    const auto byte = [](const Floats& v) { return truncated(v + 0.5F); };
-    const Ints mixed = byte(r) | byte(g) << 8 | byte(b) << 16;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      if (group.blended >> lane & 1) out[lane] = static_cast<std::uint32_t>(mixed[lane]) | kOpaque;
-    }
+    group.is_mixed = bits((group.sum > 1.0F) & group.shown) != 0;
   }
 
   std::span<const MergeSource> sources_;
-  std::span<const Band> bands_;
-  int y_;
-  HostPixels wanted_;
+  float empty_;
+  float y_;
+  bool quality_wanted_;
   const float* depths_[kMostCameras];
+  const std::uint32_t* texels_[kMostCameras];
 };
 
 }  // namespace
@@ -217,19 +168,23 @@ void merge_row(std::span<const MergeSource> sources, std::span<const Band> bands
                MergedView& view) {
   assert(!sources.empty() && sources.size() <= kMostCameras && sources.size() == bands.size());
   static_assert(sizeof(Rgba8) == sizeof(std::uint32_t));
-  const RowMerge merge(sources, bands, y, wanted);
+  const RowMerge merge(sources, bands, y, wanted.depth);
   Group group;
   for (int x = 0; x < view.width; x += kLanes) {
     const int count = std::min(kLanes, view.width - x);
     merge.look(x, group);
     if (wanted.color) {
-      alignas(32) std::uint32_t colors[kLanes] = {};
-      if (group.shown) merge.color(x, group, colors);
-      std::memcpy(view.color.row(y).data() + x, colors, sizeof(Rgba8) * count);
+      const Ints colors = group.is_shown ? merge.color(x, group) : Ints{};
+      auto* const to = reinterpret_cast<std::uint32_t*>(view.color.row(y).data() + x);
+      if (count == kLanes) {
+        store(to, colors);
+      } else {
+        for (int lane = 0; lane < count; ++lane) to[lane] = static_cast<std::uint32_t>(colors[lane]);
+      }
     }
     if (wanted.depth) {
       for (int lane = 0; lane < count; ++lane) {
-        const bool shown = group.shown >> lane & 1;
+        const bool shown = group.shown[lane];
         view.depth_m(x + lane, y) = shown ? 1.0F / group.depth[lane] : 0.0F;
         view.camera(x + lane, y) = shown ? static_cast<std::uint8_t>(group.best[lane]) : kNoCamera;
         view.quality(x + lane, y) = shown ? group.quality[lane] : 0.0F;

@@ -13,7 +13,8 @@
 //           (x+1, y+1) is split from its top right to its bottom left corner; where that diagonal does not
 //           give two triangles, along the other one if that gives two; else its single triangle is drawn. A
 //           surface is drawn only from the side the camera saw: from behind, it is the inside of a mask.
-//           Planar regions may be drawn coarser, where all their pixels lie within kPlanarSteps of the plane.
+//           Planar regions may be drawn coarser, where all their pixels lie within kPlanarSteps of the plane,
+//           and a quad whose triangles both show may be drawn as the one plane nearest to its corners.
 // Fragment  Depth and texture coordinate are interpolated perspectively; a fragment has the state of the
 // pixel nearest
 //           to its texture coordinate, and that pixel's cell decides cos(theta).

@@ -2,85 +2,115 @@
 
 // Bilinear samples of a Texture, eight at a time. Private to the CPU renderer. Thread: pure.
 
-#include <array>
 #include <cstdint>
 
 #include "render_client/renderer/lanes.h"
 #include "render_client/renderer/projection.h"
+#include "render_client/renderer/source_texture.h"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace copresence::renderer {
-
-/// Where eight samples are taken: the texel above and left of each, its texture's row length, and the
-/// fractions in 1/kTexelSteps.
-struct SamplePoints {
-  std::array<const std::uint32_t*, kLanes> texel;
-  std::array<std::ptrdiff_t, kLanes> row;
-  alignas(32) std::array<std::int32_t, kLanes> across, down;
-};
 
 namespace sampling {
 
 using Bytes = std::uint8_t __attribute__((vector_size(16)));
-using Words = std::uint16_t __attribute__((vector_size(32)));
-using HalfWords = std::uint16_t __attribute__((vector_size(16)));
+using Words = std::uint16_t __attribute__((vector_size(16)));
+using WidePair = std::uint16_t __attribute__((vector_size(32)));
+using Longs = std::uint64_t __attribute__((vector_size(16)));
 
-// Four channels of the left texel, then four of the right one.
+inline constexpr int kFractionBits = 4;
+static_assert(1 << kFractionBits == kTexelSteps);
+
 struct Weights {
-  alignas(16) std::uint16_t words[kTexelSteps][kLanes];
+  alignas(16) std::uint16_t words[kTexelSteps][8];
 };
-constexpr Weights across_weights() {
+/// Four channels of the left texel, then four of the right one.
+inline constexpr Weights kAcross = [] {
   Weights table{};
   for (int f = 0; f < kTexelSteps; ++f) {
-    for (int i = 0; i < kLanes; ++i)
-      table.words[f][i] = static_cast<std::uint16_t>(i < 4 ? kTexelSteps - f : f);
+    for (int i = 0; i < 8; ++i) table.words[f][i] = static_cast<std::uint16_t>(i < 4 ? kTexelSteps - f : f);
   }
   return table;
-}
-constexpr Weights down_weights() {
+}();
+/// Of the lower texels.
+inline constexpr Weights kDown = [] {
   Weights table{};
   for (int f = 0; f < kTexelSteps; ++f) {
-    for (int i = 0; i < kLanes; ++i) table.words[f][i] = static_cast<std::uint16_t>(f);
+    for (int i = 0; i < 8; ++i) table.words[f][i] = static_cast<std::uint16_t>(f);
   }
   return table;
-}
-inline constexpr Weights kAcross = across_weights();
-inline constexpr Weights kDown = down_weights();
+}();
 
-inline Words pair_of_texels(const std::uint32_t* first, const std::uint32_t* second) {
-  Bytes bytes;
-  std::memcpy(&bytes, first, 8);
-  std::memcpy(reinterpret_cast<char*>(&bytes) + 8, second, 8);
-  return __builtin_convertvector(bytes, Words);
+/// Two neighbouring texels from either address, a channel in 16 bits.
+inline WidePair texels(const std::uint32_t* first, const std::uint32_t* second) {
+  Longs both{};
+  std::uint64_t half;
+  std::memcpy(&half, first, sizeof half);
+  both[0] = half;
+  std::memcpy(&half, second, sizeof half);
+  both[1] = half;
+  return __builtin_convertvector(reinterpret_cast<Bytes>(both), WidePair);
 }
 
-inline Words weights(const Weights& table, int first, int second) {
-  Words w;
-  std::memcpy(&w, table.words[first], 16);
-  std::memcpy(reinterpret_cast<char*>(&w) + 16, table.words[second], 16);
-  return w;
+inline WidePair weights(const Weights& table, int first, int second) {
+  Words a, b;
+  std::memcpy(&a, table.words[first], sizeof a);
+  std::memcpy(&b, table.words[second], sizeof b);
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+
+/// Words 0 to 3 and 8 to 11 are the two colours.
+inline WidePair sample_two(const std::uint32_t* first, const std::uint32_t* second, std::ptrdiff_t row,
+                           std::int32_t across_first, std::int32_t across_second, std::int32_t down_first,
+                           std::int32_t down_second) {
+  const WidePair upper = texels(first, second);
+  const WidePair lower = texels(first + row, second + row);
+  const WidePair down = weights(kDown, down_first, down_second);
+  // At most 255 * 16 * 16, which 16 bits hold, with 128 more for rounding.
+  const WidePair weighted =
+      (upper * (kTexelSteps - down) + lower * down) * weights(kAcross, across_first, across_second);
+  const WidePair right =
+      __builtin_shufflevector(weighted, weighted, 4, 5, 6, 7, 4, 5, 6, 7, 12, 13, 14, 15, 12, 13, 14, 15);
+  return (weighted + right + 128) >> 8;
 }
 
 }  // namespace sampling
 
-/// r, g, b and alpha as in Texture, rounded.
-inline void sample(const SamplePoints& points, std::uint32_t* out) {
+/// What a texture shows at eight texture coordinates (Band::texels), in Texture's layout, rounded.
+inline Ints sample(const Texture& texture, const Ints& texel) {
   using namespace sampling;
-  for (int i = 0; i < kLanes; i += 2) {
-    const std::uint32_t* const first = points.texel[i];
-    const std::uint32_t* const second = points.texel[i + 1];
-    const Words upper = pair_of_texels(first, second);
-    const Words lower = pair_of_texels(first + points.row[i], second + points.row[i + 1]);
-    const Words down = weights(kDown, points.down[i], points.down[i + 1]);
-    const Words across = weights(kAcross, points.across[i], points.across[i + 1]);
-    // At most 255 * 16 * 16, which 16 bits hold.
-    const Words weighted = (upper * (kTexelSteps - down) + lower * down) * across;
-    const Words other =
-        __builtin_shufflevector(weighted, weighted, 4, 5, 6, 7, 4, 5, 6, 7, 12, 13, 14, 15, 12, 13, 14, 15);
-    const Words rounded = (weighted + other + 128) >> 8;
-    const Bytes bytes = __builtin_convertvector(rounded, Bytes);
-    std::memcpy(out + i, &bytes, 4);
-    std::memcpy(out + i + 1, reinterpret_cast<const char*>(&bytes) + 8, 4);
-  }
+  const Ints u = texel & 0xFFFF;
+  const Ints v = texel >> 16 & 0xFFFF;
+  alignas(32) std::int32_t at[kLanes], across[kLanes], down[kLanes];
+  store(at, (v >> kFractionBits) * texture.width() + (u >> kFractionBits));
+  store(across, u & (kTexelSteps - 1));
+  store(down, v & (kTexelSteps - 1));
+  const auto pair = [&](int i) {
+    return sample_two(texture.data() + at[i], texture.data() + at[i + 1], texture.width(), across[i],
+                      across[i + 1], down[i], down[i + 1]);
+  };
+  const auto four = [&](int i) {
+    const WidePair colors = __builtin_shufflevector(pair(i), pair(i + 2), 0, 1, 2, 3, 8, 9, 10, 11, 16, 17,
+                                                    18, 19, 24, 25, 26, 27);
+    return __builtin_convertvector(colors, Bytes);
+  };
+  const Bytes low = four(0), high = four(4);
+  Ints result;
+  std::memcpy(&result, &low, sizeof low);
+  std::memcpy(reinterpret_cast<char*>(&result) + sizeof low, &high, sizeof high);
+  return result;
+}
+
+/// The texel nearest to each texture coordinate.
+inline Ints nearest_texels(const Texture& texture, const Ints& texel) {
+  using namespace sampling;
+  const Ints u = ((texel & 0xFFFF) + kTexelSteps / 2) >> kFractionBits;
+  const Ints v = ((texel >> 16 & 0xFFFF) + kTexelSteps / 2) >> kFractionBits;
+  return gather(texture.data(), v * texture.width() + u);
 }
 
 }  // namespace copresence::renderer
+
+#pragma GCC diagnostic pop

@@ -1,53 +1,24 @@
+// What one camera's surface looks like from anywhere.
+
 #include "render_client/renderer/cpu_renderer.h"
 
 #include <gtest/gtest.h>
 
-#include "common/flow/worker_pool.h"
-#include "tests/render_client/renderer/surfaces.h"
+#include "tests/render_client/renderer/rendering.h"
 
 namespace copresence::renderer {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 360;
 
-// A camera that looks at a surface, and owns what it sees.
-struct Looking {
-  RgbdFrame frame;
-  CameraView view;
-
-  Looking(const CameraModel& model, const Surface& surface,
-          const std::optional<Paint>& paint = Paint(gradient), const Rigid3& world_from_camera = {})
-      : frame(frame_of(model, surface, paint)) {
-    view.model = model;
-    view.unit = DepthUnit::k100Micrometres;
-    view.version = 1;
-    view.world_from_camera = world_from_camera;
-  }
-};
-
-MergedView render(std::vector<Looking*> cameras, const VirtualCamera& eye, int largest_block = 16,
-                  int threads = 1) {
-  flow::WorkerPool workers(threads, "test");
-  const auto renderer = make_cpu_renderer(workers, {.largest_block = largest_block});
-  std::vector<CameraView> views;
-  for (Looking* camera : cameras) {
-    views.push_back(camera->view);
-    views.back().frame = &camera->frame;
-  }
-  MergedView view;
-  EXPECT_TRUE(renderer->render(views, eye, {.color = true, .depth = true}, view));
-  return view;
-}
-
-// The point that a pixel of the view shows.
-Eigen::Vector3d shown_point(const MergedView& view, const VirtualCamera& eye, int x, int y) {
-  return eye.world_from_eye * unproject(eye.lens, {double(x), double(y)}, view.depth_m(x, y));
-}
-
-int count_shown(const MergedView& view) {
-  int shown = 0;
-  for (float depth : view.depth_m.pixels()) shown += depth > 0;
-  return shown;
+// Farthest shown point from the plane n.P = d.
+double farthest_from_plane(const MergedView& view, const VirtualCamera& eye, const Eigen::Vector3d& n,
+                           double d) {
+  double worst = 0;
+  for_each_shown(view, [&](int x, int y) {
+    worst = std::max(worst, std::abs(n.dot(shown_point(view, eye, x, y)) - d));
+  });
+  return worst;
 }
 
 TEST(CpuRenderer, ShowsATiltedPlaneWhereItIsFromAMovedEye) {
@@ -57,14 +28,7 @@ TEST(CpuRenderer, ShowsATiltedPlaneWhereItIsFromAMovedEye) {
     const VirtualCamera eye = orbiting_eye(kWidth, kHeight, degrees, 2);
     const MergedView view = render({&camera}, eye);
     EXPECT_GT(count_shown(view), kWidth * kHeight / 4);
-    double worst = 0;
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        if (view.depth_m(x, y) > 0)
-          worst = std::max(worst, std::abs(n.dot(shown_point(view, eye, x, y)) - 2));
-      }
-    }
-    EXPECT_LT(worst, 0.0002) << degrees;  // the depth image's own 0.1 mm, seen from aside
+    EXPECT_LT(farthest_from_plane(view, eye, n, 2), 0.0002) << degrees;  // the depth image is good to 0.1 mm
   }
 }
 
@@ -72,30 +36,260 @@ TEST(CpuRenderer, ShowsTheColorThatLiesOnThePoint) {
   Looking camera(kinect_model(), plane(Eigen::Vector3d(0.3, 0.2, 1).normalized(), 2));
   const VirtualCamera eye = orbiting_eye(kWidth, kHeight, 20, 2);
   const MergedView view = render({&camera}, eye);
-  for (int y = 0; y < kHeight; y += 3) {
-    for (int x = 0; x < kWidth; x += 3) {
+  double worst = 0;
+  for_each_shown(view, [&](int x, int y) {
+    const Eigen::Vector2d pixel = project(camera.view.model, shown_point(view, eye, x, y));
+    worst = std::max(worst, std::abs(view.color(x, y).r - (30 + pixel.x() * 200 / 640)));
+    worst = std::max(worst, std::abs(view.color(x, y).g - (30 + pixel.y() * 200 / 480)));
+    ASSERT_EQ(view.color(x, y).a, 255);
+  });
+  EXPECT_LT(worst, 1.6);  // the gradient itself is rounded twice
+}
+
+TEST(CpuRenderer, ShowsTheCamerasOwnImageFromTheCamerasOwnPlace) {
+  Looking camera(kinect_model(), together({wall(3), sphere({0, 0, 2}, 0.5)}));
+  VirtualCamera eye;
+  eye.lens = camera.view.model;
+  const MergedView view = render({&camera}, eye);
+  for (int y = 1; y < 479; ++y) {
+    for (int x = 1; x < 639; ++x) {
       if (view.depth_m(x, y) == 0) continue;
-      const Eigen::Vector2d pixel = project(camera.view.model, shown_point(view, eye, x, y));
-      EXPECT_NEAR(view.color(x, y).r, 30 + pixel.x() * 200 / 640, 1.6) << x << ' ' << y;
-      EXPECT_NEAR(view.color(x, y).g, 30 + pixel.y() * 200 / 480, 1.6) << x << ' ' << y;
-      EXPECT_EQ(view.color(x, y).a, 255);
+      ASSERT_TRUE(near_color(view.color(x, y), gradient(x, y))) << x << ' ' << y;
+    }
+  }
+  EXPECT_GT(count_shown(view), 640 * 480 * 0.97);  // all but the sphere's outline
+}
+
+TEST(CpuRenderer, LeavesDiscontinuitiesOpen) {
+  // A board of 40 cm at 1.5 m before a wall at 3 m.
+  const auto board = [](double x, double y) {
+    return std::abs(x) < 0.13 && std::abs(y) < 0.13 ? std::optional(1.5) : std::nullopt;
+  };
+  Looking camera(kinect_model(), together({wall(3), board}));
+  for (int block : {1, 16}) {
+    for (double degrees : {-30.0, 0.0, 15.0}) {
+      const VirtualCamera eye = orbiting_eye(kWidth, kHeight, degrees, 2);
+      const MergedView view = render({&camera}, eye, block);
+      int on_board = 0, on_wall = 0, between = 0;
+      for_each_shown(view, [&](int x, int y) {
+        const double z = shown_point(view, eye, x, y).z();
+        ++(std::abs(z - 1.5) < 0.001 ? on_board : std::abs(z - 3) < 0.001 ? on_wall : between);
+      });
+      EXPECT_GT(on_board, 3000);
+      EXPECT_GT(on_wall, 30000);
+      EXPECT_EQ(between, 0) << degrees << ", blocks of " << block;
     }
   }
 }
 
-TEST(CpuRenderer, GivesTheSamePictureWithAnyNumberOfThreads) {
-  Looking one(kinect_model(), together({wall(3), sphere({0, 0, 2}, 0.4)}));
-  Looking two(kinect_model(), wall(3.01), Paint(plain({200, 100, 50})));
-  measure_like_a_kinect(one.frame, 0.05, 1);
-  const VirtualCamera eye = orbiting_eye(kWidth, kHeight, 10, 2);
-  const MergedView single = render({&one, &two}, eye, 16, 1);
-  for (int threads : {2, 3, 8}) {
-    const MergedView several = render({&one, &two}, eye, 16, threads);
-    EXPECT_EQ(several.color, single.color);
-    EXPECT_EQ(several.depth_m, single.depth_m);
-    EXPECT_EQ(several.camera, single.camera);
-    EXPECT_EQ(several.quality, single.quality);
+TEST(CpuRenderer, HasNoCracksWhereFineAndCoarseMeshMeet) {
+  // A wall with knobs, so that flat blocks of all sizes lie beside single pixels; as a Kinect measures it.
+  std::vector<Surface> parts = {plane(Eigen::Vector3d(0.2, 0.1, 1).normalized(), 2)};
+  for (int i = -3; i <= 3; ++i) {
+    for (int j = -2; j <= 2; ++j)
+      parts.push_back(sphere({i * 0.31, j * 0.33, 2.299 - i * 0.062 - j * 0.033}, 0.3));
   }
+  Looking camera(kinect_model(), together(parts));
+  measure_like_a_kinect(camera.frame, 0, 3);
+  for (const auto& [degrees, closer] : {std::pair(0.0, 0.0), {-17.0, 0.3}, {7.0, 1.0}}) {
+    VirtualCamera eye = orbiting_eye(1280, 720, degrees, 2);
+    eye.world_from_eye.translation += eye.world_from_eye.rotation * Eigen::Vector3d(0, 0, closer);
+    const MergedView view = render({&camera}, eye);
+    // Nothing but the surface's rim may be open: count pixels without anything between two shown in row and
+    // column.
+    int cracks = 0;
+    for (int y = 1; y < view.height - 1; ++y) {
+      for (int x = 1; x < view.width - 1; ++x) {
+        const auto shown = [&](int dx, int dy) { return view.depth_m(x + dx, y + dy) > 0; };
+        cracks += !shown(0, 0) && shown(-1, 0) && shown(1, 0) && shown(0, -1) && shown(0, 1);
+      }
+    }
+    EXPECT_EQ(cracks, 0) << degrees << " degrees";
+    EXPECT_GT(count_shown(view), 400000);
+  }
+}
+
+TEST(CpuRenderer, LooksTheSameCoarseAsFine) {
+  Looking camera(kinect_model(), together({plane(Eigen::Vector3d(0.2, 0.5, 1).normalized(), 2.2),
+                                           sphere({0.2, 0, 1.7}, 0.3), sphere({-0.5, 0.2, 1.5}, 0.1)}));
+  const VirtualCamera eye = orbiting_eye(1280, 720, 15, 2);
+  const MergedView fine = render({&camera}, eye, 1), coarse = render({&camera}, eye, 16);
+  int in_both = 0, in_one = 0;
+  double error = 0, worst = 0;
+  for (int y = 0; y < fine.height; ++y) {
+    for (int x = 0; x < fine.width; ++x) {
+      const double a = fine.depth_m(x, y), b = coarse.depth_m(x, y);
+      in_one += (a > 0) != (b > 0);
+      if (!(a > 0 && b > 0) || std::abs(a - b) > 0.1) continue;  // an outline, half a pixel off
+      ++in_both;
+      error += std::abs(fine.color(x, y).r - coarse.color(x, y).r);
+      worst = std::max(worst, std::abs(a - b) / sensor_step_m(a));
+    }
+  }
+  EXPECT_LT(in_one, 0.002 * in_both);
+  EXPECT_LT(error / in_both, 0.2);  // of 255
+  EXPECT_LT(worst, 4);              // steps, where a sphere bends away
+}
+
+TEST(CpuRenderer, ShowsAFlatSurfaceSmootherThanTheSensorMeasuresIt) {
+  Looking camera(kinect_model(), wall(3));
+  measure_like_a_kinect(camera.frame, 0, 5);
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const auto noise = [&](int block) {
+    const MergedView view = render({&camera}, eye, block);
+    double squares = 0;
+    for_each_shown(view, [&](int x, int y) { squares += std::pow(view.depth_m(x, y) - 3, 2); });
+    return std::sqrt(squares / count_shown(view));
+  };
+  EXPECT_LT(noise(16), 0.6 * noise(1));
+}
+
+TEST(CpuRenderer, UndoesTheLensesDistortion) {
+  CameraModel lens = kinect_model();
+  lens.distortion = {0.2624, -0.9531, -0.0054, 0.0026, 1.1633, 0, 0, 0};  // TUM RGB-D benchmark, Freiburg 1
+  const Eigen::Vector3d n = Eigen::Vector3d(-0.2, 0.3, 1).normalized();
+  Looking camera(lens, plane(n, 2));
+  const VirtualCamera eye = orbiting_eye(kWidth, kHeight, 10, 2);
+  const MergedView view = render({&camera}, eye);
+  EXPECT_LT(farthest_from_plane(view, eye, n, 2), 0.0004);
+  double worst = 0;
+  for_each_shown(view, [&](int x, int y) {
+    const Eigen::Vector2d pixel = project(lens, shown_point(view, eye, x, y));
+    worst = std::max(worst, std::abs(view.color(x, y).r - (30 + pixel.x() * 200 / 640)));
+  });
+  EXPECT_LT(worst, 1.8);
+}
+
+TEST(CpuRenderer, FollowsALensOffItsAxis) {
+  // The right half of a wide view, as a picture of its own.
+  Looking camera(kinect_model(), together({wall(3), sphere({0, 0, 2}, 0.5)}));
+  const VirtualCamera wide = orbiting_eye(kWidth, kHeight, 10, 2);
+  VirtualCamera right = wide;
+  right.lens.width = kWidth / 2;
+  right.lens.cx -= kWidth / 2;
+  const MergedView whole = render({&camera}, wide), half = render({&camera}, right);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth / 2; ++x) {
+      ASSERT_NEAR(half.depth_m(x, y), whole.depth_m(x + kWidth / 2, y), 1e-4) << x << ' ' << y;
+    }
+  }
+}
+
+TEST(CpuRenderer, ShowsNothingNearerOrFartherThanTheEyeSees) {
+  Looking camera(kinect_model(),
+                 plane(Eigen::Vector3d(0, -1, 0.25).normalized(), 0.5));  // a slope, 0.8 m to 6 m
+  VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  eye.near_m = 1.5;
+  eye.far_m = 2.5;
+  const MergedView view = render({&camera}, eye);
+  float nearest = 10, farthest = 0;
+  for_each_shown(view, [&](int x, int y) {
+    nearest = std::min(nearest, view.depth_m(x, y));
+    farthest = std::max(farthest, view.depth_m(x, y));
+  });
+  EXPECT_NEAR(nearest, 1.5, 0.01);
+  EXPECT_GE(nearest, 1.5F - 1e-4F);
+  EXPECT_NEAR(farthest, 2.5, 0.02);
+  EXPECT_LE(farthest, 2.5F);
+}
+
+TEST(CpuRenderer, CutsASurfaceThatReachesBehindTheEye) {
+  const Eigen::Vector3d n = Eigen::Vector3d(1, 0, -0.2).normalized();  // a wall along the way, on the right
+  Looking camera(kinect_model(), plane(n, 0.5));
+  VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  eye.world_from_eye.translation.z() = 2;
+  const MergedView view = render({&camera}, eye);
+  EXPECT_GT(count_shown(view), 10000);
+  EXPECT_LT(farthest_from_plane(view, eye, n, 0.5), 0.003);
+}
+
+TEST(CpuRenderer, SeesFromBehindTheCameraToo) {
+  Looking camera(kinect_model(), wall(2));
+  VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  eye.world_from_eye.translation = {0.1, 0, -1};
+  const MergedView view = render({&camera}, eye);
+  EXPECT_GT(count_shown(view), 20000);
+  EXPECT_LT(farthest_from_plane(view, eye, {0, 0, 1}, 2), 0.0002);
+}
+
+TEST(CpuRenderer, ShowsNoSurfaceFromItsBack) {
+  Looking camera(kinect_model(), wall(2));
+  VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  eye.world_from_eye.translation.z() = 4;
+  eye.world_from_eye.rotation = turned(180);
+  EXPECT_EQ(count_shown(render({&camera}, eye)), 0);
+}
+
+TEST(CpuRenderer, ShowsBlackWhereThereIsNothing) {
+  Looking blind(kinect_model(), [](double, double) { return std::nullopt; });
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  for (const std::vector<Looking*>& cameras : {std::vector<Looking*>{}, {&blind}, {&blind, &blind}}) {
+    const MergedView view = render(cameras, eye);
+    ASSERT_EQ(view.width, kWidth);
+    EXPECT_EQ(view.color, Image<Rgba8>(kWidth, kHeight, Rgba8{0, 0, 0, 0}));
+    EXPECT_EQ(view.depth_m, Image<float>(kWidth, kHeight, 0.0F));
+    EXPECT_EQ(view.camera, Image<std::uint8_t>(kWidth, kHeight, kNoCamera));
+    EXPECT_EQ(view.quality, Image<float>(kWidth, kHeight, 0.0F));
+  }
+}
+
+TEST(CpuRenderer, TakesFramesAndViewsOfAnySize) {
+  for (const auto& [width, height] : {std::pair(2, 2), {18, 4}, {34, 50}, {320, 240}, {646, 486}}) {
+    CameraModel model = {width, height, 0.9 * width, 0.9 * width, width / 2.0, height / 2.0, {}};
+    Looking camera(model, wall(2));
+    for (const auto& [view_width, view_height] : {std::pair(2, 2), {13, 35}, {321, 201}}) {
+      const VirtualCamera eye = eye_at_origin(view_width, view_height);
+      const MergedView view = render({&camera}, eye);
+      EXPECT_EQ(view.color.width(), view_width);
+      EXPECT_LT(farthest_from_plane(view, eye, {0, 0, 1}, 2), 0.0002);
+      if (view_width > 2) {
+        EXPECT_GT(count_shown(view), 0)
+            << width << 'x' << height << " in " << view_width << 'x' << view_height;
+      }
+    }
+  }
+}
+
+TEST(CpuRenderer, ShadesACameraWithoutColorByItsTilt) {
+  const auto gray_of_wall_tilted_by = [](double degrees) {
+    Looking camera(kinect_model(),
+                   plane(turned(degrees) * Eigen::Vector3d::UnitZ(), 2 * std::cos(degrees / 57.3)),
+                   std::nullopt);
+    const MergedView view = render({&camera}, eye_at_origin(kWidth, kHeight));
+    const Rgba8 color = view.color(kWidth / 2, kHeight / 2);
+    EXPECT_EQ(color.r, color.g);
+    EXPECT_EQ(color.r, color.b);
+    return color.r;
+  };
+  EXPECT_NEAR(gray_of_wall_tilted_by(0), 255, 1);
+  EXPECT_NEAR(gray_of_wall_tilted_by(60), 255 * (0.15 + 0.85 * 0.5), 2);
+}
+
+TEST(CpuRenderer, AppliesTheColorMatching) {
+  Looking camera(kinect_model(), wall(2), plain({100, 50, 200}));
+  camera.view.color_matching << 0, 1, 0, 0,  //
+      0.5F, 0, 0, 0.1F,                      //
+      0, 0, 2, 0;
+  const MergedView view = render({&camera}, eye_at_origin(kWidth, kHeight));
+  EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), {50, 76, 255}));
+}
+
+TEST(CpuRenderer, KeepsWhatItDerivedUntilTheVersionChanges) {
+  Looking camera(kinect_model(), wall(2));
+  NoWorkers workers;
+  const auto renderer = make_cpu_renderer(workers);
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  MergedView view;
+  const auto depth = [&] {
+    EXPECT_TRUE(renderer->render(views_of({&camera}), eye, {.color = false, .depth = true}, view));
+    return view.depth_m(kWidth / 2, kHeight / 2);
+  };
+  EXPECT_NEAR(depth(), 2, 1e-3);
+  camera.frame = frame_of(camera.view.model, wall(3), std::nullopt);
+  EXPECT_NEAR(depth(), 2, 1e-3);
+  ++camera.view.version;
+  EXPECT_NEAR(depth(), 3, 1e-3);
+  EXPECT_TRUE(view.color.empty());
 }
 
 }  // namespace

@@ -1,0 +1,148 @@
+// What several cameras' surfaces look like together: the merge of thesis 2.6.1.
+
+#include <gtest/gtest.h>
+
+#include "render_client/renderer/merge_rules.h"
+#include "tests/render_client/renderer/rendering.h"
+
+namespace copresence::renderer {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 360;
+constexpr Rgb8 kRed = {220, 30, 30}, kGreen = {30, 220, 30};
+
+Rigid3 moved(double x, double y, double z) {
+  return {Eigen::Matrix3d::Identity(), {x, y, z}};
+}
+
+TEST(CpuMerge, ShowsTheBetterQualityWhereSurfacesAgree) {
+  // Both see one wall, 3 m before the first camera and 1.5 m before the second; the first's lies 1 cm in
+  // front.
+  Looking far_away(kinect_model(), wall(2.99), plain(kRed));
+  Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));
+  for (const auto& order : {std::vector<Looking*>{&far_away, &close}, {&close, &far_away}}) {
+    const MergedView view = render(order, eye_at_origin(kWidth, kHeight));
+    const int x = kWidth / 2, y = kHeight / 2;
+    EXPECT_TRUE(near_color(view.color(x, y), kGreen));
+    EXPECT_EQ(order[view.camera(x, y)], &close);
+    EXPECT_NEAR(view.depth_m(x, y), 3, 1e-3);
+    EXPECT_NEAR(view.quality(x, y), 1 / (1.5 * 1.5), 0.005);
+  }
+}
+
+TEST(CpuMerge, ShowsTheNearerWhereSurfacesDiffer) {
+  Looking far_away(kinect_model(), wall(2.5), plain(kRed));
+  Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));
+  const MergedView view = render({&far_away, &close}, eye_at_origin(kWidth, kHeight));
+  EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), kRed));
+  EXPECT_EQ(view.camera(kWidth / 2, kHeight / 2), 0);
+}
+
+TEST(CpuMerge, WidensTheRangeByTheCalibrationsErrors) {
+  // 8 cm apart: more than noise explains at 3 m and 1.5 m, less than noise and 5 cm.
+  Looking far_away(kinect_model(), wall(2.92), plain(kRed));
+  Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  EXPECT_GT(0.08, uncertainty_range_m(2.92F, 1.5F, 0.005F, 0.005F));
+  EXPECT_EQ(render({&far_away, &close}, eye).camera(kWidth / 2, kHeight / 2), 0);
+  close.view.calibration_error_m = 0.15;
+  EXPECT_EQ(render({&far_away, &close}, eye).camera(kWidth / 2, kHeight / 2), 1);
+}
+
+TEST(CpuMerge, BlendsEqualsEvenly) {
+  Looking left(kinect_model(), wall(2), plain(kRed), moved(-0.1, 0, 0));
+  Looking right(kinect_model(), wall(2), plain(kGreen), moved(0.1, 0, 0));
+  const MergedView view = render({&left, &right}, eye_at_origin(kWidth, kHeight));
+  EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), {125, 125, 30}, 6));
+}
+
+TEST(CpuMerge, ChangesFromCameraToCameraWithoutASeam) {
+  // Two cameras turned towards one wall from left and right: each is better on its own side.
+  const Rigid3 from_left = {turned(35), {-1.2, 0, 0}}, from_right = {turned(-35), {1.2, 0, 0}};
+  const auto wall_seen_from = [](const Rigid3& pose) {
+    const Eigen::Vector3d n = pose.rotation.transpose() * Eigen::Vector3d::UnitZ();
+    return plane(n, 2 - pose.translation.z());
+  };
+  Looking left(kinect_model(), wall_seen_from(from_left), plain(kRed), from_left);
+  Looking right(kinect_model(), wall_seen_from(from_right), plain(kGreen), from_right);
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const MergedView view = render({&left, &right}, eye);
+  int largest = 0, total = 0;
+  for (int x = kWidth / 4; x < kWidth * 3 / 4; ++x) {
+    const Rgba8 here = view.color(x, kHeight / 2), next = view.color(x + 1, kHeight / 2);
+    if (here.a == 0 || next.a == 0) continue;
+    largest = std::max(largest, std::abs(next.r - here.r));
+    total += here.r - next.r;
+  }
+  EXPECT_GT(std::abs(total), 150);  // from one to the other
+  EXPECT_LE(largest, 12);           // in small steps
+}
+
+TEST(CpuMerge, PrefersMeasuredPixelsToFilledOnes) {
+  Looking filled(kinect_model(), wall(2), plain(kRed));
+  Looking measured(kinect_model(), wall(2.2), plain(kGreen), moved(0, 0, -0.2));
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  EXPECT_EQ(render({&filled, &measured}, eye).camera(kWidth / 2, kHeight / 2), 0);
+  for (auto& state : filled.frame.state.pixels()) state = DepthState::kFilled;
+  EXPECT_EQ(render({&filled, &measured}, eye).camera(kWidth / 2, kHeight / 2), 1);
+}
+
+TEST(CpuMerge, KeepsThinThingsInFront) {
+  // A stick of 1 cm before a wall; the other camera sees the wall alone, and better.
+  const auto stick = [](double x, double) { return std::abs(x) < 0.004 ? std::optional(1.2) : std::nullopt; };
+  Looking far_away(kinect_model(), together({wall(3), stick}), plain(kRed));
+  Looking close(kinect_model(), wall(1), plain(kGreen), moved(0, 0, 2));
+  const MergedView view = render({&far_away, &close}, eye_at_origin(1280, 720));
+  EXPECT_NEAR(view.depth_m(640, 360), 1.2, 0.01);
+  EXPECT_TRUE(near_color(view.color(640, 360), kRed));
+  EXPECT_TRUE(near_color(view.color(700, 360), kGreen));
+}
+
+TEST(CpuMerge, FillsOneCamerasHolesFromTheOther) {
+  Looking holey(kinect_model(), wall(2), plain(kRed));
+  measure_like_a_kinect(holey.frame, 0.2, 9);
+  Looking whole(kinect_model(), wall(2.5), plain(kGreen), moved(0, 0, -0.5));
+  const MergedView view = render({&holey, &whole}, eye_at_origin(kWidth, kHeight));
+  const auto [red, green] = [&] {
+    int from_first = 0, from_second = 0;
+    for (int y = 40; y < kHeight - 40; ++y) {
+      for (int x = 150; x < kWidth - 150; ++x) {
+        EXPECT_NE(view.camera(x, y), kNoCamera) << x << ' ' << y;
+        ++(view.camera(x, y) == 0 ? from_first : from_second);
+      }
+    }
+    return std::pair(from_first, from_second);
+  }();
+  EXPECT_GT(red, green);
+  EXPECT_GT(green, 5000);
+}
+
+TEST(CpuMerge, GivesTheSamePictureWithAnyNumberOfThreads) {
+  Looking one(kinect_model(), together({wall(3), sphere({0, 0, 2}, 0.4)}));
+  Looking two(kinect_model(), wall(3.01), plain({200, 100, 50}));
+  measure_like_a_kinect(one.frame, 0.05, 1);
+  const VirtualCamera eye = orbiting_eye(kWidth, kHeight, 10, 2);
+  const MergedView single = render({&one, &two}, eye, 16, 1);
+  for (int threads : {2, 3, 8}) {
+    const MergedView several = render({&one, &two}, eye, 16, threads);
+    EXPECT_EQ(several.color, single.color);
+    EXPECT_EQ(several.depth_m, single.depth_m);
+    EXPECT_EQ(several.camera, single.camera);
+    EXPECT_EQ(several.quality, single.quality);
+  }
+}
+
+TEST(CpuMerge, ForgetsACameraThatIsGone) {
+  Looking one(kinect_model(), wall(2), plain(kRed)), two(kinect_model(), wall(1), plain(kGreen));
+  NoWorkers workers;
+  const auto renderer = make_cpu_renderer(workers);
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  MergedView view;
+  ASSERT_TRUE(renderer->render(views_of({&one, &two}), eye, {.color = true}, view));
+  EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), kGreen));
+  ASSERT_TRUE(renderer->render(views_of({&one}), eye, {.color = true}, view));
+  EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), kRed));
+}
+
+}  // namespace
+}  // namespace copresence::renderer

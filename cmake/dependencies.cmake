@@ -20,6 +20,9 @@ add_library(copresence_asio INTERFACE)
 target_include_directories(copresence_asio SYSTEM INTERFACE ${ASIO_INCLUDE_DIR})
 target_compile_definitions(copresence_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED)
 target_link_libraries(copresence_asio INTERFACE Threads::Threads)
+if(COPRESENCE_SANITIZE MATCHES thread)  # which knows no fences; Asio's locks order everything we share without them
+  target_compile_definitions(copresence_asio INTERFACE ASIO_DISABLE_FENCED_BLOCK)
+endif()
 
 # OpenCV's headers flood C++20 with warnings unless they are system headers.
 add_library(copresence_opencv INTERFACE)

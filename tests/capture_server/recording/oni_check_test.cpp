@@ -223,7 +223,8 @@ TEST_F(OniCheck, NeverRefusesDamageInsidePayloads) {
   for (const auto& frame : records_of(bytes, RecordType::kNewData, kDepthNode)) {
     Bytes damaged = bytes;
     for (int i = 0; i < 10; ++i)
-      damaged[frame.payload_at + random() % frame.payload_bytes] ^= static_cast<std::uint8_t>(1 << random() % 8);
+      damaged[frame.payload_at + random() % frame.payload_bytes] ^=
+          static_cast<std::uint8_t>(1 << random() % 8);
     EXPECT_TRUE(check(damaged, "x.oni"));
   }
 }

@@ -49,10 +49,9 @@ struct RecordedStream {
 };
 
 struct RecordingSummary {
-  std::vector<RecordedStream> streams;  ///< at most one of each kind
-  std::optional<CameraNote>
-      camera_note;  ///< where its recorder wrote one; of the depth stream's size and unit
-  std::chrono::microseconds duration{};  ///< of the depth stream, first frame to one period after the last
+  std::vector<RecordedStream> streams;    ///< at most one of each kind
+  std::optional<CameraNote> camera_note;  ///< where there is one; of the depth stream's size and unit
+  std::chrono::microseconds duration{};   ///< of the depth stream, first frame to one period after the last
 
   const RecordedStream* find(RecordedStream::Kind kind) const;
 };
@@ -61,9 +60,8 @@ struct RecordingSummary {
 double mean_period_us(const RecordedStream& stream);
 
 /// Walks the record chain of the file at `path`; frames' payloads are skipped, not read.
-/// Fails  kNotFound (no such file, not readable), kCorrupt (not a recording, cut off, damaged: where),
-/// kUnsupported (a
-///        recording, but without depth, cropped, of odd size, or in a format that nothing here decodes).
+/// Fails  kNotFound (no such file, not readable), kCorrupt (not a recording, cut off, damaged: where), kUnsupported
+///        (a recording, but without depth, cropped, of odd size, or in a format that nothing here decodes).
 Result<RecordingSummary> check(const std::string& path);
 
 /// The same on bytes in memory; `name` stands for the path in sentences.

@@ -29,13 +29,12 @@ struct StreamFormat {
   bool apply(RecordedStream::Kind kind, RecordType type, std::string_view key,
              std::span<const std::uint8_t> value);
 
-  /// Fills `stream` with what is known once all its properties have been seen. `stream` has its kind and
-  /// codec. Fails  kCorrupt, kUnsupported: a phrase that begins with the stream's name, for a sentence about
-  /// the file.
+  /// Fills `stream` with what is known once all its properties have been seen. `stream` has its kind and codec.
+  /// Fails  kCorrupt, kUnsupported: a phrase that begins with the stream's name, for a sentence about the file.
   Result<void> describe(RecordedStream& stream) const;
 
-  /// The most bytes that a frame of this format can take in the file. Requires that describe() succeeded. Of
-  /// codec NONE every frame takes exactly that.
+  /// The most bytes that a frame of this format can take in the file; of codec NONE exactly what it takes.
+  /// Requires that describe() succeeded.
   std::uint64_t max_payload(std::string_view codec, RecordedStream::Kind kind) const;
 
   friend bool operator==(const StreamFormat&, const StreamFormat&) = default;

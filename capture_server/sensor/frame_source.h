@@ -51,9 +51,8 @@ struct SourceSettings {
 /// What happened to the pictures a source got. Every one is in a frame or counted here, but for a camera's
 /// depth before its colour is up.
 struct SourceCounters {
-  std::uint64_t frames = 0;  ///< handed over
-  std::uint64_t depth_without_color =
-      0;  ///< of those: no colour of their instant, though the source has colour
+  std::uint64_t frames = 0;               ///< handed over
+  std::uint64_t depth_without_color = 0;  ///< of those: no colour of their instant, though there is a stream
   std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
   std::uint64_t damaged = 0;              ///< depth or colour pictures that did not decode, or went missing
 };
@@ -65,12 +64,13 @@ class FrameSource {
   virtual const SensorDescription& description() const = 0;
   virtual SourceCounters counters() const = 0;
 
-  /// Blocks until the next frame. Its sequence counts from 1 and goes on over a loop's seam; its capture
-  /// instant is the moment at which this process holds it: for a recording played at real pace the instant at
-  /// which it is due, before which it was read and decoded; its pose is the description's. durations.capture
-  /// is the time that reading and converting took, without waiting for the sensor. Fails  kEndOfStream (a
-  /// recording's end, and when asked to stop), kTimeout (nothing came for a second),
-  ///        kUnavailable (the camera is gone). After kTimeout and kUnavailable: open the source again.
+  /// Blocks until the next frame. Its sequence counts from 1 and goes on over a loop's seam; its capture instant
+  /// is the moment at which this process holds it: for a recording played at real pace the instant at which it is
+  /// due, before which it was read and decoded; its pose is the description's. durations.capture is the time that
+  /// reading and converting took, without waiting for the sensor.
+  /// Fails  kEndOfStream (a recording's end, and when asked to stop), kCorrupt (its end, and no frame decoded),
+  ///        kTimeout (nothing came for a second), kUnavailable (the camera is gone). After kTimeout and
+  ///        kUnavailable: open the source again.
   virtual Result<RgbdFrame> next(std::stop_token stop) = 0;
 };
 
@@ -83,16 +83,17 @@ struct CheckedRecording {
   std::int64_t duration_us = 0;  ///< of one pass: from the first depth frame to one period after the last
 };
 
-/// Plays a checked recording through OpenNI2. Requires that recording::check() accepted the file: OpenNI2
-/// crashes or stalls on damaged ones. Fails  kNotFound (the file is gone), kCorrupt (OpenNI2 does not take
-/// it).
+/// Plays a checked recording through OpenNI2. Requires that recording::check() accepted the file: OpenNI2 crashes
+/// or stalls on damaged ones.
+/// Fails  kNotFound (the file is gone), kCorrupt (OpenNI2 does not take it).
 Result<std::unique_ptr<FrameSource>> open_recording(const CheckedRecording& recording,
                                                     const SourceSettings& settings);
 
-/// Opens a camera. `uri` as list_devices() gives it; empty for the first one there is. Chosen are depth at
-/// 640x480 and 30 frames a second or what comes nearest, RGB8 of the same size where there is colour, depth
-/// registered to colour and both taken at once where the device can. Fails  kNotFound (no such camera),
-/// kUnavailable (held by another program, no permission), kUnsupported (no depth).
+/// Opens a camera. `uri` as list_devices() gives it; empty for the first one there is. Chosen are depth at 640x480
+/// and 30 frames a second or what comes nearest, RGB8 of the same size where there is colour, depth registered to
+/// colour and both taken at once where the device can.
+/// Fails  kNotFound (no such camera), kUnavailable (held by another program, no permission), kUnsupported (no
+///        depth).
 Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri);
 
 /// A camera that OpenNI2 sees, for people to choose from.

@@ -223,8 +223,15 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
   while (true) {
     const bool may_wait = has_color && playing_ && pairing_.waiting() <= kDepthsAhead;
     if (auto pair = pairing_.take(may_wait)) return std::move(*pair);
-    if (!playing_)
+    if (!playing_ && counters_.frames == 0) {
+      return fail(ErrorCode::kCorrupt,
+                  fmt::format("{}: none of its {} frames could be decoded; take another copy of the file or "
+                              "record it again",
+                              recording_.path, depth_track_.frames));
+    }
+    if (!playing_) {
       return fail(ErrorCode::kEndOfStream, fmt::format("{}: the recording has ended", recording_.path));
+    }
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     const bool got_one = read_one();
     const bool everything_read =

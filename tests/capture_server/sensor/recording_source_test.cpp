@@ -236,6 +236,25 @@ TEST_F(RecordingSource, EndsWhereTheLastFrameIsTheDamagedOne) {
   EXPECT_TRUE(end || end.error().code == ErrorCode::kEndOfStream);
 }
 
+TEST_F(RecordingSource, SaysSoWhenNoFrameAtAllDecodes) {
+  const std::string path = recording({.frames = 3, .color = std::nullopt});
+  auto bytes = test::bytes_of(path);
+  for (const auto& frame : test::records_of(bytes, recording::RecordType::kNewData, test::kDepthNode)) {
+    // A table of one level, its index, and then nothing but empty runs: not a picture's worth of pixels.
+    const std::uint8_t nothing[] = {1, 0, 32, 3, 0, 0};
+    const auto payload = bytes.begin() + static_cast<std::ptrdiff_t>(frame.payload_at);
+    std::fill_n(payload, frame.payload_bytes, std::uint8_t{0xe0});
+    std::copy(std::begin(nothing), std::end(nothing), payload);
+  }
+  test::write_bytes(path, bytes);
+  const auto source = open(path, kFast);
+  const auto end = source->next({});
+  ASSERT_FALSE(end);
+  EXPECT_EQ(end.error().code, ErrorCode::kCorrupt);
+  EXPECT_THAT(end.error().what, HasSubstr("none of its 3 frames"));
+  EXPECT_EQ(source->counters().damaged, 3u);
+}
+
 TEST_F(RecordingSource, EndsAStalledRecordingWithinASecondOrTwo) {
   const std::string path = recording({.frames = 6});
   auto bytes = test::bytes_of(path);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Small recordings with known pictures, to be played, cut and damaged; and where real ones lie.
+// Small recordings with known pictures, to be played, cut and damaged.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -166,16 +165,6 @@ inline std::size_t property_value_at(const std::vector<std::uint8_t>& bytes, std
   }
   ADD_FAILURE() << "no property " << key;
   return 0;
-}
-
-/// A real recording, where there are some on this machine; tests skip loudly otherwise.
-inline std::optional<std::string> real_recording(const std::string& name) {
-  const char* folder = std::getenv("COPRESENCE_RECORDINGS");
-  for (const std::string& path :
-       {std::string(folder ? folder : "") + "/" + name, "../shared/recordings/" + name}) {
-    if (std::filesystem::exists(path)) return path;
-  }
-  return std::nullopt;
 }
 
 }  // namespace copresence::test

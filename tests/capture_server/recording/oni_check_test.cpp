@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "tests/support/real_recordings.h"
 #include "tests/support/recording_scene.h"
 
 namespace copresence::recording {

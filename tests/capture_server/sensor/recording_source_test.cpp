@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "capture_server/source.h"
+#include "tests/support/real_recordings.h"
 #include "tests/support/recording_scene.h"
 
 namespace copresence::sensor {

@@ -1,12 +1,14 @@
 #version 450 core
 // checked with: -DGAP_INVERSE=0.0114 -DMAX_SLOPE=5.7
 //
-// The triangles between neighbouring pixels that lie on one surface (merge_rules.h, Surface and joined()). One
-// invocation per quad, named after its top left pixel; corners run a, b, c, d from there clockwise as the camera sees
-// them.
+// A depth image as triangles (merge_rules.h, Surface): a flat block is drawn as two, other pixels are joined to their
+// neighbours where they lie on one surface. One invocation per pixel and the quad to its lower right.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform usampler2D depth;
+layout(binding = 0) uniform sampler2D inverse;   // outline_flat_blocks.comp
+layout(binding = 1) uniform sampler2D planes_4;  // by block, find_flat_blocks.comp
+layout(binding = 2) uniform sampler2D planes_8;
+layout(binding = 3) uniform sampler2D planes_16;
 layout(std430, binding = 0) buffer Command {
   uint index_count;
   uint instances, first_index;
@@ -14,8 +16,8 @@ layout(std430, binding = 0) buffer Command {
   uint base_instance;
 };
 layout(std430, binding = 1) writeonly buffer Indices { uint indices[]; };
-uniform float metres_per_unit;
 uniform float pixel_angle;  // radians between neighbours
+uniform int largest_block;  // pixels a side; 1 joins every pixel
 
 shared uint group_triangles;
 shared uint group_begin;
@@ -26,44 +28,63 @@ bool joined(float p, float q, float r) {
   return farthest > 0.0 && nearest - farthest <= GAP_INVERSE + MAX_SLOPE * pixel_angle * farthest;
 }
 
-float inverse_depth(ivec2 at) {
-  const uint value = texelFetch(depth, at, 0).r;
-  return value == 0u ? 0.0 : 1.0 / (float(value) * metres_per_unit);
+// Side of the largest flat block that a pixel lies in, 1 where there is none.
+int flat_side(ivec2 at) {
+  if (largest_block >= 16 && texelFetch(planes_16, at / 16, 0).x > 0.0) return 16;
+  if (largest_block >= 8 && texelFetch(planes_8, at / 8, 0).x > 0.0) return 8;
+  if (largest_block >= 4 && texelFetch(planes_4, at / 4, 0).x > 0.0) return 4;
+  return 1;
 }
 
+float w_at(ivec2 at) { return texelFetch(inverse, at, 0).r; }
+
 void main() {
-  if (gl_LocalInvocationIndex == 0u) group_triangles = 0u;
+  const uint invocation = gl_LocalInvocationIndex;
+  if (invocation == 0u) group_triangles = 0u;
   barrier();
 
+  // The quad's corners are a, b, c, d from the top left clockwise as the camera sees them.
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  const ivec2 size = textureSize(depth, 0);
-  uvec3 triangles[2];
-  uint count = 0u;
-  if (all(lessThan(at, size - 1))) {
-    const float wa = inverse_depth(at), wb = inverse_depth(at + ivec2(1, 0));
-    const float wd = inverse_depth(at + ivec2(0, 1)), wc = inverse_depth(at + ivec2(1, 1));
-    const uint a = uint(at.y * size.x + at.x), b = a + 1u, d = a + uint(size.x), c = d + 1u;
-    const bool abd = joined(wa, wb, wd), bcd = joined(wb, wc, wd);
-    const bool abc = joined(wa, wb, wc), acd = joined(wa, wc, wd);
-    if (abd && bcd || !(abc && acd)) {
-      if (abd) triangles[count++] = uvec3(a, b, d);
-      if (bcd) triangles[count++] = uvec3(b, c, d);
+  const ivec2 last = textureSize(inverse, 0) - 1;
+  uvec3 first = uvec3(0u), second = uvec3(0u);
+  bool has_first = false, has_second = false;
+  if (all(lessThan(at, last))) {
+    const int side = flat_side(at);
+    const ivec2 to = min(at + side, last);
+    const int width = last.x + 1;
+    const uint a = uint(at.y * width + at.x), b = uint(at.y * width + to.x);
+    const uint c = uint(to.y * width + to.x), d = uint(to.y * width + at.x);
+    bool from_a_to_c = false;  // the diagonal, else from b to d
+    if (side > 1) {
+      has_first = has_second = at % side == ivec2(0);
+    } else {
+      const float wa = w_at(at), wb = w_at(ivec2(to.x, at.y)), wc = w_at(to), wd = w_at(ivec2(at.x, to.y));
+      const bool abd = joined(wa, wb, wd), bcd = joined(wb, wc, wd);
+      const bool abc = joined(wa, wb, wc), acd = joined(wa, wc, wd);
+      from_a_to_c = !(abd && bcd) && (abc && acd || !(abd || bcd));
+      has_first = from_a_to_c ? abc : abd;
+      has_second = from_a_to_c ? acd : bcd;
     }
-    if (count == 0u) {
-      if (abc) triangles[count++] = uvec3(a, b, c);
-      if (acd) triangles[count++] = uvec3(a, c, d);
-    }
+    first = from_a_to_c ? uvec3(a, b, c) : uvec3(a, b, d);
+    second = from_a_to_c ? uvec3(a, c, d) : uvec3(b, c, d);
   }
+  const uint count = uint(has_first) + uint(has_second);
 
   // One global atomic per group.
   const uint in_group = count > 0u ? atomicAdd(group_triangles, count) : 0u;
   barrier();
-  if (gl_LocalInvocationIndex == 0u) group_begin = atomicAdd(index_count, 3u * group_triangles);
+  if (invocation == 0u) group_begin = atomicAdd(index_count, 3u * group_triangles);
   barrier();
-  for (uint i = 0u; i < count; ++i) {
-    const uint to = group_begin + 3u * (in_group + i);
-    indices[to] = triangles[i].x;
-    indices[to + 1u] = triangles[i].y;
-    indices[to + 2u] = triangles[i].z;
+  uint to = group_begin + 3u * in_group;
+  if (has_first) {
+    indices[to] = first.x;
+    indices[to + 1u] = first.y;
+    indices[to + 2u] = first.z;
+    to += 3u;
+  }
+  if (has_second) {
+    indices[to] = second.x;
+    indices[to + 1u] = second.y;
+    indices[to + 2u] = second.z;
   }
 }

@@ -1,13 +1,14 @@
 #version 450 core
 // checked with: -DCELL=8 -DCELL_PIXELS=16 -DUNKNOWN_COSINE=0.25
 //
-// cos(theta) by cell of CELL x CELL pixels: a plane of inverse depth fitted to the cell's pixels (merge_rules.h, kCell).
-// One invocation per cell.
+// cos(theta) by cell of CELL x CELL pixels (merge_rules.h, kCell): of its block's plane where that is flat, else of a
+// plane of inverse depth fitted to the pixels it has. One invocation per cell.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 0) uniform usampler2D depth;
+layout(binding = 1) uniform sampler2D planes;  // of blocks of CELL pixels, find_flat_blocks.comp
 layout(binding = 0, r32f) writeonly uniform image2D cosines;
-uniform float metres_per_unit;
+uniform float units_per_metre;
 uniform vec2 focal;   // pixels
 uniform vec2 center;  // pixels
 
@@ -16,21 +17,18 @@ float cos_theta(float w, vec2 slope, vec2 ray) {
   return min(1.0, w / (length(normal) * length(vec3(ray, 1.0))));
 }
 
-void main() {
-  const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(cell, imageSize(cosines)))) return;
+// w at the cell's middle and its change per pixel; zeros where the pixels are too few or in one line.
+vec3 fit(ivec2 cell) {
   const ivec2 begin = cell * CELL;
   const ivec2 end = min(begin + CELL, textureSize(depth, 0));
-  const float middle = 0.5 * float(CELL);
-
   float n = 0.0, w = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   vec2 sum = vec2(0.0), sum_w = vec2(0.0);
   for (int y = begin.y; y < end.y; ++y) {
     for (int x = begin.x; x < end.x; ++x) {
       const uint value = texelFetch(depth, ivec2(x, y), 0).r;
       if (value == 0u) continue;
-      const float inverse = 1.0 / (float(value) * metres_per_unit);
-      const vec2 at = vec2(ivec2(x, y) - begin) - middle;
+      const float inverse = units_per_metre / float(value);
+      const vec2 at = vec2(ivec2(x, y) - begin) - 0.5 * float(CELL);
       n += 1.0;
       w += inverse;
       sum += at;
@@ -40,18 +38,21 @@ void main() {
       yy += at.y * at.y;
     }
   }
+  if (n < float(CELL_PIXELS)) return vec3(0.0);
+  const float sxx = xx - sum.x * sum.x / n, sxy = xy - sum.x * sum.y / n, syy = yy - sum.y * sum.y / n;
+  const vec2 s = sum_w - sum * w / n;
+  const float determinant = sxx * syy - sxy * sxy;
+  if (determinant < 1.0) return vec3(0.0);
+  const vec2 slope = vec2(s.x * syy - s.y * sxy, s.y * sxx - s.x * sxy) / determinant;
+  return vec3((w - dot(sum, slope)) / n, slope);
+}
 
-  float cosine = UNKNOWN_COSINE;
-  if (n >= float(CELL_PIXELS)) {
-    const float sxx = xx - sum.x * sum.x / n, sxy = xy - sum.x * sum.y / n, syy = yy - sum.y * sum.y / n;
-    const vec2 s = sum_w - sum * w / n;
-    const float determinant = sxx * syy - sxy * sxy;
-    if (determinant >= 1.0) {
-      const vec2 slope = vec2(s.x * syy - s.y * sxy, s.y * sxx - s.x * sxy) / determinant;
-      const float at_middle = (w - dot(sum, slope)) / n;
-      const vec2 ray = (vec2(begin) + middle - center) / focal;
-      if (at_middle > 0.0) cosine = cos_theta(at_middle, slope * focal, ray);
-    }
-  }
-  imageStore(cosines, cell, vec4(cosine));
+void main() {
+  const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(cell, imageSize(cosines)))) return;
+  vec3 plane = vec3(0.0);
+  if (all(lessThan(cell, textureSize(planes, 0)))) plane = texelFetch(planes, cell, 0).xyz;
+  if (plane.x <= 0.0) plane = fit(cell);
+  const vec2 ray = ((vec2(cell) + 0.5) * float(CELL) - center) / focal;
+  imageStore(cosines, cell, vec4(plane.x > 0.0 ? cos_theta(plane.x, plane.yz * focal, ray) : UNKNOWN_COSINE));
 }

@@ -9,11 +9,6 @@
 namespace copresence::renderer {
 namespace {
 
-// Noise is the pixels' distance from their block of 4; curvature is its plane's from the next larger block's.
-// Planes of 25 pixels are known to a quarter of a step at their corners.
-constexpr float kPixelTolerance = kPlanarSteps * kStepInverse;
-constexpr float kPlaneTolerance = 1.0F * kStepInverse;
-
 bool too_steep(const Plane& plane, float pixel_angle) {
   return std::abs(plane.dx) + std::abs(plane.dy) >
          kGapSteps * kStepInverse + kMaxSlope * pixel_angle * plane.w;

@@ -2,11 +2,12 @@
 
 // Where a depth image is flat: planes of inverse depth, fitted to its blocks of 4, 8 and 16 pixels a side. A
 // block spans its pixels and the first ones of its right and lower neighbours, since a mesh joins those as
-// well. Private to the CPU renderer. Thread: values; distinct ones are independent.
+// well. Private to the renderers. Thread: values; distinct ones are independent.
 
 #include <array>
 
 #include "common/frame/image.h"
+#include "render_client/renderer/merge_rules.h"
 
 namespace copresence::renderer {
 
@@ -31,6 +32,11 @@ struct Plane {
 };
 
 inline constexpr std::array<int, 3> kBlockSizes = {4, 8, 16};
+
+/// Noise is the pixels' distance from their block of 4; curvature is its plane's from the next larger
+/// block's. Planes of 25 pixels are known to a quarter of a step at their corners. 1/m.
+inline constexpr float kPixelTolerance = kPlanarSteps * kStepInverse;
+inline constexpr float kPlaneTolerance = 1.0F * kStepInverse;
 
 struct FlatBlocks {
   /// By level, blocks of kBlockSizes[level]; block (i, j) begins at pixel (size i, size j).

@@ -5,13 +5,16 @@
 #include <string>
 #include <utility>
 
+#include "render_client/renderer/flat_blocks.h"
 #include "render_client/renderer/merge_rules.h"
 #include "shaders/build_mesh.comp.h"
 #include "shaders/draw_mesh.frag.h"
 #include "shaders/draw_mesh.vert.h"
+#include "shaders/find_flat_blocks.comp.h"
 #include "shaders/make_source.comp.h"
 #include "shaders/measure_tilts.comp.h"
 #include "shaders/merge_layers.comp.h"
+#include "shaders/outline_flat_blocks.comp.h"
 
 namespace copresence::renderer {
 namespace {
@@ -34,6 +37,25 @@ std::string element(const char* array, std::size_t index) {
 
 }  // namespace
 
+Result<FindFlatBlocks> FindFlatBlocks::make(gl::Context& context) {
+  const std::array defines = {Define{"PIXEL_TOLERANCE", literal(kPixelTolerance)},
+                              Define{"PLANE_TOLERANCE", literal(kPlaneTolerance)},
+                              Define{"GAP_INVERSE", literal(kGapSteps * kStepInverse)},
+                              Define{"MAX_SLOPE", literal(kMaxSlope)}};
+  auto program = gl::Program::compute(context, shaders::find_flat_blocks_comp, defines);
+  if (!program) return fail(program.error());
+  return FindFlatBlocks(std::move(*program));
+}
+
+void FindFlatBlocks::run(const gl::Texture& depth, float units_per_metre, float pixel_angle,
+                         const GlPlanes& planes) {
+  depth.bind(0);
+  for (int level = 0; level < 3; ++level) planes[level].bind_image(level, Access::kWrite);
+  program_.set("units_per_metre", units_per_metre);
+  program_.set("pixel_angle", pixel_angle);
+  program_.dispatch(planes[2].width(), planes[2].height());
+}
+
 Result<MeasureTilts> MeasureTilts::make(gl::Context& context) {
   const std::array defines = {Define{"CELL", std::to_string(kCell)},
                               Define{"CELL_PIXELS", std::to_string(kCellPixels)},
@@ -43,11 +65,14 @@ Result<MeasureTilts> MeasureTilts::make(gl::Context& context) {
   return MeasureTilts(std::move(*program));
 }
 
-void MeasureTilts::run(const gl::Texture& depth, const CameraModel& model, float metres_per_unit,
-                       const gl::Texture& cosines) {
+void MeasureTilts::run(const gl::Texture& depth, const GlPlanes& planes, const CameraModel& model,
+                       float units_per_metre, const gl::Texture& cosines) {
+  constexpr int kLevel = 1;
+  static_assert(kBlockSizes[kLevel] == kCell);
   depth.bind(0);
+  planes[kLevel].bind(1);
   cosines.bind_image(0, Access::kWrite);
-  program_.set("metres_per_unit", metres_per_unit);
+  program_.set("units_per_metre", units_per_metre);
   program_.set("focal", Eigen::Vector2d(model.fx, model.fy).cast<float>().eval());
   program_.set("center", Eigen::Vector2d(model.cx, model.cy).cast<float>().eval());
   program_.dispatch_over(cosines.width(), cosines.height());
@@ -73,6 +98,22 @@ void MakeSource::run(const gl::Texture& cosines, const gl::Texture& state, const
   program_.dispatch_over(source.width(), source.height());
 }
 
+Result<OutlineFlatBlocks> OutlineFlatBlocks::make(gl::Context& context) {
+  auto program = gl::Program::compute(context, shaders::outline_flat_blocks_comp);
+  if (!program) return fail(program.error());
+  return OutlineFlatBlocks(std::move(*program));
+}
+
+void OutlineFlatBlocks::run(const gl::Texture& depth, const GlPlanes& planes, float units_per_metre,
+                            int largest_block, const gl::Texture& inverse) {
+  depth.bind(0);
+  for (int level = 0; level < 3; ++level) planes[level].bind(1 + level);
+  inverse.bind_image(0, Access::kWrite);
+  program_.set("units_per_metre", units_per_metre);
+  program_.set("largest_block", largest_block);
+  program_.dispatch(planes[2].width(), planes[2].height());
+}
+
 Result<BuildMesh> BuildMesh::make(gl::Context& context) {
   const std::array defines = {Define{"GAP_INVERSE", literal(kGapSteps * kStepInverse)},
                               Define{"MAX_SLOPE", literal(kMaxSlope)}};
@@ -81,15 +122,16 @@ Result<BuildMesh> BuildMesh::make(gl::Context& context) {
   return BuildMesh(std::move(*program));
 }
 
-void BuildMesh::run(const gl::Texture& depth, float metres_per_unit, float pixel_angle, gl::Buffer& command,
-                    const gl::Buffer& indices) {
+void BuildMesh::run(const gl::Texture& inverse, const GlPlanes& planes, float pixel_angle, int largest_block,
+                    gl::Buffer& command, const gl::Buffer& indices) {
   command.write(std::span<const gl::DrawCommand>(std::array{gl::DrawCommand{}}));
-  depth.bind(0);
+  inverse.bind(0);
+  for (int level = 0; level < 3; ++level) planes[level].bind(1 + level);
   command.bind_storage(0);
   indices.bind_storage(1);
-  program_.set("metres_per_unit", metres_per_unit);
   program_.set("pixel_angle", pixel_angle);
-  program_.dispatch_over(depth.width(), depth.height());
+  program_.set("largest_block", largest_block);
+  program_.dispatch_over(inverse.width(), inverse.height());
 }
 
 Result<DrawMesh> DrawMesh::make(gl::Context& context) {
@@ -98,13 +140,12 @@ Result<DrawMesh> DrawMesh::make(gl::Context& context) {
   return DrawMesh(std::move(*program));
 }
 
-void DrawMesh::run(const gl::Texture& depth, const gl::Texture& rays, float metres_per_unit,
-                   const gl::Texture& source, const Eigen::Matrix4f& clip_from_camera,
-                   const gl::Buffer& command, const gl::Buffer& indices, gl::Framebuffer& layer) {
-  depth.bind(0);
+void DrawMesh::run(const gl::Texture& inverse, const gl::Texture& rays, const gl::Texture& source,
+                   const Eigen::Matrix4f& clip_from_camera, const gl::Buffer& command,
+                   const gl::Buffer& indices, gl::Framebuffer& layer) {
+  inverse.bind(0);
   rays.bind(1);
   source.bind(2);
-  program_.set("metres_per_unit", metres_per_unit);
   program_.set("clip_from_camera", clip_from_camera);
   layer.draw_indirect(program_, indices, command);
 }

@@ -6,6 +6,7 @@
 // Thread: the context's.
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <map>
 #include <span>
@@ -20,11 +21,25 @@
 
 namespace copresence::renderer {
 
-/// measure_tilts.comp: depth (kR16ui) to cos(theta) by cell (kR32f).
+/// Planes of inverse depth by block of 4, 8, 16 pixels (kRgba32f), FlatBlocks on the card.
+using GlPlanes = std::array<gl::Texture, 3>;
+
+/// find_flat_blocks.comp: depth (kR16ui) to planes.
+class FindFlatBlocks {
+ public:
+  static Result<FindFlatBlocks> make(gl::Context& context);
+  void run(const gl::Texture& depth, float units_per_metre, float pixel_angle, const GlPlanes& planes);
+
+ private:
+  explicit FindFlatBlocks(gl::Program program) : program_(std::move(program)) {}
+  gl::Program program_;
+};
+
+/// measure_tilts.comp: depth and planes to cos(theta) by cell (kR32f).
 class MeasureTilts {
  public:
   static Result<MeasureTilts> make(gl::Context& context);
-  void run(const gl::Texture& depth, const CameraModel& model, float metres_per_unit,
+  void run(const gl::Texture& depth, const GlPlanes& planes, const CameraModel& model, float units_per_metre,
            const gl::Texture& cosines);
 
  private:
@@ -44,13 +59,26 @@ class MakeSource {
   gl::Program program_;
 };
 
-/// build_mesh.comp: depth to triangles.
+/// outline_flat_blocks.comp: depth and planes to inverse depth (kR32f) that agrees where blocks meet.
+class OutlineFlatBlocks {
+ public:
+  static Result<OutlineFlatBlocks> make(gl::Context& context);
+  /// Blocks larger than `largest_block` pixels a side count as not flat.
+  void run(const gl::Texture& depth, const GlPlanes& planes, float units_per_metre, int largest_block,
+           const gl::Texture& inverse);
+
+ private:
+  explicit OutlineFlatBlocks(gl::Program program) : program_(std::move(program)) {}
+  gl::Program program_;
+};
+
+/// build_mesh.comp: inverse depth and planes to triangles.
 class BuildMesh {
  public:
   static Result<BuildMesh> make(gl::Context& context);
-  /// `command` holds a gl::DrawCommand afterwards; `indices` has room for six per quad.
-  void run(const gl::Texture& depth, float metres_per_unit, float pixel_angle, gl::Buffer& command,
-           const gl::Buffer& indices);
+  /// `command` gets a gl::DrawCommand; `indices` has room for six per pixel.
+  void run(const gl::Texture& inverse, const GlPlanes& planes, float pixel_angle, int largest_block,
+           gl::Buffer& command, const gl::Buffer& indices);
 
  private:
   explicit BuildMesh(gl::Program program) : program_(std::move(program)) {}
@@ -61,9 +89,9 @@ class BuildMesh {
 class DrawMesh {
  public:
   static Result<DrawMesh> make(gl::Context& context);
-  void run(const gl::Texture& depth, const gl::Texture& rays, float metres_per_unit,
-           const gl::Texture& source, const Eigen::Matrix4f& clip_from_camera, const gl::Buffer& command,
-           const gl::Buffer& indices, gl::Framebuffer& layer);
+  void run(const gl::Texture& inverse, const gl::Texture& rays, const gl::Texture& source,
+           const Eigen::Matrix4f& clip_from_camera, const gl::Buffer& command, const gl::Buffer& indices,
+           gl::Framebuffer& layer);
 
  private:
   explicit DrawMesh(gl::Program program) : program_(std::move(program)) {}

@@ -72,11 +72,11 @@ MergeLayers::Source merge_source(const CameraView& camera, const VirtualCamera& 
 
 class GlRenderer final : public Renderer {
  public:
-  GlRenderer(gl::Context& context, MeasureTilts tilts, MakeSource look, BuildMesh mesh, DrawMesh draw)
+  GlRenderer(gl::Context& context, const GlRendererSettings& settings, GlSource::Shaders shaders,
+             DrawMesh draw)
       : context_(context),
-        tilts_(std::move(tilts)),
-        look_(std::move(look)),
-        mesh_(std::move(mesh)),
+        settings_(settings),
+        shaders_(std::move(shaders)),
         draw_(std::move(draw)),
         merge_(context) {}
 
@@ -110,9 +110,9 @@ class GlRenderer final : public Renderer {
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const CameraModel& model = cameras[i].model;
       if (i == sources_.size()) {
-        sources_.emplace_back(context_, model);
+        sources_.emplace_back(context_, model, settings_.largest_block);
       } else if (sources_[i].width() != model.width || sources_[i].height() != model.height) {
-        sources_[i] = GlSource(context_, model);
+        sources_[i] = GlSource(context_, model, settings_.largest_block);
       }
     }
     if (sources_.size() > cameras.size()) sources_.erase(sources_.begin() + cameras.size(), sources_.end());
@@ -121,7 +121,7 @@ class GlRenderer final : public Renderer {
   void draw_layers(std::span<const CameraView> cameras, const VirtualCamera& eye) {
     const Eigen::Matrix4d clip_from_world = clip_from_eye(eye) * eye.world_from_eye.inverse().matrix();
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      sources_[i].update(cameras[i], tilts_, look_, mesh_);
+      sources_[i].update(cameras[i], shaders_);
       gl::Framebuffer& layer = layers_->by_camera[i];
       layer.clear_color(0, {0, 0, 0, 0});
       layer.clear_depth(1);
@@ -165,9 +165,8 @@ class GlRenderer final : public Renderer {
   }
 
   gl::Context& context_;
-  MeasureTilts tilts_;
-  MakeSource look_;
-  BuildMesh mesh_;
+  GlRendererSettings settings_;
+  GlSource::Shaders shaders_;
   DrawMesh draw_;
   MergeLayers merge_;
   std::vector<GlSource> sources_;  // by camera
@@ -178,17 +177,24 @@ class GlRenderer final : public Renderer {
 
 }  // namespace
 
-Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context) {
+Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context, const GlRendererSettings& settings) {
+  auto flat_blocks = FindFlatBlocks::make(context);
+  if (!flat_blocks) return fail(flat_blocks.error());
   auto tilts = MeasureTilts::make(context);
   if (!tilts) return fail(tilts.error());
-  auto look = MakeSource::make(context);
-  if (!look) return fail(look.error());
+  auto outlines = OutlineFlatBlocks::make(context);
+  if (!outlines) return fail(outlines.error());
   auto mesh = BuildMesh::make(context);
   if (!mesh) return fail(mesh.error());
+  auto look = MakeSource::make(context);
+  if (!look) return fail(look.error());
   auto draw = DrawMesh::make(context);
   if (!draw) return fail(draw.error());
-  return std::make_unique<GlRenderer>(context, std::move(*tilts), std::move(*look), std::move(*mesh),
-                                      std::move(*draw));
+  return std::make_unique<GlRenderer>(
+      context, settings,
+      GlSource::Shaders{std::move(*flat_blocks), std::move(*tilts), std::move(*outlines), std::move(*mesh),
+                        std::move(*look)},
+      std::move(*draw));
 }
 
 }  // namespace copresence::renderer

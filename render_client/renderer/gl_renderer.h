@@ -14,9 +14,15 @@
 
 namespace copresence::renderer {
 
+struct GlRendererSettings {
+  /// Flat regions are drawn in blocks of up to so many pixels a side: 1, 4, 8 or 16. 1 draws every pixel.
+  int largest_block = 16;
+};
+
 /// `context` must outlive the renderer. MergedView::texture is the renderer's own: it holds the view until
 /// the next render() or the renderer's end. Fails  kInvalid where the driver does not compile the shaders, in
 /// the driver's words.
-Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context);
+Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context,
+                                                   const GlRendererSettings& settings = {});
 
 }  // namespace copresence::renderer

@@ -1,0 +1,47 @@
+// What a stranger may send as level table and state mask, with a seal that is right: the decoder must not
+// crash, and what it accepts must keep the promises of depth_codec.h.
+//
+// An input is a stream of frames: u8 keyframe (lowest bit), u8 bytes of the table, u8 bytes of the mask,
+// table, mask.
+
+#include <cstdlib>
+#include <span>
+
+#include "common/depth/depth_codec.h"
+#include "common/depth/side_data_seal.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace copresence;
+  using namespace copresence::depth;
+  static const DepthFormat kFormat{64, 48, DepthUnit::kMillimetre, {}};
+  static const DepthRangeUnits kRange = kFormat.units();
+  static const DepthCodecDescription kDescription = Encoder::open("quantized", kFormat)->description();
+  Decoder decoder = *Decoder::open(kDescription, kFormat);
+  SideDataSeal seal;
+  DepthImage depth;
+  StateImage states;
+  std::span<const std::uint8_t> rest(data, size);
+  for (bool first = true; rest.size() >= 3; first = false) {
+    PlanarDepth planes;
+    planes.keyframe = first || (rest[0] & 1);
+    planes.picture = Picture(PixelFormat::kGray10, kFormat.width, kFormat.height);
+    std::uint16_t sample = rest[0];
+    for (std::uint16_t& each : planes.picture.plane10())
+      each = sample = static_cast<std::uint16_t>(sample * 5 + 3);
+    const std::size_t table = rest[1], mask = rest[2];
+    rest = rest.subspan(3);
+    if (rest.size() < table + mask) break;
+    planes.table.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(table));
+    rest = rest.subspan(table);
+    planes.state_mask.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(mask));
+    rest = rest.subspan(mask);
+    seal.close(planes.keyframe, planes.table, planes.state_mask);
+    if (!decoder.decode(planes, depth, states)) break;
+    for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
+      const bool hole = states.data()[i] == DepthState::kHole;
+      if (static_cast<int>(states.data()[i]) > 2 || hole != (depth.data()[i] == 0)) std::abort();
+      if (!hole && !kRange.contains(depth.data()[i])) std::abort();
+    }
+  }
+  return 0;
+}

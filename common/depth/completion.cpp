@@ -3,11 +3,36 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
 
 namespace copresence::depth {
 
-Completion::Completion(int width, int height, DepthRangeUnits range)
-    : range_(range), depth_(width, height, 0), states_(width, height, DepthState::kHole) {}
+namespace {
+
+// A hole is filled anew where what it held stands off from its rim by this many sensor steps more than the
+// two sides of the rim stand off from each other. Less costs static scenes, whose rims flicker; more costs
+// moving ones.
+constexpr double kCliffSteps = 10;
+
+// Pixels that changed by more than this many steps moved; where more than half of all did, nothing old is
+// worth keeping.
+constexpr double kMovedSteps = 2.5;
+constexpr std::size_t kSampling = 13;  // looks at every 13th pixel: odd, so that no column is favoured
+
+}  // namespace
+
+Completion::Completion(int width, int height, DepthRangeUnits range, DepthUnit unit)
+    : range_(range),
+      steps_per_inverse_unit_(1.0 / (sensor_step_m(1.0) * metres_per_unit(unit))),
+      depth_(width, height, range.far),
+      earlier_(width, height, range.far),
+      states_(width, height, DepthState::kHole) {}
+
+double Completion::steps(int from, int to) const {
+  return steps_per_inverse_unit_ * std::abs(from - to) / (static_cast<double>(from) * to);
+}
 
 void Completion::take(const DepthImage& depth, const StateImage& states) {
   assert(same_shape(depth, depth_) && same_shape(states, states_));
@@ -16,6 +41,8 @@ void Completion::take(const DepthImage& depth, const StateImage& states) {
   const auto span = static_cast<std::uint16_t>(range_.far - range_.near);
   const std::uint16_t* const in = depth.data();
   const auto* const state_in = reinterpret_cast<const std::uint8_t*>(states.data());
+  std::swap(depth_, earlier_);
+  const std::uint16_t* const old = earlier_.data();
   std::uint16_t* const out = depth_.data();
   auto* const state_out = reinterpret_cast<std::uint8_t*>(states_.data());
   // In blocks with masks instead of branches, so that the compiler makes vector instructions of it.
@@ -31,40 +58,79 @@ void Completion::take(const DepthImage& depth, const StateImage& states) {
       state_out[first + i] = static_cast<std::uint8_t>(state_in[first + i] & keep[i]);
     }
     for (std::size_t i = 0; i < count; ++i) {
-      out[first + i] = static_cast<std::uint16_t>((in[first + i] & keep[i]) | (out[first + i] & ~keep[i]));
+      out[first + i] = static_cast<std::uint16_t>((in[first + i] & keep[i]) | (old[first + i] & ~keep[i]));
     }
   }
-  if (gaps_) fill_along_rows();
+  const bool all = first_ || moves_fast();
+  visit_gaps([&](const Gap& gap) {
+    if (all || has_cliffs(gap)) fill_anew(gap);
+  });
+  if (first_) fill_rows_without_depth();
 }
 
-void Completion::fill_along_rows() {
-  const int width = depth_.width(), height = depth_.height();
-  int first_full = -1;  // first row that has any depth
-  for (int y = 0; y < height; ++y) {
-    const auto row = depth_.row(y);
-    const auto is_depth = [](std::uint16_t d) { return d != 0; };
-    auto at = std::find_if(row.begin(), row.end(), is_depth);
-    if (at == row.end()) {
-      if (first_full >= 0) std::copy_n(depth_.row(y - 1).begin(), width, row.begin());
-      continue;
-    }
-    if (first_full < 0) first_full = y;
-    std::fill(row.begin(), at, *at);
-    while (at != row.end()) {
-      const auto hole = std::find(at, row.end(), std::uint16_t{0});
-      const auto next = std::find_if(hole, row.end(), is_depth);
-      if (hole != next) std::fill(hole, next, next == row.end() ? hole[-1] : std::max(hole[-1], *next));
-      at = next;
+template <class Visit>
+void Completion::visit_gaps(const Visit& visit) const {
+  const int width = states_.width();
+  for (int y = 0; y < states_.height(); ++y) {
+    const auto* const row = reinterpret_cast<const std::uint8_t*>(states_.row(y).data());
+    for (int end = 0; end < width;) {
+      const void* const hole = std::memchr(row + end, 0, static_cast<std::size_t>(width - end));
+      if (!hole) break;
+      Gap gap{y, static_cast<int>(static_cast<const std::uint8_t*>(hole) - row), 0};
+      for (end = gap.from; end < width && row[end] == 0;) ++end;
+      gap.end = end;
+      if (gap.from > 0 || gap.end < width) visit(gap);
     }
   }
-  if (first_full < 0) {
-    // Nothing at all: any depth does, but the next frame looks for gaps again.
-    std::fill(depth_.pixels().begin(), depth_.pixels().end(), range_.far);
-  } else {
-    for (int y = first_full - 1; y >= 0; --y)
-      std::copy_n(depth_.row(y + 1).begin(), width, depth_.row(y).begin());
+}
+
+void Completion::fill_anew(const Gap& gap) {
+  const auto row = depth_.row(gap.y);
+  const std::uint16_t left = gap.from > 0 ? row[gap.from - 1] : 0;
+  const std::uint16_t right = gap.end < depth_.width() ? row[gap.end] : 0;
+  std::fill(row.begin() + gap.from, row.begin() + gap.end, std::max(left, right));
+}
+
+bool Completion::has_cliffs(const Gap& gap) const {
+  const auto row = depth_.row(gap.y);
+  const bool left = gap.from > 0, right = gap.end < depth_.width();
+  double cliffs = left && right ? -steps(row[gap.from - 1], row[gap.end]) : 0;
+  if (left) cliffs += steps(row[gap.from - 1], row[gap.from]);
+  if (right) cliffs += steps(row[gap.end - 1], row[gap.end]);
+  return cliffs > kCliffSteps;
+}
+
+bool Completion::moves_fast() const {
+  const std::uint16_t* const now = depth_.data();
+  const std::uint16_t* const before = earlier_.data();
+  // steps(now, before) > kMovedSteps, without a division for every pixel
+  const auto reach = static_cast<std::int64_t>(steps_per_inverse_unit_ / kMovedSteps);
+  std::size_t seen = 0, moved = 0;
+  for (std::size_t i = 0; i < depth_.pixels().size(); i += kSampling) {
+    if (states_.data()[i] == DepthState::kHole) continue;
+    ++seen;
+    moved += std::abs(now[i] - before[i]) * reach > std::int64_t{now[i]} * before[i];
   }
-  gaps_ = false;
+  return moved * 2 > seen;
+}
+
+// Rows that never had depth take the row above, the first ones the row below.
+void Completion::fill_rows_without_depth() {
+  const auto has_depth = [&](int y) {
+    const auto row = states_.row(y);
+    return std::any_of(row.begin(), row.end(), [](DepthState state) { return state != DepthState::kHole; });
+  };
+  int first_with = 0;
+  while (first_with < depth_.height() && !has_depth(first_with)) ++first_with;
+  if (first_with == depth_.height()) return;  // nothing at all: the next frame is the first again
+  const auto copy_row = [&](int from, int to) {
+    std::copy_n(depth_.row(from).begin(), depth_.width(), depth_.row(to).begin());
+  };
+  for (int y = first_with - 1; y >= 0; --y) copy_row(y + 1, y);
+  for (int y = first_with + 1; y < depth_.height(); ++y) {
+    if (!has_depth(y)) copy_row(y - 1, y);
+  }
+  first_ = false;
 }
 
 }  // namespace copresence::depth

@@ -4,7 +4,8 @@
 // is to be seen. What stands in a hole is never shown, since the state mask makes it a hole again.
 //
 // A hole keeps what stood there in the completed picture before: where the camera stands still, H.264 then
-// skips it. What never was anything is filled along its row from the farther side.
+// skips it. Where that has become a cliff against the hole's rim, and everywhere while the camera turns fast,
+// it is filled anew along its row, from the farther side.
 //
 // Thread: distinct objects are independent.
 
@@ -15,7 +16,7 @@ namespace copresence::depth {
 
 class Completion {
  public:
-  Completion(int width, int height, DepthRangeUnits range);
+  Completion(int width, int height, DepthRangeUnits range, DepthUnit unit);
 
   /// Takes a frame in: everything outside the range counts as a hole. Afterwards depth() and states() hold
   /// it. Requires the shape given to the constructor.
@@ -27,12 +28,24 @@ class Completion {
   }  ///< the input's, and kHole where depth lay outside the range
 
  private:
-  void fill_along_rows();
+  // A run of holes in a row: columns from to before end.
+  struct Gap {
+    int y, from, end;
+  };
+
+  template <class Visit>
+  void visit_gaps(const Visit& visit) const;
+  void fill_anew(const Gap& gap);
+  bool has_cliffs(const Gap& gap) const;
+  bool moves_fast() const;
+  void fill_rows_without_depth();
+  double steps(int from, int to) const;  // sensor steps between two depths
 
   DepthRangeUnits range_;
-  DepthImage depth_;  // 0 where nothing ever was
+  double steps_per_inverse_unit_;
+  DepthImage depth_, earlier_;
   StateImage states_;
-  bool gaps_ = true;  // whether depth_ holds zeros
+  bool first_ = true;  // nothing to keep in any hole yet
 };
 
 }  // namespace copresence::depth

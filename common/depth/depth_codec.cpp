@@ -24,7 +24,7 @@ struct Encoder::Parts {
   Parts(std::unique_ptr<PlaneEncoder> planes_, const DepthFormat& format)
       : planes(std::move(planes_)),
         description(planes->description()),
-        completion(format.width, format.height, format.units()),
+        completion(format.width, format.height, format.units(), format.unit),
         mask(format.width, format.height) {}
 
   std::unique_ptr<PlaneEncoder> planes;

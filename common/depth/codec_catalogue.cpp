@@ -28,15 +28,18 @@ constexpr CodecEntry spiral(std::string_view name) {
           }};
 }
 
-constexpr CodecEntry kQuantized{
-    "quantized", PixelFormat::kGray10,
-    [](std::string_view, const DepthFormat& format) { return make_quantized_encoder(format); },
-    [](const DepthCodecDescription&, const DepthFormat& format) -> Result<std::unique_ptr<PlaneDecoder>> {
-      return make_quantized_decoder(format);
-    }};
+template <std::unique_ptr<PlaneEncoder> (*kMake)(const DepthFormat&)>
+constexpr CodecEntry by_levels(std::string_view name) {
+  return {
+      name, PixelFormat::kGray10, [](std::string_view, const DepthFormat& format) { return kMake(format); },
+      [](const DepthCodecDescription&, const DepthFormat& format) -> Result<std::unique_ptr<PlaneDecoder>> {
+        return make_quantized_decoder(format);
+      }};
+}
 
 constexpr std::array kCatalogue{
-    kQuantized,
+    by_levels<make_quantized_encoder>("quantized"),
+    by_levels<make_adaptive_encoder>("adaptive"),
     accuracy<PixelFormat::kGray10>("accuracy10"),
     accuracy<PixelFormat::kGray8>("accuracy8"),
     spiral<false, false, true>("spiral"),

@@ -50,37 +50,43 @@ int LevelTable::count() const {
   return static_cast<int>(kCodes - std::count(levels_.begin(), levels_.end(), std::uint16_t{0}));
 }
 
-void LevelTable::assign(std::span<const std::uint16_t> levels) {
-  assert(levels.size() <= kCodes && std::is_sorted(levels.begin(), levels.end()));
+void LevelTable::assign(std::span<const std::uint16_t> levels, std::span<const double> distance) {
+  assert(levels.size() <= kCodes && levels.size() == distance.size());
+  assert(std::is_sorted(levels.begin(), levels.end()));
   std::fill(levels_.begin(), levels_.end(), std::uint16_t{0});
-  if (levels.empty()) return;
-  // Free codes wanted in front of each level, and behind the last.
-  const auto wanted = [&](std::size_t i) {
-    const double before = i == 0 ? range_.near : levels[i - 1];
-    const double here = i == levels.size() ? range_.far : levels[i];
-    return std::max(0.0, std::round(steps(before, here)) - (i == 0 ? 0 : 1));
-  };
+  // Free codes wanted in front of each level: the distance less the level's own code.
+  const auto wanted = [&](std::size_t i) { return std::max(0.0, i == 0 ? distance[i] : distance[i] - 1); };
   double all_wanted = 0;
-  for (std::size_t i = 0; i <= levels.size(); ++i) all_wanted += wanted(i);
+  for (std::size_t i = 0; i < levels.size(); ++i) all_wanted += wanted(i);
   const auto room = static_cast<double>(kCodes - levels.size());
   const double share = all_wanted > room ? room / all_wanted : 1.0;
   double free_codes = 0;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    free_codes += wanted(i);
-    levels_[i + static_cast<std::size_t>(free_codes * share)] = levels[i];
+    free_codes += wanted(i) * share;
+    levels_[i + std::min(static_cast<std::size_t>(free_codes + 1e-6), kCodes - levels.size())] = levels[i];
   }
 }
 
-void LevelTable::assign_evenly() {
+void LevelTable::assign_evenly(DepthRangeUnits range) {
+  assert(range_.contains(range.near) && range_.contains(range.far));
   std::fill(levels_.begin(), levels_.end(), std::uint16_t{0});
-  const double near = 1.0 / range_.near, far = 1.0 / range_.far;
+  const double near = 1.0 / range.near, far = 1.0 / range.far;
   std::uint16_t last = 0;
   for (int code = 0; code < kCodes; ++code) {
     const double z = 1 / (near + (far - near) * code / (kCodes - 1));
-    const auto level =
-        static_cast<std::uint16_t>(std::lround(std::clamp<double>(z, range_.near, range_.far)));
+    const auto level = static_cast<std::uint16_t>(std::lround(std::clamp<double>(z, range.near, range.far)));
     if (level > last) levels_[code] = last = level;
   }
+}
+
+// Where a level belongs between two codes: evenly in 1/z between their levels, or one code a sensor step
+// beyond the first and the last level.
+int LevelTable::place(std::uint16_t level, int below, int above) const {
+  if (below < 0 && above == kCodes) return static_cast<int>(std::lround(steps(range_.near, level)));
+  if (below < 0) return above - static_cast<int>(std::lround(steps(level, levels_[above])));
+  if (above == kCodes) return below + static_cast<int>(std::lround(steps(levels_[below], level)));
+  const double t = steps(levels_[below], level) / steps(levels_[below], levels_[above]);
+  return below + static_cast<int>(std::lround(t * (above - below)));
 }
 
 bool LevelTable::insert(std::uint16_t level) {
@@ -97,9 +103,7 @@ bool LevelTable::insert(std::uint16_t level) {
     }
   }
   if (above - below > 1) {
-    const double from = below < 0 ? range_.near : levels_[below];
-    const int belongs = std::max(below, 0) + static_cast<int>(std::lround(steps(from, level)));
-    levels_[std::clamp(belongs, below + 1, above - 1)] = level;
+    levels_[std::clamp(place(level, below, above), below + 1, above - 1)] = level;
     return true;
   }
   // No code free between the neighbours: the nearest free one moves here.

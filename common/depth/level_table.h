@@ -34,16 +34,17 @@ class LevelTable {
   std::span<const std::uint16_t> levels() const { return levels_; }
   int count() const;
 
-  /// These levels and no others, codes spaced like a Kinect's steps as far as there is room.
-  /// Requires levels ascending, within the range, at most kCodes.
-  void assign(std::span<const std::uint16_t> levels);
+  /// These levels and no others. distance[i] is how many codes level i wants from the level before, the first
+  /// one from the first code; what does not fit is scaled down, and every level has a code of its own.
+  /// Requires levels ascending, within the range, at most kCodes, and as many distances.
+  void assign(std::span<const std::uint16_t> levels, std::span<const double> distance);
 
-  /// Levels even in 1/z over the range, as many as there are codes, fewer where the unit is coarser than
-  /// that: for depth that has more levels than codes.
-  void assign_evenly();
+  /// Levels even in 1/z over a range within the table's, as many as there are codes, fewer where the unit is
+  /// coarser than that: for depth that has more levels than codes.
+  void assign_evenly(DepthRangeUnits range);
 
-  /// Gives `level` a code near where it belongs; others move only as far as they must. False where all codes
-  /// are taken. Requires a level within the range that is not in the table.
+  /// Gives `level` a code where it belongs between its neighbours; others move only as far as they must.
+  /// False where all codes are taken. Requires a level within the range that is not in the table.
   bool insert(std::uint16_t level);
 
   /// Appends what turns `earlier` into this table; nothing where they are equal.
@@ -58,6 +59,7 @@ class LevelTable {
   std::vector<std::uint16_t> depth_of_code() const;
 
  private:
+  int place(std::uint16_t level, int below, int above) const;
   double steps(double from, double to) const;  // sensor steps between two depths, in the stream's unit
 
   DepthRangeUnits range_;

@@ -1,8 +1,10 @@
 #include "common/depth/quantized_codec.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/depth/code_map.h"
+#include "common/depth/level_spacing.h"
 #include "common/depth/level_table.h"
 
 namespace copresence::depth {
@@ -10,16 +12,28 @@ namespace {
 
 class QuantizedEncoder final : public PlaneEncoder {
  public:
-  explicit QuantizedEncoder(const DepthFormat& format)
-      : range_(format.units()), table_(range_, format.unit), none_(table_), code_of_depth_(65536, kUnknown) {}
+  QuantizedEncoder(const DepthFormat& format, bool adaptive)
+      : range_(format.units()),
+        unit_(format.unit),
+        adaptive_(adaptive),
+        table_(range_, format.unit),
+        none_(table_),
+        code_of_depth_(65536, kUnknown) {}
 
-  DepthCodecDescription description() const override { return {"quantized", PixelFormat::kGray10, {}}; }
+  DepthCodecDescription description() const override {
+    return {adaptive_ ? "adaptive" : "quantized", PixelFormat::kGray10, {}};
+  }
 
   void set_lossless(bool lossless) override { lossless_ = lossless; }
 
   Result<void> encode(const DepthImage& depth, const StateImage& states, PlanarDepth& out) override {
     const LevelTable earlier = table_;
-    if (out.keyframe) relay();
+    if (adaptive_) {
+      if (!out.keyframe && scene_left(depth, states)) out.keyframe = true;
+      frames_since_layout_ = out.keyframe ? 0 : frames_since_layout_ + 1;
+      if (out.keyframe) count(depth, states);
+    }
+    if (out.keyframe) lay_out();
     out.picture = Picture(PixelFormat::kGray10, depth.width(), depth.height());
     if (!write(depth, states, out.picture)) {
       learn(depth, states);
@@ -60,23 +74,63 @@ class QuantizedEncoder final : public PlaneEncoder {
       code = 0;  // each level once
       fresh.push_back(depth.data()[i]);
     }
-    const bool lay_out = levels_.empty() || levels_.size() + fresh.size() > LevelTable::kCodes;
+    const bool anew = levels_.empty() || levels_.size() + fresh.size() > LevelTable::kCodes;
     levels_.insert(levels_.end(), fresh.begin(), fresh.end());
-    if (lay_out) return relay();
+    if (anew) return lay_out();
     for (const std::uint16_t level : fresh) table_.insert(level);
     index();
   }
 
-  // Lays the table out anew.
-  void relay() {
+  void lay_out() {
     std::sort(levels_.begin(), levels_.end());
     even_ = levels_.size() > LevelTable::kCodes;
     if (even_) {
-      table_.assign_evenly();
+      table_.assign_evenly(adaptive_ ? DepthRangeUnits{levels_.front(), levels_.back()} : range_);
+    } else if (adaptive_) {
+      std::vector<std::uint32_t> pixels;
+      for (const std::uint16_t level : levels_) pixels.push_back(pixels_[level]);
+      table_.assign(levels_, scene_spacing(levels_, pixels, range_, unit_));
     } else {
-      table_.assign(levels_);
+      table_.assign(levels_, sensor_spacing(levels_, range_, unit_));
     }
     index();
+  }
+
+  // Histogram of the measured pixels, for adaptive's layout.
+  void count(const DepthImage& depth, const StateImage& states) {
+    std::fill(pixels_.begin(), pixels_.end(), 0u);
+    for (std::size_t i = 0; i < depth.pixels().size(); i += kSampling) {
+      if (states.data()[i] == DepthState::kMeasured) ++pixels_[depth.data()[i]];
+    }
+  }
+
+  // Whether a table laid out for this frame would be so much finer where its pixels are that it is worth a
+  // keyframe. Looks seldom, so that tables change rarely.
+  bool scene_left(const DepthImage& depth, const StateImage& states) {
+    if (even_ || frames_since_layout_ < kFramesBetweenLayouts ||
+        frames_since_layout_ % kFramesBetweenLooks != 0) {
+      return false;
+    }
+    count(depth, states);
+    LevelTable laid_out = table_;
+    std::vector<std::uint16_t> levels = levels_;
+    std::sort(levels.begin(), levels.end());
+    std::vector<std::uint32_t> pixels;
+    for (const std::uint16_t level : levels) pixels.push_back(pixels_[level]);
+    laid_out.assign(levels, scene_spacing(levels, pixels, range_, unit_));
+    double finer = 0, all = 0;  // bits by which the pixels' levels would lie farther apart
+    int now = 0, then = 0;      // codes of the level before
+    std::size_t level = 0;
+    for (int code_now = 0, code_then = 0; level < levels.size(); ++level, ++code_now, ++code_then) {
+      while (table_.levels()[code_now] == 0) ++code_now;
+      while (laid_out.levels()[code_then] == 0) ++code_then;
+      if (level > 0)
+        finer += pixels[level] * std::log2(static_cast<double>(code_then - then) / (code_now - now));
+      all += pixels[level];
+      now = code_now;
+      then = code_then;
+    }
+    return finer > kWorthwhileBits * all;
   }
 
   // Every depth's code is its nearest level's.
@@ -101,10 +155,20 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
   }
 
+  static constexpr std::size_t kSampling = 13;      // looks at every 13th pixel
+  static constexpr int kFramesBetweenLayouts = 60;  // adaptive's own keyframes are at least this far apart
+  static constexpr int kFramesBetweenLooks = 10;
+  static constexpr double kWorthwhileBits = 0.5;  // about 6 % less error at one rate
+
   DepthRangeUnits range_;
+  DepthUnit unit_;
+  bool adaptive_;
   LevelTable table_;
   const LevelTable none_;
   std::vector<std::uint16_t> levels_;  // learnt so far, in any order
+  std::vector<std::uint32_t> pixels_ =
+      std::vector<std::uint32_t>(65536);  // of every depth in the frame counted last
+  int frames_since_layout_ = 0;
   std::vector<std::uint16_t> code_of_depth_;
   bool lossless_ = false;
   bool even_ = false;  // too many levels were met
@@ -134,7 +198,11 @@ class QuantizedDecoder final : public PlaneDecoder {
 }  // namespace
 
 std::unique_ptr<PlaneEncoder> make_quantized_encoder(const DepthFormat& format) {
-  return std::make_unique<QuantizedEncoder>(format);
+  return std::make_unique<QuantizedEncoder>(format, false);
+}
+
+std::unique_ptr<PlaneEncoder> make_adaptive_encoder(const DepthFormat& format) {
+  return std::make_unique<QuantizedEncoder>(format, true);
 }
 
 std::unique_ptr<PlaneDecoder> make_quantized_decoder(const DepthFormat& format) {

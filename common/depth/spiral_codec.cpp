@@ -15,7 +15,7 @@
 namespace copresence::depth {
 namespace {
 
-constexpr int kCodes = 8192;  // 13 bits
+constexpr int kCodes = 8192;       // 13 bits
 constexpr int kSameSurface = 128;  // codes that pixels of one surface under one chroma sample may lie apart
 
 class SpiralEncoder final : public PlaneEncoder {

@@ -49,7 +49,7 @@ class Stream {
 // The greatest error in millimetres that each codec promises at depth z, without video coding.
 double bound_mm(std::string_view codec, double z) {
   const double inverse_range = 1 / 400.0 - 1 / 5000.0;
-  if (codec == "quantized") return 0;
+  if (codec == "quantized" || codec == "adaptive") return 0;
   if (codec == "accuracy8") return z * z * inverse_range / 510 * 1.02 + 0.5;
   if (codec == "accuracy10") return z * z * inverse_range / 2046 * 1.02 + 0.5;
   return 4600.0 / 8191 / 2 + 0.5;  // spiral, away from edges
@@ -289,8 +289,12 @@ TEST(DepthCodec, RefusesDescriptionsThatMakeNoSense) {
   }
 }
 
-TEST(Quantized, IsExactWhileLevelsAppearAndFilledPixelsAddNone) {
-  Stream stream("quantized");
+class CodedByLevels : public ::testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Codecs, CodedByLevels, ::testing::Values("quantized", "adaptive"),
+                         [](const auto& param) { return std::string(param.param); });
+
+TEST_P(CodedByLevels, IsExactWhileLevelsAppearAndFilledPixelsAddNone) {
+  Stream stream(GetParam());
   for (int time = 0; time < 8; ++time) {
     Scene scene = kinect_scene(160, 120, time);
     for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
@@ -321,8 +325,8 @@ Scene ramp(int width, int height) {
   return scene;
 }
 
-TEST(Quantized, RefusesMoreLevelsThanCodesOnlyWhereItMustBeExact) {
-  Stream stream("quantized");
+TEST_P(CodedByLevels, RefusesMoreLevelsThanCodesOnlyWhereItMustBeExact) {
+  Stream stream(GetParam());
   stream.encoder.set_lossless(true);
   stream.carry(kinect_scene(160, 120));
   const Scene scene = ramp(160, 120);
@@ -339,6 +343,29 @@ TEST(Quantized, RefusesMoreLevelsThanCodesOnlyWhereItMustBeExact) {
     const double z = scene.depth.data()[i];
     ASSERT_NEAR(stream.depth.data()[i], z, bound_mm("accuracy10", z) + 1);
   }
+}
+
+TEST(Adaptive, LaysItsTableOutAnewWhereTheSceneHasLeftIt) {
+  Stream stream("adaptive");
+  const auto wall = [](int near, int far, int time) {
+    Scene scene = flat_scene(160, 120, 1000);
+    for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
+      const int z = near + static_cast<int>(i * 7919 + static_cast<std::size_t>(time) * 31) % (far - near);
+      scene.depth.data()[i] = testing::kinect_level(z);
+    }
+    return scene;
+  };
+  const auto carry = [&](const Scene& scene) {
+    const PlanarDepth planes = stream.send(scene);
+    EXPECT_TRUE(stream.receive(planes));
+    EXPECT_EQ(stream.depth, scene.depth);
+    return planes.keyframe;
+  };
+  int keyframes = 0;
+  for (int time = 0; time < 200; ++time) keyframes += carry(wall(1000, 1600, time));
+  EXPECT_EQ(keyframes, 1) << "the first";
+  for (int time = 0; time < 200; ++time) keyframes += carry(wall(2500, 4000, time));
+  EXPECT_EQ(keyframes, 2) << "and one after the scene has changed";
 }
 
 }  // namespace

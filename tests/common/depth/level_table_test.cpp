@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "common/depth/level_spacing.h"
 #include "tests/common/depth/scenes.h"
 
 namespace copresence::depth {
@@ -14,6 +15,10 @@ constexpr DepthRangeUnits kRange{400, 5000};
 
 LevelTable empty_table() {
   return {kRange, DepthUnit::kMillimetre};
+}
+
+void assign(LevelTable& table, const std::vector<std::uint16_t>& levels) {
+  table.assign(levels, sensor_spacing(levels, kRange, DepthUnit::kMillimetre));
 }
 
 std::vector<std::uint16_t> kinect_levels() {
@@ -39,7 +44,7 @@ int code_of(const LevelTable& table, std::uint16_t level) {
 TEST(LevelTable, HoldsEveryLevelOfAKinectWithRoomToSpare) {
   LevelTable table = empty_table();
   const auto levels = kinect_levels();
-  table.assign(levels);
+  assign(table, levels);
   EXPECT_EQ(present(table), levels);
   EXPECT_LT(table.count(), 900);
 }
@@ -49,7 +54,7 @@ TEST(LevelTable, LeavesRoomForLevelsNotYetSeen) {
   std::vector<std::uint16_t> seen, late;
   for (std::size_t i = 0; i < all.size(); ++i) (i % 7 == 3 ? late : seen).push_back(all[i]);
   LevelTable table = empty_table();
-  table.assign(seen);
+  assign(table, seen);
   const LevelTable before = table;
   std::shuffle(late.begin(), late.end(), std::minstd_rand(3));
   for (const std::uint16_t level : late) ASSERT_TRUE(table.insert(level));
@@ -75,17 +80,32 @@ TEST(LevelTable, SpacesMoreLevelsThanAKinectHasWithoutLosingOne) {
   std::vector<std::uint16_t> levels;
   for (int z = 3000; z < 3000 + 1024; ++z) levels.push_back(static_cast<std::uint16_t>(z));
   LevelTable table = empty_table();
-  table.assign(levels);
+  assign(table, levels);
   EXPECT_EQ(present(table), levels);
+}
+
+TEST(LevelSpacing, SpendsTheCodesOnTheDepthsThatTheSceneHas) {
+  const auto levels = kinect_levels();
+  std::vector<std::uint32_t> pixels(levels.size(), 0);
+  for (std::size_t i = 0; i < levels.size(); ++i) pixels[i] = levels[i] > 1000 && levels[i] < 1500 ? 100 : 0;
+  const auto distance = scene_spacing(levels, pixels, kRange, DepthUnit::kMillimetre);
+  LevelTable table = empty_table();
+  table.assign(levels, distance);
+  EXPECT_EQ(present(table), levels);
+  const auto at = [&](int z) { return *std::lower_bound(levels.begin(), levels.end(), z); };
+  const int scene = code_of(table, at(1400)) - code_of(table, at(1100));
+  EXPECT_GE(scene, 2 * 351.3 * (1 / 1.1 - 1 / 1.4));
+  const int elsewhere = code_of(table, at(4000)) - code_of(table, at(2000));
+  EXPECT_NEAR(elsewhere, 351.3 * (1 / 2.0 - 1 / 4.0), 4);
 }
 
 TEST(LevelTable, StandsForDepthThatAscendsWithTheCode) {
   LevelTable table = empty_table();
   EXPECT_EQ(table.depth_of_code().size(), 1024u);
-  table.assign(kinect_levels());
+  assign(table, kinect_levels());
   auto depth = table.depth_of_code();
   EXPECT_TRUE(std::is_sorted(depth.begin(), depth.end()));
-  table.assign(std::vector<std::uint16_t>{1000, 1500});
+  assign(table, {1000, 1500});
   depth = table.depth_of_code();
   EXPECT_TRUE(std::is_sorted(depth.begin(), depth.end()));
   EXPECT_EQ(depth.front(), 1000);
@@ -96,7 +116,7 @@ TEST(LevelTable, StandsForDepthThatAscendsWithTheCode) {
 
 TEST(LevelTable, EvenLevelsAreEvenInInverseDepth) {
   LevelTable table = empty_table();
-  table.assign_evenly();
+  table.assign_evenly(kRange);
   const auto levels = present(table);
   EXPECT_EQ(levels.front(), 400);
   EXPECT_EQ(levels.back(), 5000);
@@ -122,7 +142,7 @@ TEST(LevelTable, ChangesTravel) {
 
 TEST(LevelTable, HasTheFormatThatIsDocumented) {
   LevelTable table = empty_table();
-  table.assign(std::vector<std::uint16_t>{400, 405});
+  assign(table, {400, 405});
   std::vector<std::uint8_t> bytes;
   table.write_change(empty_table(), bytes);
   EXPECT_EQ(bytes, (std::vector<std::uint8_t>{
@@ -142,7 +162,7 @@ TEST(LevelTable, HasTheFormatThatIsDocumented) {
 TEST(LevelTable, RefusesBytesThatMakeNoTableAndStaysAsItWas) {
   using Bytes = std::vector<std::uint8_t>;
   LevelTable table = empty_table();
-  table.assign(std::vector<std::uint16_t>{500, 600});
+  assign(table, {500, 600});
   const std::vector<std::uint16_t> before(table.levels().begin(), table.levels().end());
   for (const Bytes& bytes : {
            Bytes{0},                             // no entries

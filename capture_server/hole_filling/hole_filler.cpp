@@ -4,6 +4,7 @@
 #include <string>
 
 #include "capture_server/hole_filling/bilateral_filling.h"
+#include "capture_server/hole_filling/gl_joint_filling.h"
 #include "capture_server/hole_filling/joint_filling.h"
 #include "capture_server/hole_filling/median_filling.h"
 
@@ -49,8 +50,13 @@ std::string_view name(Method method) {
 
 Result<std::unique_ptr<HoleFiller>> open(Method method, Compute compute, const FrameFormat& format) {
   if (auto valid = check(format); !valid) return fail(valid.error());
-  if (compute == Compute::kGl) {
-    return fail(ErrorCode::kUnsupported, "hole filling by GL is not part of this build: use --compute cpu");
+  if (compute == Compute::kGl && method != Method::kJoint) {
+    return fail(ErrorCode::kUnsupported, "hole filling \"" + std::string(name(method)) +
+                                             "\" has no shaders: use --compute cpu, or --hole-filling joint");
+  }
+  if (compute == Compute::kGl) return open_gl_joint_filling(format, false);
+  if (compute == Compute::kAuto && method == Method::kJoint) {
+    if (auto filler = open_gl_joint_filling(format, true)) return filler;
   }
   switch (method) {
     case Method::kMedian:

@@ -36,10 +36,8 @@ class FrameClient::Connection {
   }
 
   Result<ReceivedFrame> receive(const std::stop_token& stop) {
-    if (!reading_ && !failure_) {
-      last_heard_ = Clock::now();  // what lies in the socket since the last call is no silence
-      read_message();
-    }
+    last_heard_ = Clock::now();  // what lies in the socket since the last call is no silence
+    if (!reading_ && !failure_) read_message();
     if (const auto arrived = run_until([this] { return arrived_.has_value(); }, stop, {}); !arrived) {
       return fail(arrived.error());
     }

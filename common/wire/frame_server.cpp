@@ -72,7 +72,7 @@ class FrameServer::Loop {
       departures_.clear();
     }
     departures_.push_back(std::move(departure));
-    asio::post(io_, [this] { distribute(); });
+    if (!std::exchange(distributing_, true)) asio::post(io_, [this] { distribute(); });
   }
 
   bool wants_frames() const {
@@ -138,6 +138,7 @@ class FrameServer::Loop {
     std::uint64_t overrun = 0;
     {
       std::lock_guard lock(mutex_);
+      distributing_ = false;
       departures.swap(departures_);
       overrun = std::exchange(overrun_, 0);
     }
@@ -200,6 +201,7 @@ class FrameServer::Loop {
   // Everybody's.
   mutable std::mutex mutex_;
   std::vector<Departure> departures_;
+  bool distributing_ = false;  // the wire thread has been told of them
   std::uint64_t overrun_ = 0, frames_offered_ = 0, bytes_sent_ = 0;
   std::size_t clients_ = 0;
   bool room_in_step_ = false;      // a client could have the next frame, whatever it is

@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <asio.hpp>
 #include <utility>
 
@@ -69,8 +70,8 @@ Result<ListeningSocket> listen(const std::string& host_port, bool insecure) {
     return fail(ErrorCode::kNotFound, fmt::format("{}: this machine has no address \"{}\" ({})", host_port,
                                                   address->host, error.message()));
   }
-  const tcp::endpoint endpoint = *found.begin();
-  if (!endpoint.address().is_loopback() && !insecure) {
+  const auto is_loopback = [](const auto& entry) { return entry.endpoint().address().is_loopback(); };
+  if (!insecure && !std::all_of(found.begin(), found.end(), is_loopback)) {
     return fail(
         ErrorCode::kInvalid,
         fmt::format(
@@ -79,10 +80,14 @@ Result<ListeningSocket> listen(const std::string& host_port, bool insecure) {
             host_port, kDefaultAddress));
   }
   tcp::acceptor acceptor(io);
-  acceptor.open(endpoint.protocol(), error);
-  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor.bind(endpoint, error);
-  if (!error) acceptor.listen(kWaiting, error);
+  for (const tcp::endpoint endpoint : found) {  // of localhost's two addresses, one may be switched off
+    acceptor = tcp::acceptor(io);
+    acceptor.open(endpoint.protocol(), error);
+    if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor.bind(endpoint, error);
+    if (!error) acceptor.listen(kWaiting, error);
+    if (!error || error == asio::error::address_in_use) break;
+  }
   if (error == asio::error::address_in_use) {
     return fail(ErrorCode::kUnavailable,
                 fmt::format("{} is in use by another program: stop it, or choose another port with --listen",

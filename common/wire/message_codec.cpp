@@ -366,8 +366,8 @@ Result<void> check(const StreamDescription& stream) {
   if (!(range.near_m > 0 && range.near_m < range.far_m && range.far_m <= 100)) {
     return invalid("a stream's depth range must be NEAR:FAR in metres with 0 < NEAR < FAR <= 100");
   }
-  if (!(stream.frames_per_second > 0 && stream.frames_per_second <= 1000)) {
-    return invalid("a stream's rate must lie between 0 and 1000 frames per second");
+  if (!(stream.frames_per_second >= 0.1 && stream.frames_per_second <= 1000)) {
+    return invalid("a stream's rate must lie between 0.1 and 1000 frames per second");
   }
   if (!stream.world_from_camera.is_rigid() ||
       stream.world_from_camera.translation.cwiseAbs().maxCoeff() > 1e4) {

@@ -19,11 +19,16 @@ constexpr int kSendBuffer = 256 * 1024;
 constexpr std::size_t kMessagesAtOnce = 16;
 constexpr std::size_t kMaxQueued = 64 + ClientWindow::kFrames;  // frames, and pongs nobody waits for
 
+Duration frame_period(const StreamDescription& stream) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / stream.frames_per_second));
+}
+
 }  // namespace
 
 Session::Session(asio::ip::tcp::socket socket, Stream& stream)
     : socket_(std::move(socket)),
       stream_(stream),
+      window_(frame_period(stream.description)),
       overdue_at_(std::chrono::steady_clock::now() + kHandshakeTime) {
   asio::error_code ignored;
   socket_.non_blocking(true, ignored);
@@ -67,7 +72,7 @@ bool Session::take(MessageHeader header, std::span<const std::uint8_t> body) {
   switch (header.type) {
     case MessageType::kFrameAck: {
       const auto ack = decode_frame_ack(body);
-      if (!ack || !window_.acknowledge(ack->sequence)) return false;
+      if (!ack || !window_.acknowledge(ack->sequence, std::chrono::steady_clock::now())) return false;
       stream_.on_change();
       return true;
     }
@@ -125,7 +130,7 @@ void Session::offer(const Departure& departure) {
   head.depth_bytes = static_cast<std::uint32_t>(frame.depth.size());
   head.color_bytes = static_cast<std::uint32_t>(frame.color.size());
   const FrameHeadMessage message = encode(head);
-  window_.sent(frame.sequence, bytes);
+  window_.sent(frame.sequence, bytes, departure.sent_at);
   queue({Bytes(message.begin(), message.end()), departure.frame});
 }
 

@@ -70,9 +70,9 @@ class Session : public std::enable_shared_from_this<Session> {
 
   asio::ip::tcp::socket socket_;
   Stream& stream_;
+  ClientWindow window_;
   Phase phase_ = Phase::kGreeting;
   Instant overdue_at_;
-  ClientWindow window_;
   std::array<std::uint8_t, 1024> in_;  // far more than the largest message of a client
   std::size_t in_bytes_ = 0;
   std::deque<Outgoing> out_;

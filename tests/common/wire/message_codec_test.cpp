@@ -165,7 +165,7 @@ TEST(MessageCodec, BelievesNoImpossibleStream) {
   EXPECT_THAT(error([](auto& s) { s.unit = DepthUnit(10); }), HasSubstr("unit"));
   EXPECT_THAT(error([](auto& s) { s.range = {5, 0.4}; }), HasSubstr("range"));
   EXPECT_THAT(error([&](auto& s) { s.range.near_m = std::nan(""); }), HasSubstr("range"));
-  EXPECT_THAT(error([](auto& s) { s.frames_per_second = 0; }), HasSubstr("rate"));
+  EXPECT_THAT(error([](auto& s) { s.frames_per_second = 1e-300; }), HasSubstr("rate"));
   EXPECT_THAT(error([](auto& s) { s.world_from_camera.rotation *= 2; }), HasSubstr("pose"));
   EXPECT_THAT(error([](auto& s) { s.world_from_camera.translation.x() = 1e9; }), HasSubstr("pose"));
   EXPECT_THAT(error([](auto& s) { s.codec.format = PixelFormat(9); }), HasSubstr("pixel format"));

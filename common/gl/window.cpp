@@ -9,6 +9,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 namespace copresence::gl {
@@ -227,25 +228,47 @@ void Window::set_fullscreen(bool fullscreen) {
 }
 
 void Window::set_vsync(bool vsync) {
+  vsync_ = vsync;
   glfwSwapInterval(vsync ? 1 : 0);
 }
 
 void Window::present(std::uint32_t texture, int width, int height) {
-  if (width_ == 0 || height_ == 0 || width <= 0 || height <= 0) return;
-  const double scale = std::min(double(width_) / width, double(height_) / height);
-  const int shown_width = int(std::lround(width * scale));
-  const int shown_height = int(std::lround(height * scale));
-  const int left = (width_ - shown_width) / 2;
-  const int bottom = (height_ - shown_height) / 2;
-  constexpr GLuint kScreen = 0;
-  const std::array<float, 4> black = {0, 0, 0, 1};
-  glClearNamedFramebufferfv(kScreen, GL_COLOR, 0, black.data());
-  glNamedFramebufferTexture(read_framebuffer_.id(), GL_COLOR_ATTACHMENT0, texture, 0);
-  const bool is_scaled = shown_width != width || shown_height != height;
-  // the screen's rows run from the bottom
-  glBlitNamedFramebuffer(read_framebuffer_.id(), kScreen, 0, 0, width, height, left, bottom + shown_height,
-                         left + shown_width, bottom, GL_COLOR_BUFFER_BIT, is_scaled ? GL_LINEAR : GL_NEAREST);
-  glfwSwapBuffers(window_);
+  assert(width > 0 && height > 0);
+  shown_ = {texture, width, height};
+  present_again();
+}
+
+void Window::present_again() {
+  if (shown_.texture == 0) return;
+  if (width_ > 0 && height_ > 0) {
+    const double scale = std::min(double(width_) / shown_.width, double(height_) / shown_.height);
+    const int width = int(std::lround(shown_.width * scale));
+    const int height = int(std::lround(shown_.height * scale));
+    const int left = (width_ - width) / 2;
+    const int bottom = (height_ - height) / 2;
+    constexpr GLuint kScreen = 0;
+    const std::array<float, 4> black = {0, 0, 0, 1};
+    glClearNamedFramebufferfv(kScreen, GL_COLOR, 0, black.data());
+    glNamedFramebufferTexture(read_framebuffer_.id(), GL_COLOR_ATTACHMENT0, shown_.texture, 0);
+    const bool is_scaled = width != shown_.width || height != shown_.height;
+    // the screen's rows run from the bottom
+    glBlitNamedFramebuffer(read_framebuffer_.id(), kScreen, 0, 0, shown_.width, shown_.height, left,
+                           bottom + height, left + width, bottom, GL_COLOR_BUFFER_BIT,
+                           is_scaled ? GL_LINEAR : GL_NEAREST);
+    glfwSwapBuffers(window_);
+  }
+  keep_pace();
+}
+
+void Window::keep_pace() {
+  using Clock = std::chrono::steady_clock;
+  const auto period =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / refresh_rate_hz()));
+  // A display that makes us wait is never this early.
+  if (vsync_ && Clock::now() - presented_at_ < period * 3 / 4) {
+    std::this_thread::sleep_until(presented_at_ + period);
+  }
+  presented_at_ = Clock::now();
 }
 
 void Window::present(const Image<Rgba8>& image) {

@@ -52,7 +52,9 @@ class Window {
   void set_fullscreen(bool fullscreen);
   bool is_fullscreen() const;
 
-  /// With vsync (the default) present() waits for the display, so that nothing tears.
+  /// With vsync (the default) present() waits for the display, so that nothing tears; where the display does not make
+  /// it wait (no driver for that, the window an icon) it sleeps, so that a loop around it runs at refresh_rate_hz() at
+  /// most.
   void set_vsync(bool vsync);
 
   /// Shows a picture, scaled to the window with its sides' ratio kept, black around it. The first takes any
@@ -61,6 +63,10 @@ class Window {
   void present(const Texture& texture) { present(texture.id(), texture.width(), texture.height()); }
   void present(const Image<Rgba8>& image);
 
+  /// Shows the last picture anew, for a resized window or the next refresh; nothing where there was none. Requires
+  /// that the texture of present(texture) is still there.
+  void present_again();
+
  private:
   struct Callbacks;
   friend struct Callbacks;
@@ -68,11 +74,18 @@ class Window {
   explicit Window(GLFWwindow* window);
   Modifiers modifiers() const;
   void follow_size();
+  void keep_pace();
 
   GLFWwindow* window_;
   std::unique_ptr<Context> context_;
   std::unique_ptr<Texture> host_picture_;      // for present(Image)
   Name<delete_framebuffer> read_framebuffer_;  // what a picture is copied from
+  struct Shown {
+    std::uint32_t texture = 0;
+    int width = 0, height = 0;
+  } shown_;
+  bool vsync_ = true;
+  std::chrono::steady_clock::time_point presented_at_{};
   std::vector<Event> events_;
   int width_ = 0;
   int height_ = 0;

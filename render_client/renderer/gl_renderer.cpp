@@ -25,7 +25,7 @@ struct Layers {
       : fragments(context, Format::kRgba8, width, height, count),
         depths(context, Format::kDepth32f, width, height, count) {
     for (int i = 0; i < count; ++i)
-      by_camera.emplace_back(context, std::initializer_list{&std::as_const(fragments)}, &depths, i);
+      by_camera.emplace_back(context, std::initializer_list<const gl::Texture*>{&fragments}, &depths, i);
   }
 };
 

@@ -207,6 +207,24 @@ TEST_F(WindowGl, ScalesAndKeepsTheSidesRatio) {
   EXPECT_TRUE(present_until(Image<Rgba8>(50, 50, orange), expected) == expected);
 }
 
+TEST_F(WindowGl, ShowsTheLastPictureAgain) {
+  window().present_again();  // nothing yet
+  const Image<Rgba8> image = colorful(320, 240);
+  ASSERT_TRUE(present_until(image, image) == image);
+  window().present_again();
+  Person person;
+  EXPECT_TRUE(person.see(320, 240) == image);
+}
+
+TEST_F(WindowGl, DoesNotSpinWhereTheDisplayDoesNotWait) {
+  window().set_vsync(true);
+  window().present(colorful(320, 240));
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 10; ++i) window().present_again();
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  EXPECT_GE(elapsed.count(), 0.7 * 10 / window().refresh_rate_hz());
+}
+
 TEST_F(WindowGl, FollowsANewSize) {
   Person person;
   person.resize(400, 200);

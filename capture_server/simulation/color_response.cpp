@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 
 #include "capture_server/simulation/hash_noise.h"
 
@@ -60,29 +61,48 @@ Eigen::Vector3f ColorResponse::respond(const Eigen::Vector3f& color) const {
   return (mixing_ * curved + offset_).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
-void ColorResponse::expose(const ColorImage& truth, std::uint64_t frame, ColorImage& picture) const {
+void ColorResponse::expose(const ColorImage& truth, std::uint64_t frame, ColorImage& picture) {
   assert(truth.pixels().size() == corner_.size());
-  picture.resize(truth.width(), truth.height());
+  const int width = truth.width(), height = truth.height();
+  const auto row_bytes = static_cast<std::size_t>(3 * width);
+  const bool fresh = truth_.empty();
+  if (fresh) {
+    truth_ = truth;
+    clean_.resize(3 * corner_.size());
+  }
+  picture.resize(width, height);
   const std::uint32_t place =
       hash(seed_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32));
   const int tile_x = static_cast<int>(place % kTile), tile_y = static_cast<int>(place / kTile % kTile);
   const auto& m = mixing_fixed_;
-  for (int y = 0; y < truth.height(); ++y) {
+  for (int y = 0; y < height; ++y) {
     const Rgb8* in = truth.row(y).data();
-    Rgb8* out = picture.row(y).data();
-    const std::uint16_t* corner =
-        corner_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(truth.width());
-    const std::int8_t* grain_row =
-        grain_.data() + static_cast<std::size_t>(3 * kTile * ((y + tile_y) % kTile));
-    for (int x = 0; x < truth.width(); ++x) {
-      const std::int32_t r = curve_[in[x].r][0], g = curve_[in[x].g][1], b = curve_[in[x].b][2];
-      const std::int8_t* grain = grain_row + 3 * ((x + tile_x) % kTile);
-      const auto channel = [&](std::size_t c) {
-        const std::int32_t mixed = (m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b) >> 12;
-        const std::int32_t seen = (mixed * corner[x] >> 12) + offset_fixed_[c] + grain[c];
-        return static_cast<std::uint8_t>(std::clamp((seen + 8) >> 4, 0, 255));
-      };
-      out[x] = {channel(0), channel(1), channel(2)};
+    Rgb8* before = truth_.row(y).data();
+    const std::size_t start = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    if (fresh || std::memcmp(in, before, row_bytes) != 0) {
+      for (int x = 0; x < width; ++x) {
+        if (!fresh && in[x] == before[x]) continue;
+        before[x] = in[x];
+        const std::size_t i = start + static_cast<std::size_t>(x);
+        const std::int32_t r = curve_[in[x].r][0], g = curve_[in[x].g][1], b = curve_[in[x].b][2];
+        for (std::size_t c = 0; c < 3; ++c) {
+          const std::int32_t mixed = (m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b) >> 12;
+          clean_[3 * i + c] = static_cast<std::int16_t>((mixed * corner_[i] >> 12) + offset_fixed_[c] + 8);
+        }
+      }
+    }
+    const std::int16_t* __restrict clean = clean_.data() + 3 * start;
+    auto* __restrict out = reinterpret_cast<std::uint8_t*>(picture.row(y).data());
+    const std::size_t grain_row = static_cast<std::size_t>((y + tile_y) % kTile) * 3 * kTile;
+    for (std::size_t at = 0; at < row_bytes;) {
+      const std::size_t in_tile = (at + static_cast<std::size_t>(3 * tile_x)) % (3 * kTile);
+      const std::size_t count = std::min<std::size_t>(3 * kTile - in_tile, row_bytes - at);
+      const std::int8_t* __restrict grain = grain_.data() + grain_row + in_tile;
+      for (std::size_t i = 0; i < count; ++i) {
+        const int seen = (clean[at + i] + grain[i]) >> 4;
+        out[at + i] = static_cast<std::uint8_t>(std::min(std::max(seen, 0), 255));
+      }
+      at += count;
     }
   }
 }

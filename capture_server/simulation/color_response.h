@@ -20,8 +20,10 @@ class ColorResponse {
   /// Camera 0 is nearly true; the others differ by up to 12 % in gain, 5 of 255 in offset and 8 % in gamma.
   ColorResponse(int width, int height, std::uint32_t seed, std::uint32_t camera);
 
-  /// The camera's picture of a true one. Requires the size given.
-  void expose(const ColorImage& truth, std::uint64_t frame, ColorImage& picture) const;
+  /// The camera's picture of a true one. What did not change since the last exposure is not computed again.
+  /// Requires the size given.
+  /// What did not change since the last exposure is not computed again.
+  void expose(const ColorImage& truth, std::uint64_t frame, ColorImage& picture);
 
   /// Without noise and vignetting, channels 0 to 1 in and out: what colour matching is to undo.
   Eigen::Vector3f respond(const Eigen::Vector3f& color) const;
@@ -35,6 +37,8 @@ class ColorResponse {
   std::array<std::int32_t, 9> mixing_fixed_{};          // times 4096
   std::array<std::int32_t, 3> offset_fixed_{};          // times 16
   std::vector<std::int8_t> grain_;                      // a tile of noise, times 16
+  ColorImage truth_;                                    // of the last exposure
+  std::vector<std::int16_t> clean_;                     // what the camera makes of it but for noise, times 16
 };
 
 }  // namespace copresence::simulation

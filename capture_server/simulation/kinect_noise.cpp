@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "capture_server/simulation/blob_noise.h"
 #include "capture_server/simulation/hash_noise.h"
@@ -21,8 +22,12 @@ float to_value(float level, DepthUnit unit) {
   return std::floor(kLevels * per_metre / level + 0.5f);
 }
 
-const float kFirstLevel = std::ceil(kLevels / static_cast<float>(kFarthestDepth));
-const float kLastLevel = std::floor(kLevels / static_cast<float>(kNearestDepth));
+constexpr float kFirstLevel = 71, kLastLevel = 702;  // those between kFarthestDepth and kNearestDepth
+static_assert(kFirstLevel * kFarthestDepth >= kLevelConstant &&
+              (kFirstLevel - 1) * kFarthestDepth < kLevelConstant);
+static_assert(kLastLevel * kNearestDepth <= kLevelConstant &&
+              (kLastLevel + 1) * kNearestDepth > kLevelConstant);
+constexpr float kLeastDepth = 0.2f;  // metres; nearer surfaces throw no shadow
 
 }  // namespace
 
@@ -40,10 +45,10 @@ KinectNoise::KinectNoise(const CameraModel& model, DepthUnit unit, std::uint32_t
   const int width = model.width, height = model.height;
   pattern_ = Image<float>(width, height);
   strength_needed_ = Image<float>(width, height);
-  interference_ = Image<float>(width, height, 0.0f);
-  lit_ = Image<std::uint8_t>(width, height, 1);
-  for (Image<float>* image : {&error_, &beside_x_, &beside_y_, &luck_, &rivals_, &rivals_fixed_})
+  for (Image<float>* image :
+       {&error_, &beside_x_, &beside_y_, &luck_, &rivals_, &rivals_fixed_, &signal_, &back_}) {
     image->resize(width, height);
+  }
 
   // Fine bumps and a slow bend.
   Image<float> fine(width, height);
@@ -55,46 +60,51 @@ KinectNoise::KinectNoise(const CameraModel& model, DepthUnit unit, std::uint32_t
   fill_blob_noise(6, hash(seed_, 3), strength_needed_);
   fill_blob_noise(7, hash(seed_, 4), rivals_fixed_);
   for (float& needed : strength_needed_.pixels()) needed = kNeededReturn * (1 + 0.35f * needed);
+  drowning_ = Image<float>(width, height, std::numeric_limits<float>::max());
+}
+
+void KinectNoise::set_interference(const Image<float>& light) {
+  assert(same_shape(light, drowning_));
+  for (std::size_t i = 0; i < light.pixels().size(); ++i) {
+    const float rival = light.data()[i];
+    drowning_.data()[i] = rival > 0 ? 3.0f - 0.9f * std::min(rival, 1.5f) - 0.8f * rivals_fixed_.data()[i]
+                                    : std::numeric_limits<float>::max();
+  }
 }
 
 // Along a row a surface at pixel u and depth z lies in the projector's column u - f b / z; what is farther
 // than the nearest surface of its column gets no dots. Between neighbouring pixels of one surface the columns
-// are filled.
-void KinectNoise::cast_shadow(const Image<float>& depth_m) {
+// are filled. Leaves in signal_ the disparity in levels, 0 where nothing can come back, and in back_ the
+// light that comes back: it falls with distance, though automatic gain gives most of it back to what is far.
+void KinectNoise::cast_shadow(const TrueView& view) {
   const auto shift = static_cast<float>(model_.fx * kProjectorBaseline);
-  const int margin = static_cast<int>(std::ceil(shift / static_cast<float>(kNearestDepth))) + 2;
-  const int columns = model_.width + margin;
+  const int margin = static_cast<int>(std::ceil(shift / kLeastDepth)) + 2;
+  const int width = model_.width, columns = width + margin;
   constexpr float kFar = 1e9f;
+  column_.resize(static_cast<std::size_t>(width));
   for (int y = 0; y < model_.height; ++y) {
-    const auto row = depth_m.row(y);
-    nearest_.assign(static_cast<std::size_t>(columns) + 2, kFar);
-    float column_before = 0, z_before = 0;
-    for (int x = 0; x < model_.width; ++x) {
-      const float z = row[static_cast<std::size_t>(x)];
-      if (z < 0.2f) {
-        z_before = 0;
-        continue;
-      }
-      const float column = static_cast<float>(x) - shift / z + static_cast<float>(margin);
-      const bool same_surface = z_before > 0 && std::abs(z - z_before) < 0.03f * z;
-      if (column >= 0) {
-        int first = static_cast<int>(column);
-        if (same_surface && column > column_before && column_before >= 0) {
-          first = std::min(static_cast<int>(column_before) + 1, first);
-        }
-        for (int c = first; c <= static_cast<int>(column); ++c) {
-          nearest_[static_cast<std::size_t>(c)] = std::min(nearest_[static_cast<std::size_t>(c)], z);
-        }
-      }
-      column_before = column;
-      z_before = z;
+    const float* __restrict z = view.depth_m.row(y).data();
+    const float* __restrict infrared = view.infrared.row(y).data();
+    float* __restrict signal = signal_.row(y).data();
+    float* __restrict back = back_.row(y).data();
+    float* __restrict column = column_.data();
+    for (int x = 0; x < width; ++x) {
+      const float inverse = 1 / std::max(z[x], kLeastDepth);
+      column[x] = static_cast<float>(x + margin) - shift * inverse;
+      signal[x] = kLevels * inverse;
+      back[x] = infrared[x] * (1.25f - 0.09f * z[x]);
     }
-    auto lit = lit_.row(y);
-    for (int x = 0; x < model_.width; ++x) {
-      const float z = row[static_cast<std::size_t>(x)];
-      const float column = static_cast<float>(x) - shift / std::max(z, 0.2f) + static_cast<float>(margin);
-      const auto c = static_cast<std::size_t>(std::clamp(column, 0.0f, static_cast<float>(columns - 1)));
-      lit[static_cast<std::size_t>(x)] = nearest_[c] < z * 0.96f ? 0 : 1;
+    nearest_.assign(static_cast<std::size_t>(columns) + 2, kFar);
+    float* near = nearest_.data();
+    for (int x = 0; x < width; ++x) {
+      if (z[x] < kLeastDepth) continue;
+      const int last = static_cast<int>(column[x]);
+      near[last] = std::min(near[last], z[x]);
+      if (x == 0 || column[x] - column[x - 1] <= 1 || std::abs(z[x] - z[x - 1]) >= 0.03f * z[x]) continue;
+      for (int c = static_cast<int>(column[x - 1]) + 1; c < last; ++c) near[c] = std::min(near[c], z[x]);
+    }
+    for (int x = 0; x < width; ++x) {
+      if (near[static_cast<int>(column[x])] < z[x] * 0.96f) signal[x] = 0;
     }
   }
 }
@@ -103,7 +113,7 @@ void KinectNoise::expose(const TrueView& view, std::uint64_t frame, DepthImage& 
   assert(view.depth_m.width() == model_.width && view.depth_m.height() == model_.height);
   const int width = model_.width, height = model_.height;
   depth.resize(width, height);
-  cast_shadow(view.depth_m);
+  cast_shadow(view);
   const std::uint32_t frame_seed =
       hash(seed_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32));
   fill_blob_noise(3, hash(frame_seed, 1), error_);
@@ -112,33 +122,33 @@ void KinectNoise::expose(const TrueView& view, std::uint64_t frame, DepthImage& 
   fill_blob_noise(5, hash(frame_seed, 4), luck_);
   fill_blob_noise(7, hash(frame_seed, 5), rivals_);
 
-  const float* true_depth = view.depth_m.data();
-  const float* infrared = view.infrared.data();
-  const std::uint8_t* lit = lit_.data();
+  const float* __restrict signal = signal_.data();
+  const float* __restrict back = back_.data();
   const float per_metre = unit_ == DepthUnit::kMillimetre ? 1000.0f : 10000.0f;
   const int blind_from = width - kBlindColumns * width / 640;
   for (int y = 0; y < height; ++y) {
-    const auto start = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    const float* __restrict pattern = pattern_.row(y).data();
+    const float* __restrict needed = strength_needed_.row(y).data();
+    const float* __restrict drowning = drowning_.row(y).data();
+    const float* __restrict error = error_.row(y).data();
+    const float* __restrict beside_x = beside_x_.row(y).data();
+    const float* __restrict beside_y = beside_y_.row(y).data();
+    const float* __restrict luck = luck_.row(y).data();
+    const float* __restrict rivals = rivals_.row(y).data();
+    std::uint16_t* __restrict out = depth.row(y).data();
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = start + static_cast<std::size_t>(x);
-      const int dx = static_cast<int>(std::floor(kBeside * beside_x_.data()[i] + 0.5f));
-      const int dy = static_cast<int>(std::floor(kBeside * beside_y_.data()[i] + 0.5f));
-      const int from_x = std::clamp(x + dx, 0, width - 1), from_y = std::clamp(y + dy, 0, height - 1);
+      const int dx = static_cast<int>(std::floor(kBeside * beside_x[x] + 0.5f));
+      const int dy = static_cast<int>(std::floor(kBeside * beside_y[x] + 0.5f));
+      const int from_x = std::min(std::max(x + dx, 0), width - 1);
+      const int from_y = std::min(std::max(y + dy, 0), height - 1);
       const int from = from_y * width + from_x;
-      const float z = true_depth[from];
-      const float level = std::floor(kLevels / std::max(z, 0.1f) + pattern_.data()[i] +
-                                     kFrameError * error_.data()[i] + 0.5f);
-      // Light that comes back falls with distance; automatic gain gives most of it back to what is far.
-      const float back = infrared[from] * (1.25f - 0.09f * z);
-      const float needed = strength_needed_.data()[i] * (1 + 0.12f * luck_.data()[i]);
-      const bool drowned = 0.8f * rivals_fixed_.data()[i] + 0.6f * rivals_.data()[i] >
-                               3.0f - 0.9f * std::min(interference_.data()[i], 1.5f) &&
-                           interference_.data()[i] > 0;
-      const bool seen = level >= kFirstLevel && level <= kLastLevel && back > needed && lit[from] != 0 &&
-                        !drowned && x < blind_from;
-      depth.data()[i] = seen ? static_cast<std::uint16_t>(std::floor(kLevels * per_metre / level + 0.5f))
-                             : std::uint16_t{0};
+      const float level = std::floor(signal[from] + pattern[x] + kFrameError * error[x] + 0.5f);
+      const bool seen = (level >= kFirstLevel) & (level <= kLastLevel) &
+                        (back[from] > needed[x] * (1 + 0.12f * luck[x])) & (0.6f * rivals[x] <= drowning[x]);
+      const float value = std::floor(kLevels * per_metre / std::max(level, 1.0f) + 0.5f);
+      out[x] = static_cast<std::uint16_t>(static_cast<int>(seen ? value : 0.0f));
     }
+    std::fill(out + blind_from, out + width, std::uint16_t{0});
   }
 }
 

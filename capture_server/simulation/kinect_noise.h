@@ -50,13 +50,13 @@ class KinectNoise {
 
   /// Light of other projectors per pixel, as a multiple of the camera's own; 0 (the start) for none.
   /// Requires the model's size.
-  void set_interference(Image<float> light) { interference_ = std::move(light); }
+  void set_interference(const Image<float>& light);
 
   /// One exposure. Requires a view of the model's size.
   void expose(const TrueView& view, std::uint64_t frame, DepthImage& depth);
 
  private:
-  void cast_shadow(const Image<float>& depth_m);
+  void cast_shadow(const TrueView& view);
 
   CameraModel model_;
   DepthUnit unit_;
@@ -64,9 +64,10 @@ class KinectNoise {
   Image<float> pattern_;          // fixed error of the disparity, in levels
   Image<float> strength_needed_;  // fixed part of what a return must have
   Image<float> rivals_fixed_;     // where other projectors disturb in every frame
-  Image<float> interference_;
-  Image<std::uint8_t> lit_;                                   // 0 in the projector's shadow
+  Image<float> drowning_;         // how much of this frame's luck they need to drown a pixel
   Image<float> error_, beside_x_, beside_y_, luck_, rivals_;  // this frame's noise
+  Image<float> signal_, back_;                                // what comes back, see cast_shadow()
+  std::vector<float> column_;                                 // per pixel of a row, its projector column
   std::vector<float> nearest_;                                // per projector column, the nearest surface
 };
 

@@ -146,9 +146,14 @@ void shade(const ShadowPoints& points, std::span<const Capsule> capsules, float 
            std::span<float> hidden) {
   assert(hidden.size() == points.size());
   const std::size_t n = points.size();
-  const float *px = points.x.data(), *py = points.y.data(), *pz = points.z.data(), *lx = points.to_x.data(),
-              *ly = points.to_y.data(), *lz = points.to_z.data(), *far = points.distance.data();
-  float* out = hidden.data();
+  const float* __restrict px = points.x.data();
+  const float* __restrict py = points.y.data();
+  const float* __restrict pz = points.z.data();
+  const float* __restrict lx = points.to_x.data();
+  const float* __restrict ly = points.to_y.data();
+  const float* __restrict lz = points.to_z.data();
+  const float* __restrict far = points.distance.data();
+  float* __restrict out = hidden.data();
   std::fill(hidden.begin(), hidden.end(), 0.0f);
   for (const Capsule& capsule : capsules) {
     const Vector3f axis = capsule.to - capsule.from;

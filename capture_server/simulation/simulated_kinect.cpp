@@ -71,9 +71,9 @@ Result<SimulatedKinect> SimulatedKinect::make(std::shared_ptr<const World> world
   assert(index < poses.size());
   auto camera = TrueCamera::make(world, model, poses[index]);
   if (!camera) return fail(camera.error());
-  Image<float> rivals = interference(*world, camera->still(), model, poses, index);
+  const Image<float> rivals = interference(*world, camera->still(), model, poses, index);
   SimulatedKinect made(std::move(*camera), unit, seed, static_cast<std::uint32_t>(index));
-  made.noise_.set_interference(std::move(rivals));
+  made.noise_.set_interference(rivals);
   return made;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
 
 namespace copresence::simulation {
 namespace {
@@ -11,6 +12,7 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 constexpr float kLampRadius = 0.2f;
+constexpr int kCell = 8;                                     // pixels; as many as are traced at once
 constexpr float kFigureReach = 0.95f, kFigureHeight = 2.0f;  // metres around the place where it stands
 std::array<Vector2f, 4> sub_pixels() {
   return {Vector2f(-0.125f, -0.375f), Vector2f(0.375f, -0.125f), Vector2f(0.125f, 0.375f),
@@ -59,7 +61,9 @@ TrueCamera::TrueCamera(std::shared_ptr<const World> world, const CameraModel& mo
   find_shadow_blocks();
   view_ = still_;
   room_light_ = still_light_;
-  spans_.resize(static_cast<std::size_t>(model.height));
+  room_color_ = still_.color;
+  cells_ = Image<std::uint8_t>((model.width + kCell - 1) / kCell, model.height, 0);
+  bound_parts();
   part_of_.assign(directions_.size(), -1);
   figure_light_.resize(directions_.size(), Vector3f::Zero());
 }
@@ -173,38 +177,87 @@ void TrueCamera::cast_shadows(const std::vector<Capsule>& capsules) {
           (static_cast<std::size_t>(blocks_[i].y) + row) * width + static_cast<std::size_t>(blocks_[i].x);
       for (std::size_t p = start; p < start + 2; ++p) {
         room_light_[p] = still_light_[p] - hidden_[i] * still_lamp_[p];
-        view_.color.data()[p] = to_screen(room_light_[p]);
+        room_color_.data()[p] = to_screen(room_light_[p]);
+        view_.color.data()[p] = room_color_.data()[p];
       }
     }
   }
 }
 
-// Rows and columns that the capsules cover, a little wider than the parts that they stand for.
-void TrueCamera::find_spans(const std::vector<Capsule>& capsules) {
-  std::fill(spans_.begin(), spans_.end(), Span{model_.width, 0});
+// Slices of each part along its limb, each in a sphere.
+void TrueCamera::bound_parts() {
+  constexpr float kSlice = 0.07f;
+  for (const Mesh& mesh : world_->figure().parts) {
+    std::map<int, std::vector<Vector3f>> slices;
+    for (const auto& t : mesh.triangles) {
+      const float middle =
+          (mesh.vertices[t[0]].position + mesh.vertices[t[1]].position + mesh.vertices[t[2]].position).y() /
+          3;
+      auto& slice = slices[static_cast<int>(std::floor(middle / kSlice))];
+      for (const std::uint32_t vertex : t) slice.push_back(mesh.vertices[vertex].position);
+    }
+    std::vector<Sphere> spheres;
+    for (const auto& [unused, points] : slices) {
+      Vector3f low = points.front(), high = points.front();
+      for (const Vector3f& point : points) {
+        low = low.cwiseMin(point);
+        high = high.cwiseMax(point);
+      }
+      Sphere sphere{0.5f * (low + high), 0};
+      for (const Vector3f& point : points)
+        sphere.radius = std::max(sphere.radius, (point - sphere.center).norm());
+      spheres.push_back(sphere);
+    }
+    bounds_.push_back(std::move(spheres));
+  }
+}
+
+// A sphere of radius r at depth z shows within about f r / (z - r) pixels of its middle; a tenth more covers
+// the lens.
+void TrueCamera::find_cells(const std::vector<Eigen::Isometry3f>& pose) {
+  std::fill(cells_.pixels().begin(), cells_.pixels().end(), std::uint8_t{0});
   const Rigid3 camera_from_world = world_from_camera_.inverse();
-  for (const Capsule& capsule : capsules) {
-    constexpr int kSteps = 4;
-    for (int step = 0; step <= kSteps; ++step) {
-      const float t = static_cast<float>(step) / kSteps;
-      const Vector3f place = capsule.from + t * (capsule.to - capsule.from);
-      const double reach = 1.7 * capsule.radius + 0.5 * (capsule.to - capsule.from).norm() / kSteps + 0.03;
-      const Eigen::Vector3d center = camera_from_world * place.cast<double>();
-      if (center.z() + reach < 0.05) continue;
-      int left = 0, right = model_.width, top = 0, bottom = model_.height;
-      if (const double nearest = center.z() - reach; nearest > 0.05) {
-        const Eigen::Vector2d a = project(model_, center);
-        const double around_x = reach * model_.fx / nearest * 1.15 + 2,
-                     around_y = reach * model_.fy / nearest * 1.15 + 2;
-        left = static_cast<int>(std::clamp(a.x() - around_x, 0.0, double(model_.width)));
-        right = static_cast<int>(std::clamp(a.x() + around_x, 0.0, double(model_.width)));
-        top = static_cast<int>(std::clamp(a.y() - around_y, 0.0, double(model_.height)));
-        bottom = static_cast<int>(std::clamp(a.y() + around_y, 0.0, double(model_.height)));
+  for (std::size_t part = 0; part < pose.size(); ++part) {
+    for (const Sphere& sphere : bounds_[part]) {
+      const Eigen::Vector3d center = camera_from_world * Vector3f(pose[part] * sphere.center).cast<double>();
+      const double nearest = center.z() - sphere.radius;
+      if (center.z() + sphere.radius < 0) continue;
+      if (nearest < 0.1) {  // beside or around the eye: it may be anywhere
+        std::fill(cells_.pixels().begin(), cells_.pixels().end(), std::uint8_t{1});
+        return;
       }
+      const Eigen::Vector2d middle = project(model_, center);
+      const double rx = 1.1 * sphere.radius * model_.fx / nearest + 2,
+                   ry = 1.1 * sphere.radius * model_.fy / nearest + 2;
+      const int top = static_cast<int>(std::clamp(middle.y() - ry, 0.0, double(model_.height)));
+      const int bottom = static_cast<int>(std::clamp(middle.y() + ry + 1, 0.0, double(model_.height)));
       for (int y = top; y < bottom; ++y) {
-        Span& span = spans_[static_cast<std::size_t>(y)];
-        span = {std::min(span.first, left), std::max(span.end, right)};
+        const double off = (y - middle.y()) / ry, half = rx * std::sqrt(std::max(0.0, 1 - off * off));
+        const double left = std::clamp(middle.x() - half, 0.0, model_.width - 1.0);
+        const double right = std::clamp(middle.x() + half, 0.0, model_.width - 1.0);
+        if (middle.x() + half < 0 || middle.x() - half > model_.width - 1) continue;
+        for (int cell = static_cast<int>(left) / kCell; cell <= static_cast<int>(right) / kCell; ++cell)
+          cells_(cell, y) = 1;
       }
+    }
+  }
+}
+
+// Calls visit(index of the first pixel, number of pixels) for every unbroken run of cells in a row.
+template <class Visit>
+void TrueCamera::for_each_run(Visit&& visit) const {
+  const int columns = cells_.width();
+  for (int y = 0; y < model_.height; ++y) {
+    const std::uint8_t* row = cells_.row(y).data();
+    for (int first = 0; first < columns; ++first) {
+      if (!row[first]) continue;
+      int end = first;
+      while (end < columns && row[end]) ++end;
+      const int x = first * kCell, x_end = std::min(end * kCell, model_.width);
+      visit(
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(model_.width) + static_cast<std::size_t>(x),
+          static_cast<std::size_t>(x_end - x));
+      first = end;
     }
   }
 }
@@ -212,18 +265,14 @@ void TrueCamera::find_spans(const std::vector<Capsule>& capsules) {
 void TrueCamera::draw_figure(const std::vector<Eigen::Isometry3f>& pose,
                              const std::vector<Capsule>& capsules) {
   const Furnishing& furnishing = world_->furnishing();
-  const auto width = static_cast<std::size_t>(model_.width);
   std::vector<std::size_t> pixels;
   std::vector<Light> lights;
   std::vector<Vector3f> colors;
   ShadowPoints points;
   const Vector3f lamp = furnishing.lights.empty() ? Vector3f::Zero() : furnishing.lights.front().center;
-  for (std::size_t y = 0; y < spans_.size(); ++y) {
-    const Span span = spans_[y];
-    if (span.first >= span.end) continue;
+  for_each_run([&](std::size_t start, std::size_t count) {
     rays_.clear();
-    for (int x = span.first; x < span.end; ++x) {
-      const std::size_t i = y * width + static_cast<std::size_t>(x);
+    for (std::size_t i = start; i < start + count; ++i) {
       const float room = still_.depth_m.data()[i];
       rays_.push_back(Ray{eye_, directions_[i], 1e-3f, room > 0 ? room : 1e30f});
     }
@@ -231,7 +280,7 @@ void TrueCamera::draw_figure(const std::vector<Eigen::Isometry3f>& pose,
     for (std::size_t x = 0; x < rays_.size(); ++x) {
       const Ray& ray = rays_[x];
       if (ray.mesh < 0) continue;
-      const std::size_t i = y * width + static_cast<std::size_t>(span.first) + x;
+      const std::size_t i = start + x;
       const auto part = static_cast<std::size_t>(ray.mesh);
       const Mesh& mesh = world_->figure().parts[part];
       const Material& material = furnishing.materials[static_cast<std::size_t>(mesh.material)];
@@ -248,7 +297,7 @@ void TrueCamera::draw_figure(const std::vector<Eigen::Isometry3f>& pose,
       colors.push_back(albedo(material, surface.uv));
       points.add(position, lamp);
     }
-  }
+  });
   std::vector<float> hidden(points.size());
   shade(points, capsules, kLampRadius, hidden);
   for (std::size_t k = 0; k < pixels.size(); ++k) {
@@ -263,10 +312,11 @@ void TrueCamera::smooth_outline() {
   const auto width = static_cast<std::size_t>(model_.width), height = static_cast<std::size_t>(model_.height);
   rays_.clear();
   std::vector<std::pair<std::size_t, std::size_t>> outline;  // the pixel, and one that shows the figure there
-  for (std::size_t y = 1; y + 1 < height; ++y) {
-    const int first = std::max(spans_[y].first, 1), end = std::min(spans_[y].end, model_.width - 1);
-    for (int x = first; x < end; ++x) {
-      const std::size_t i = y * width + static_cast<std::size_t>(x);
+  for_each_run([&](std::size_t start, std::size_t count) {
+    const std::size_t y = start / width;
+    if (y == 0 || y + 1 == height) return;
+    for (std::size_t i = std::max(start, y * width + 1); i < std::min(start + count, (y + 1) * width - 1);
+         ++i) {
       const bool here = part_of_[i] >= 0;
       for (const std::size_t beside : {i - 1, i + 1, i - width, i + width}) {
         if ((part_of_[beside] >= 0) == here) continue;
@@ -279,7 +329,7 @@ void TrueCamera::smooth_outline() {
         break;
       }
     }
-  }
+  });
   posed_.trace(rays_);
   for (std::size_t k = 0; k < outline.size(); ++k) {
     float share = 0;
@@ -293,17 +343,12 @@ const TrueView& TrueCamera::look(double phase) {
   const Figure& figure = world_->figure();
   if (figure.empty()) return view_;
   // What the figure covered last time shows the room again.
-  for (std::size_t y = 0; y < spans_.size(); ++y) {
-    const Span span = spans_[y];
-    if (span.first >= span.end) continue;
-    const std::size_t start =
-        y * static_cast<std::size_t>(model_.width) + static_cast<std::size_t>(span.first);
-    const auto count = static_cast<std::size_t>(span.end - span.first);
+  for_each_run([&](std::size_t start, std::size_t count) {
     std::copy_n(still_.depth_m.data() + start, count, view_.depth_m.data() + start);
     std::copy_n(still_.infrared.data() + start, count, view_.infrared.data() + start);
+    std::copy_n(room_color_.data() + start, count, view_.color.data() + start);
     std::fill_n(part_of_.begin() + static_cast<std::ptrdiff_t>(start), count, std::int8_t{-1});
-    for (std::size_t i = start; i < start + count; ++i) view_.color.data()[i] = to_screen(room_light_[i]);
-  }
+  });
   const std::vector<Eigen::Isometry3f> pose = figure.pose(phase);
   std::vector<Capsule> capsules;
   for (std::size_t i = 0; i < pose.size(); ++i) {
@@ -312,7 +357,7 @@ const TrueView& TrueCamera::look(double phase) {
   }
   posed_.pose(pose);
   cast_shadows(capsules);
-  find_spans(capsules);
+  find_cells(pose);
   draw_figure(pose, capsules);
   smooth_outline();
   return view_;

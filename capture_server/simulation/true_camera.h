@@ -42,8 +42,9 @@ class TrueCamera {
   const Rigid3& world_from_camera() const { return world_from_camera_; }
 
  private:
-  struct Span {
-    int first = 0, end = 0;  // columns; empty when first >= end
+  struct Sphere {
+    Eigen::Vector3f center;
+    float radius = 0;
   };
   struct Block {
     int x = 0, y = 0;  // top left pixel of four that share one shadow value
@@ -54,7 +55,10 @@ class TrueCamera {
   void trace_still();
   void find_shadow_blocks();
   void cast_shadows(const std::vector<Capsule>& capsules);
-  void find_spans(const std::vector<Capsule>& capsules);
+  void bound_parts();
+  void find_cells(const std::vector<Eigen::Isometry3f>& pose);
+  template <class Visit>
+  void for_each_run(Visit&& visit) const;
   void draw_figure(const std::vector<Eigen::Isometry3f>& pose, const std::vector<Capsule>& capsules);
   void smooth_outline();
   Eigen::Vector3f still_light(const Ray& ray, const Eigen::Vector3f& direction, Eigen::Vector3f& of_lamp,
@@ -75,10 +79,12 @@ class TrueCamera {
 
   PosedScene posed_;
   TrueView view_;
-  std::vector<Span> spans_;                    // per row: where the figure may be
+  std::vector<std::vector<Sphere>> bounds_;    // per part, in its own frame: together they hold all of it
+  Image<std::uint8_t> cells_;                  // rows of kCell pixels in which the figure may be
   std::vector<std::int8_t> part_of_;           // per pixel: the figure's part, or -1
   std::vector<Eigen::Vector3f> figure_light_;  // per pixel, valid where part_of_ >= 0
   std::vector<Eigen::Vector3f> room_light_;    // per pixel: the still light with the figure's shadow
+  ColorImage room_color_;                      // the same as seen
   std::vector<Ray> rays_;
 };
 

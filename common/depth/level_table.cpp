@@ -79,14 +79,29 @@ void LevelTable::assign_evenly(DepthRangeUnits range) {
   }
 }
 
-// Where a level belongs between two codes: evenly in 1/z between their levels, or one code a sensor step
-// beyond the first and the last level.
+// Where a level belongs between two codes: evenly in 1/z between their levels; beyond the first and the last level as far
+// off, for a sensor step, as the levels there are from each other.
 int LevelTable::place(std::uint16_t level, int below, int above) const {
   if (below < 0 && above == kCodes) return static_cast<int>(std::lround(steps(range_.near, level)));
-  if (below < 0) return above - static_cast<int>(std::lround(steps(level, levels_[above])));
-  if (above == kCodes) return below + static_cast<int>(std::lround(steps(levels_[below], level)));
+  if (below < 0)
+    return above - static_cast<int>(std::lround(steps(level, levels_[above]) * density(above, 1)));
+  if (above == kCodes)
+    return below + static_cast<int>(std::lround(steps(levels_[below], level) * density(below, -1)));
   const double t = steps(levels_[below], level) / steps(levels_[below], levels_[above]);
   return below + static_cast<int>(std::lround(t * (above - below)));
+}
+
+// Codes a sensor step from an outermost level to the tenth level inwards.
+double LevelTable::density(int outermost, int direction) const {
+  int inner = outermost;
+  for (int found = 0, code = outermost + direction; code >= 0 && code < kCodes && found < 10;
+       code += direction) {
+    if (levels_[code] == 0) continue;
+    inner = code;
+    ++found;
+  }
+  if (inner == outermost) return 1;
+  return std::max(1.0, std::abs(inner - outermost) / std::abs(steps(levels_[outermost], levels_[inner])));
 }
 
 bool LevelTable::insert(std::uint16_t level) {

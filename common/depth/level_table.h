@@ -60,6 +60,7 @@ class LevelTable {
 
  private:
   int place(std::uint16_t level, int below, int above) const;
+  double density(int outermost, int direction) const;
   double steps(double from, double to) const;  // sensor steps between two depths, in the stream's unit
 
   DepthRangeUnits range_;

@@ -156,7 +156,7 @@ class QuantizedEncoder final : public PlaneEncoder {
   }
 
   static constexpr std::size_t kSampling = 13;      // looks at every 13th pixel
-  static constexpr int kFramesBetweenLayouts = 60;  // adaptive's own keyframes are at least this far apart
+  static constexpr int kFramesBetweenLayouts = 30;  // adaptive's own keyframes are at least this far apart
   static constexpr int kFramesBetweenLooks = 10;
   static constexpr double kWorthwhileBits = 0.5;  // about 6 % less error at one rate
 

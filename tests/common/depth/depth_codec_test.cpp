@@ -362,9 +362,9 @@ TEST(Adaptive, LaysItsTableOutAnewWhereTheSceneHasLeftIt) {
     return planes.keyframe;
   };
   int keyframes = 0;
-  for (int time = 0; time < 200; ++time) keyframes += carry(wall(1000, 1600, time));
-  EXPECT_EQ(keyframes, 1) << "the first";
   for (int time = 0; time < 200; ++time) keyframes += carry(wall(2500, 4000, time));
+  EXPECT_EQ(keyframes, 1) << "the first";
+  for (int time = 0; time < 200; ++time) keyframes += carry(wall(600, 1000, time));
   EXPECT_EQ(keyframes, 2) << "and one after the scene has changed";
 }
 

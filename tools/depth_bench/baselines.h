@@ -1,0 +1,22 @@
+#pragma once
+
+// What the codecs are compared with: rvl and rvl_zstd (rvl.h), png of the 16-bit depth, and split16, the naive way through a
+// video codec: the high and the low byte as two 8-bit pictures.
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "tools/depth_bench/depth_recording.h"
+#include "tools/depth_bench/row.h"
+
+namespace copresence::depth_bench {
+
+std::span<const std::string_view> baseline_names();
+bool is_baseline(std::string_view name);
+
+/// One row; `split16` at quantiser 12, the others lossless. Requires a baseline's name.
+/// Fails as the video encoder does.
+Result<Row> run_baseline(const DepthRecording& recording, const std::string& name);
+
+}  // namespace copresence::depth_bench

@@ -1,0 +1,97 @@
+#include "tools/depth_bench/settings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+
+#include "common/depth/depth_codec.h"
+#include "common/video/video_settings.h"
+#include "tools/depth_bench/baselines.h"
+
+namespace copresence::depth_bench {
+namespace {
+
+std::vector<std::string> all_codecs() {
+  std::vector<std::string> names;
+  for (const std::string_view name : depth::codec_names()) names.emplace_back(name);
+  for (const std::string_view name : baseline_names()) names.emplace_back(name);
+  return names;
+}
+
+// "NEAR:FAR" in metres; empty when understood, else what is wrong.
+std::string parse_range(const std::string& text, DepthRange& range) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), range.near_m) ||
+      !CLI::detail::lexical_cast(text.substr(colon + 1), range.far_m)) {
+    return fmt::format("\"{}\" is not NEAR:FAR in metres, such as 0.4:5", text);
+  }
+  if (!(range.near_m > 0 && range.near_m < range.far_m)) {
+    return fmt::format("the range {} is empty: NEAR must be above 0 and below FAR", text);
+  }
+  return {};
+}
+
+}  // namespace
+
+tl::expected<Settings, int> read_command_line(int argc, const char* const* argv) {
+  Settings settings;
+  const auto known = all_codecs();
+  CLI::App app{
+      "Codes the depth of a recording with the codecs and settings asked for, decodes it again and reports "
+      "rate, "
+      "error and time of each: a table on standard output, --json and --plot for more.",
+      "depth_bench"};
+  app.set_version_flag("--version", std::string("depth_bench ") + COPRESENCE_VERSION);
+  app.add_option("RECORDING", settings.recording, "an .oni recording")->required()->check(CLI::ExistingFile);
+  app.add_option("--codec", settings.codecs,
+                 fmt::format("codecs, or all (default quantized): {}", fmt::join(known, ", ")))
+      ->delimiter(',')
+      ->check([&](const std::string& name) {
+        const bool is_known = name == "all" || std::find(known.begin(), known.end(), name) != known.end();
+        return is_known ? std::string()
+                        : fmt::format("there is no codec \"{}\"; choose from all, {}", name,
+                                      fmt::join(known, ", "));
+      });
+  app.add_option("--qp", settings.qps,
+                 "constant quantisers, 0 (lossless) to 51 (default 0,12 without --kbps)")
+      ->delimiter(',')
+      ->check(CLI::Range(0, video::kMaxDepthQp));
+  app.add_option("--kbps", settings.rates_kbps,
+                 "rates of everything that depth costs, kbit/s at 30 frames a second")
+      ->delimiter(',')
+      ->check(CLI::Range(video::kMinKbps, video::kMaxKbps));
+  app.add_option("--frames", settings.frames, "how many of the recording's frames (default all)")
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--range", "depth in metres that counts, NEAR:FAR; the rest are holes (default 0.4:5)")
+      ->each([&](const std::string& text) {
+        if (const auto wrong = parse_range(text, settings.range); !wrong.empty()) {
+          throw CLI::ValidationError("--range", wrong);
+        }
+      });
+  app.add_option("--json", settings.json, "file for the rows as JSON");
+  app.add_option("--plot", settings.plot,
+                 "PNG of rate against RMSE and against the share beyond 3 sensor steps; beside it, with _uv "
+                 "and _error in "
+                 "the name, the UV plane before and after coding and a frame's error");
+  app.add_flag("--tune", settings.tune,
+               "searches codec and parameters for the best RMSE in sensor steps at each --kbps and prints "
+               "the setting");
+  try {
+    app.parse(argc, argv);
+    if (settings.tune && settings.rates_kbps.empty()) {
+      throw CLI::ValidationError("--tune", "needs a rate to tune for: give --kbps N");
+    }
+  } catch (const CLI::ParseError& error) {
+    return tl::unexpected(app.exit(error) == 0 ? 0 : 2);
+  }
+  if (settings.codecs.empty()) settings.codecs = {"quantized"};
+  if (std::find(settings.codecs.begin(), settings.codecs.end(), "all") != settings.codecs.end())
+    settings.codecs = known;
+  if (settings.qps.empty() && settings.rates_kbps.empty()) settings.qps = {0, 12};
+  return settings;
+}
+
+}  // namespace copresence::depth_bench

@@ -1,0 +1,30 @@
+#pragma once
+
+// The command line of depth_bench, checked.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "common/frame/depth_unit.h"
+
+namespace copresence::depth_bench {
+
+struct Settings {
+  std::filesystem::path recording;
+  std::vector<std::string> codecs;  ///< of common/depth and baselines; each is known
+  std::vector<int> qps;
+  std::vector<int> rates_kbps;
+  int frames = 0;  ///< 0: all
+  DepthRange range;
+  std::optional<std::filesystem::path> json, plot;
+  bool tune = false;  ///< needs rates_kbps
+};
+
+/// The settings, or the exit code to leave with: 0 after --help and --version, 2 after a wrong command line
+/// (said on standard error).
+tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
+
+}  // namespace copresence::depth_bench

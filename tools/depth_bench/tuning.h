@@ -1,0 +1,17 @@
+#pragma once
+
+// The best codec for a recording at a rate (thesis 5.1.2).
+
+#include <vector>
+
+#include "tools/depth_bench/depth_recording.h"
+#include "tools/depth_bench/progress.h"
+#include "tools/depth_bench/row.h"
+
+namespace copresence::depth_bench {
+
+/// Rows of every codec at the rate, the least RMSE in sensor steps first. Codecs that cannot hold the rate within a tenth come last.
+/// Fails as run_codec() does.
+Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, Progress& progress);
+
+}  // namespace copresence::depth_bench

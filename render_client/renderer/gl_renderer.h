@@ -1,8 +1,14 @@
 #pragma once
 
-// The renderer on a graphics card. Every camera's triangles are found by a compute shader and drawn from the
-// eye into a layer of their own; a compute shader merges the layers. docs/rendering.md has the method and the
-// figures.
+// The renderer on a graphics card, by the same rules and with the same meshes as the CPU renderer. In shaders/:
+//
+//   once a frame    find_flat_blocks     depth to planes of inverse depth by block
+//                   measure_tilts        planes to cos(theta)
+//                   outline_flat_blocks  depth and planes to inverse depth without cracks between blocks
+//                   build_mesh           that to triangles
+//                   make_source          colour, state and cos(theta) to what a fragment shows and is worth
+//   once a view     draw_mesh            every camera's triangles into a layer of their own
+//                   merge_layers         the layers to the view
 //
 // Thread: the context's.
 
@@ -20,8 +26,8 @@ struct GlRendererSettings {
 };
 
 /// `context` must outlive the renderer. MergedView::texture is the renderer's own: it holds the view until
-/// the next render() or the renderer's end. Fails  kInvalid where the driver does not compile the shaders, in
-/// the driver's words.
+/// the next render() or the renderer's end.
+/// Fails: kInvalid where the driver does not compile the shaders, in the driver's words.
 Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context,
                                                    const GlRendererSettings& settings = {});
 

@@ -26,6 +26,7 @@ sensor::CheckedRecording describe(const std::string& path, const recording::Reco
   checked.path = path;
   checked.period_us = recording::mean_period_us(depth);
   checked.duration_us = summary.duration.count();
+  checked.last_depth_frame = depth.last_frame;
 
   sensor::SensorDescription& description = checked.description;
   description.name = path.substr(path.find_last_of('/') + 1);
@@ -40,7 +41,7 @@ sensor::CheckedRecording describe(const std::string& path, const recording::Reco
   if (note) description.world_from_camera = note->world_from_camera;
   // A colour stream without a single frame is none: OpenNI2 would wait for it.
   if (color && color->frames() > 0) {
-    checked.color_frames = color->frames();
+    checked.last_color_frame = color->last_frame;
     description.has_color = true;
     const bool same_size = color->width == depth.width && color->height == depth.height;
     description.registered = same_size && (!note || note->registered);

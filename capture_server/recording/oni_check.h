@@ -44,6 +44,7 @@ struct RecordedStream {
   DepthUnit unit = DepthUnit::kMillimetre;   ///< depth only
   std::optional<FieldOfView> field_of_view;  ///< depth, and colour where the recorder knew it
   std::vector<std::uint64_t> timestamps_us;  ///< of every frame in the file's order, from the recorder's zero
+  std::uint32_t last_frame = 0;              ///< number of the last one; frames() where none is missing
 
   std::size_t frames() const { return timestamps_us.size(); }
 };

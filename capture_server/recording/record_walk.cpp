@@ -276,9 +276,9 @@ Result<void> RecordWalk::new_data(const Record& record, FieldReader fields) {
     return damaged(record.at, "a frame of an unknown stream");
   }
   RecordedStream& stream = node->stream;
-  if (number <= node->last_frame || number > node->frames_claimed) {
+  if (number <= stream.last_frame || number > node->frames_claimed) {
     return damaged(record.at, fmt::format("stream {} goes from frame {} to {} of {}", stream.name,
-                                          node->last_frame, number, node->frames_claimed));
+                                          stream.last_frame, number, node->frames_claimed));
   }
   // Times that go back are played as they come; one beyond the header's largest ends the player's reading.
   if (timestamp > max_timestamp_) {
@@ -291,7 +291,7 @@ Result<void> RecordWalk::new_data(const Record& record, FieldReader fields) {
                    fmt::format("frame {} of stream {} takes {} bytes, {} {} expected", number, stream.name,
                                record.payload_bytes, raw ? "exactly" : "at most", node->max_payload));
   }
-  node->last_frame = number;
+  stream.last_frame = number;
   stream.timestamps_us.push_back(timestamp);
   return {};
 }

@@ -35,7 +35,6 @@ class RecordWalk {
     std::uint32_t frames_claimed = 0;
     std::uint64_t seek_table_at = 0;  ///< as its definition says; 0 = none
     bool has_seek_table = false;      ///< one of the right size was there
-    std::uint32_t last_frame = 0;
     std::uint64_t max_payload = 0;
     StreamFormat format;  ///< once the node is ready it may not change
     RecordedStream stream;

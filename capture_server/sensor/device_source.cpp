@@ -17,8 +17,8 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr Duration kStallAfter = std::chrono::seconds(1);
-constexpr Duration kFirstFrameAfter =
-    std::chrono::seconds(5);  // a Kinect's projector and exposure take their time
+// A Kinect's projector and exposure take their time.
+constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr Duration kDriverLeaves =

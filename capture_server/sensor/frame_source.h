@@ -77,9 +77,11 @@ class FrameSource {
 /// A recording that has been checked, and what the check found out about it.
 struct CheckedRecording {
   std::string path;
-  SensorDescription description;  ///< `frames` must be set
-  std::uint64_t color_frames = 0;
-  double period_us = 33333;      ///< mean time between depth frames
+  SensorDescription description;
+  std::uint64_t last_depth_frame =
+      0;  ///< number of the last frame of each stream, which count from 1; at least 1
+  std::uint64_t last_color_frame = 0;  ///< ... where there is colour
+  double period_us = 33333;            ///< mean time between depth frames
   std::int64_t duration_us = 0;  ///< of one pass: from the first depth frame to one period after the last
 };
 

@@ -69,19 +69,19 @@ class EndListener final : public openni::OpenNI::DeviceStateChangedListener {
 
 // One stream's place in the recording: its frames count from 1 in every pass.
 struct Track {
-  std::uint64_t frames = 0;  // in one pass
-  std::uint64_t index = 0;   // of the last frame, in its pass
+  std::uint64_t last = 0;   // number of a pass's last frame
+  std::uint64_t index = 0;  // number of the frame that came last
   std::uint64_t pass = 0;
   std::int64_t timestamp_us = 0;
 
-  bool at_end() const { return index >= frames; }
+  bool at_end() const { return index >= last; }
 
   // Returns how many frames are missing between the last one and this.
   std::uint64_t advance(const openni::VideoFrameRef& frame, std::int64_t duration_us) {
     const auto next = static_cast<std::uint64_t>(std::max(frame.getFrameIndex(), 1));
     const bool begins_again = next <= index;
     const std::uint64_t missing =
-        begins_again ? next - 1 + (frames > index ? frames - index : 0) : next - index - 1;
+        begins_again ? next - 1 + (last > index ? last - index : 0) : next - index - 1;
     pass += begins_again;
     index = next;
     // Time goes on over the seam and never back.
@@ -100,8 +100,8 @@ class RecordingSource final : public FrameSource {
         file_(recording_.path),
         end_(file_.path()),
         pairing_(static_cast<std::int64_t>(recording_.period_us / 2), kReuseColorUs) {
-    depth_track_.frames = recording_.description.frames.value();
-    color_track_.frames = recording_.color_frames;
+    depth_track_.last = recording_.last_depth_frame;
+    color_track_.last = recording_.last_color_frame;
   }
 
   ~RecordingSource() override {
@@ -227,7 +227,7 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
       return fail(ErrorCode::kCorrupt,
                   fmt::format("{}: none of its {} frames could be decoded; take another copy of the file or "
                               "record it again",
-                              recording_.path, depth_track_.frames));
+                              recording_.path, depth_track_.last));
     }
     if (!playing_) {
       return fail(ErrorCode::kEndOfStream, fmt::format("{}: the recording has ended", recording_.path));
@@ -246,7 +246,7 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
       return fail(ErrorCode::kTimeout,
                   fmt::format("{}: no frame for a second after frame {} of {}: it is damaged there, or this "
                               "machine is far too busy; record it again or end other programs",
-                              recording_.path, depth_track_.index, depth_track_.frames));
+                              recording_.path, depth_track_.index, depth_track_.last));
     }
   }
 }
@@ -280,7 +280,7 @@ Result<RgbdFrame> RecordingSource::next(std::stop_token stop) {
 
 Result<std::unique_ptr<FrameSource>> open_recording(const CheckedRecording& recording,
                                                     const SourceSettings& settings) {
-  assert(recording.description.frames.value_or(0) > 0 && recording.duration_us > 0);
+  assert(recording.last_depth_frame > 0 && recording.duration_us > 0);
   auto source = std::make_unique<RecordingSource>(recording, settings);
   if (auto started = source->start(); !started) return fail(started.error());
   return source;

@@ -224,6 +224,29 @@ TEST_F(RecordingSource, PlaysOnOverDamagedPayloadsWithAllOthersExact) {
   }
 }
 
+TEST_F(RecordingSource, PlaysToTheEndOfARecordingWithFramesLeftOut) {
+  const RecordingScene scene{.frames = 6, .color = std::nullopt};
+  const std::string path = recording(scene);
+  auto bytes = test::bytes_of(path);
+  const auto left_out = test::records_of(bytes, recording::RecordType::kNewData, test::kDepthNode)[1];
+  const std::size_t seek_position_at =
+      test::records_of(bytes, recording::RecordType::kNodeAdded, test::kDepthNode)[0].payload_at - 8;
+  test::set_number_at(
+      bytes, seek_position_at,
+      test::number_at<std::uint64_t>(bytes, seek_position_at) - (left_out.end() - left_out.at));
+  bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(left_out.at),
+              bytes.begin() + static_cast<std::ptrdiff_t>(left_out.end()));
+  test::write_bytes(path, bytes);
+  const auto source = open(path, kFast);
+  EXPECT_EQ(source->description().frames, 5u);
+  for (const int i : {0, 2, 3, 4, 5}) {
+    const auto frame = source->next({});
+    ASSERT_TRUE(frame) << frame.error().what;
+    EXPECT_EQ(frame->depth, scene.depth_of(i));
+  }
+  EXPECT_EQ(source->next({}).error().code, ErrorCode::kEndOfStream);
+}
+
 TEST_F(RecordingSource, EndsWhereTheLastFrameIsTheDamagedOne) {
   const std::string path = recording({.frames = 4, .color = std::nullopt});
   auto bytes = test::bytes_of(path);
@@ -269,8 +292,8 @@ TEST_F(RecordingSource, EndsAStalledRecordingWithinASecondOrTwo) {
   unchecked.description.depth = camera_from_field_of_view(64, 48, 1, 0.8);
   unchecked.description.color = unchecked.description.depth;
   unchecked.description.has_color = true;
-  unchecked.description.frames = 6;
-  unchecked.color_frames = 6;
+  unchecked.last_depth_frame = 6;
+  unchecked.last_color_frame = 6;
   unchecked.duration_us = 200'000;
   const auto source = open_recording(unchecked, kFast);
   ASSERT_TRUE(source) << source.error().what;

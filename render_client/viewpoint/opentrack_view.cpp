@@ -69,7 +69,7 @@ Result<OpentrackView> OpentrackView::open(std::uint16_t port) {
 OpentrackView::OpentrackView(OpentrackView&& other) noexcept
     : socket_(std::exchange(other.socket_, -1)),
       port_(other.port_),
-      world_from_home_(other.world_from_home_),
+      world_from_home_(std::move(other.world_from_home_)),
       head_(other.head_),
       counters_(other.counters_) {}
 

@@ -6,9 +6,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "render_client/renderer/lanes.h"
 #include "render_client/renderer/projection.h"
 
 namespace copresence::renderer {
+
+/// w, k, u, v of a ViewVertex.
+using Attributes = float __attribute__((vector_size(16)));
 
 /// Fragments of one camera in the rows [top, top + rows) of a view.
 class Band {
@@ -41,14 +45,20 @@ class Band {
   struct Box {
     int left, top, right, bottom;  // pixels, inclusive
   };
-  template <class... Vertices>
-  bool find_box(Box& box, const Vertices&... corners) const;
-  template <class Outline, class Plane>
-  void fill(const Box& box, const Outline& outline, const Plane& plane);
+  template <int kEdges>
+  class Polygon;
+  struct AttributePlane;
+  bool find_box(const Attributes& least, const Attributes& most, Box& box) const;
+  template <int kEdges>
+  void fill(const Box& box, const Polygon<kEdges>& outline, const AttributePlane& plane);
+  template <class Row>
+  [[gnu::always_inline]] inline void keep(const Floats& inside, const AttributePlane& plane, const Row& row,
+                                          const Floats& across, float* depths, std::uint32_t* texels,
+                                          std::ptrdiff_t second_half) const;
   std::size_t offset(int y) const { return static_cast<std::size_t>(y - top_) * row_; }
 
   int width_ = 0, top_ = 0, rows_ = 0;
-  int row_ = 0;  // width and room for a group that begins at its last pixel
+  int row_ = 0;  // width and room for a group that begins at its last pixel; and one row more than rows_
   float empty_ = 0;
   float last_u_ = 0, last_v_ = 0;
   std::vector<float> w_;

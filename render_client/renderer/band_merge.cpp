@@ -149,6 +149,15 @@ class RowMerge {
   const std::uint32_t* texels_[kMostCameras];
 };
 
+void write_depths(const Group& group, int x, int y, int count, MergedView& view) {
+  for (int lane = 0; lane < count; ++lane) {
+    const bool shown = group.shown[lane];
+    view.depth_m(x + lane, y) = shown ? 1.0F / group.depth[lane] : 0.0F;
+    view.camera(x + lane, y) = shown ? static_cast<std::uint8_t>(group.best[lane]) : kNoCamera;
+    view.quality(x + lane, y) = shown ? group.quality[lane] : 0.0F;
+  }
+}
+
 }  // namespace
 
 MergeSource merge_source(const CameraView& camera, const VirtualCamera& eye, const Texture& texture) {
@@ -169,28 +178,23 @@ void merge_row(std::span<const MergeSource> sources, std::span<const Band> bands
   assert(!sources.empty() && sources.size() <= kMostCameras && sources.size() == bands.size());
   static_assert(sizeof(Rgba8) == sizeof(std::uint32_t));
   const RowMerge merge(sources, bands, y, wanted.depth);
+  const std::span<Rgba8> row = wanted.color ? view.color.row(y) : std::span<Rgba8>{};
+  auto* const colors = reinterpret_cast<std::uint32_t*>(row.data());
   Group group;
-  for (int x = 0; x < view.width; x += kLanes) {
-    const int count = std::min(kLanes, view.width - x);
+  int x = 0;
+  for (; x + kLanes <= view.width; x += kLanes) {
     merge.look(x, group);
-    if (wanted.color) {
-      const Ints colors = group.is_shown ? merge.color(x, group) : Ints{};
-      auto* const to = reinterpret_cast<std::uint32_t*>(view.color.row(y).data() + x);
-      if (count == kLanes) {
-        store(to, colors);
-      } else {
-        for (int lane = 0; lane < count; ++lane) to[lane] = static_cast<std::uint32_t>(colors[lane]);
-      }
-    }
-    if (wanted.depth) {
-      for (int lane = 0; lane < count; ++lane) {
-        const bool shown = group.shown[lane];
-        view.depth_m(x + lane, y) = shown ? 1.0F / group.depth[lane] : 0.0F;
-        view.camera(x + lane, y) = shown ? static_cast<std::uint8_t>(group.best[lane]) : kNoCamera;
-        view.quality(x + lane, y) = shown ? group.quality[lane] : 0.0F;
-      }
-    }
+    if (colors) store(colors + x, group.is_shown ? merge.color(x, group) : Ints{});
+    if (wanted.depth) write_depths(group, x, y, kLanes, view);
   }
+  const int rest = view.width - x;
+  if (rest == 0) return;
+  merge.look(x, group);
+  if (colors) {
+    const Ints last = group.is_shown ? merge.color(x, group) : Ints{};
+    for (int lane = 0; lane < rest; ++lane) colors[x + lane] = static_cast<std::uint32_t>(last[lane]);
+  }
+  if (wanted.depth) write_depths(group, x, y, rest, view);
 }
 
 }  // namespace copresence::renderer

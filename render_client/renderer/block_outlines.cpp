@@ -1,80 +1,101 @@
 #include <algorithm>
+#include <cassert>
 
 #include "render_client/renderer/depth_mesh.h"
 
 namespace copresence::renderer {
 
-void BlockOutlines::draw(const FlatBlocks& blocks, int largest_block, InverseDepth& inverse) {
+void BlockOutlines::draw(const FlatBlocks& blocks, int largest_block, InverseDepth& inverse,
+                         std::vector<Eigen::Vector2f>* bent_rays) {
+  assert(largest_block == 1 || largest_block >= 4);
   drawn_.resize(inverse.w.width(), inverse.w.height());
   std::fill(drawn_.pixels().begin(), drawn_.pixels().end(), std::uint8_t{0});
+  corners_.resize(inverse.w.width(), inverse.w.height());
+  for (auto& level : listed_) level.clear();
+  if (largest_block == 1) return;
+  for (int j = 0; j < inverse.patches_y(); ++j) {
+    for (int i = 0; i < inverse.patches_x(); ++i) list(blocks, kLevels - 1, {i, j}, largest_block, inverse);
+  }
   // Large before small: a small block on a large one's outline has to follow it.
-  for (int level = 2; level >= 0; --level) {
-    if (kBlockSizes[level] <= largest_block) draw_level(blocks, level, largest_block, inverse);
+  for (int level = kLevels - 1; level >= 0; --level)
+    draw_level(blocks.planes[level], level, inverse, bent_rays);
+}
+
+void BlockOutlines::list(const FlatBlocks& blocks, int level, Block block, int largest_block,
+                         const InverseDepth& inverse) {
+  const int size = kBlockSizes[level];
+  if (block.i * size >= inverse.width - 1 || block.j * size >= inverse.height - 1) return;
+  if (size <= largest_block && blocks.planes[level](block.i, block.j).is_flat()) {
+    listed_[level].push_back(block);
+  } else if (level > 0) {
+    for (int dj = 0; dj < 2; ++dj) {
+      for (int di = 0; di < 2; ++di) {
+        list(blocks, level - 1, {2 * block.i + di, 2 * block.j + dj}, largest_block, inverse);
+      }
+    }
   }
 }
 
-void BlockOutlines::draw_level(const FlatBlocks& blocks, int level, int largest_block,
-                               InverseDepth& inverse) {
-  const Image<Plane>& planes = blocks.planes[level];
+void BlockOutlines::draw_level(const Image<Plane>& planes, int level, InverseDepth& inverse,
+                               std::vector<Eigen::Vector2f>* bent_rays) {
   const int size = kBlockSizes[level];
-  const int last_x = inverse.width - 1;
-  const int last_y = inverse.height - 1;
-  const int corners_x = planes.width() + 1;
-  const auto corner = [&](int i, int j) -> Corner& {
-    return corners_[static_cast<std::size_t>(j) * corners_x + i];
-  };
-  const auto for_each_block = [&](auto&& visit) {
-    for (int j = 0; j < planes.height(); ++j) {
-      for (int i = 0; i < planes.width(); ++i) {
-        if (blocks.is_drawn(level, i, j, largest_block) && i * size < last_x && j * size < last_y)
-          visit(i, j);
-      }
+  const float middle = 0.5F * static_cast<float>(size);
+  // The last blocks may reach beyond the image; their outline is its border.
+  const int last_x = inverse.width - 1, last_y = inverse.height - 1;
+  const auto x_of = [&](int i) { return std::min(i * size, last_x); };
+  const auto y_of = [&](int j) { return std::min(j * size, last_y); };
+  const auto for_each_corner = [&](const Block& block, auto&& visit) {
+    for (int dj = 0; dj < 2; ++dj) {
+      for (int di = 0; di < 2; ++di) visit(x_of(block.i + di), y_of(block.j + dj));
     }
   };
 
-  corners_.assign(static_cast<std::size_t>(corners_x) * (planes.height() + 1), Corner{});
-  for_each_block([&](int i, int j) {
-    const Plane& plane = planes(i, j);
-    for (int dj = 0; dj < 2; ++dj) {
-      for (int di = 0; di < 2; ++di) {
-        // The last blocks may reach beyond the image; their outline is its border.
-        const auto dx = static_cast<float>(std::min((i + di) * size, last_x) - i * size - size / 2);
-        const auto dy = static_cast<float>(std::min((j + dj) * size, last_y) - j * size - size / 2);
-        Corner& c = corner(i + di, j + dj);
-        c.sum += plane.w + dx * plane.dx + dy * plane.dy;
-        ++c.count;
-      }
-    }
-  });
-  for (int j = 0; j <= planes.height(); ++j) {
-    for (int i = 0; i < corners_x; ++i) {
-      const int x = std::min(i * size, last_x);
-      const int y = std::min(j * size, last_y);
-      const Corner& c = corner(i, j);
-      if (c.count == 0 || drawn_(x, y)) continue;
-      inverse.w(x, y) = c.sum / static_cast<float>(c.count);
-      drawn_(x, y) = 1;
-    }
+  for (const Block& block : listed_[level]) {
+    const Plane& plane = planes(block.i, block.j);
+    for_each_corner(block, [&](int x, int y) {
+      Corner& corner = corners_(x, y);
+      corner.sum += plane.w + (static_cast<float>(x - block.i * size) - middle) * plane.dx +
+                    (static_cast<float>(y - block.j * size) - middle) * plane.dy;
+      ++corner.count;
+    });
   }
+  for (const Block& block : listed_[level]) {
+    for_each_corner(block, [&](int x, int y) {
+      Corner& corner = corners_(x, y);
+      if (corner.count > 0 && !drawn_(x, y)) {
+        inverse.w(x, y) = corner.sum / static_cast<float>(corner.count);
+        drawn_(x, y) = 1;
+      }
+      corner = {};
+    });
+  }
+
+  float* const w = inverse.w.data();
+  std::uint8_t* const drawn = drawn_.data();
+  const int row = inverse.w.width();
+  // The pixels between two corners. Where the first is drawn all are: a line is shared whole or not at all.
   const auto line = [&](int x, int y, int step_x, int step_y, int length) {
-    const float begin = inverse.w(x, y);
-    const float end = inverse.w(x + step_x * length, y + step_y * length);
-    const float slope = (end - begin) / static_cast<float>(length);
+    const int begin = y * row + x, step = step_y * row + step_x;
+    if (length < 2 || drawn[begin + step]) return;
+    const float slope = (w[begin + step * length] - w[begin]) / static_cast<float>(length);
     for (int k = 1; k < length; ++k) {
-      const int at_x = x + step_x * k, at_y = y + step_y * k;
-      if (drawn_(at_x, at_y)) continue;
-      inverse.w(at_x, at_y) = begin + slope * static_cast<float>(k);
-      drawn_(at_x, at_y) = 1;
+      w[begin + step * k] = w[begin] + slope * static_cast<float>(k);
+      drawn[begin + step * k] = 1;
     }
+    if (bent_rays == nullptr) return;
+    Eigen::Vector2f* const rays = bent_rays->data() + static_cast<std::ptrdiff_t>(y) * inverse.width + x;
+    const std::ptrdiff_t ray_step = static_cast<std::ptrdiff_t>(step_y) * inverse.width + step_x;
+    const Eigen::Vector2f change = (rays[ray_step * length] - rays[0]) / static_cast<float>(length);
+    for (int k = 1; k < length; ++k) rays[ray_step * k] = rays[0] + change * static_cast<float>(k);
   };
-  for_each_block([&](int i, int j) {
-    const int x0 = i * size, x1 = std::min(x0 + size, last_x);
-    const int y0 = j * size, y1 = std::min(y0 + size, last_y);
+  for (const Block& block : listed_[level]) {
+    const int x0 = x_of(block.i), x1 = x_of(block.i + 1);
+    const int y0 = y_of(block.j), y1 = y_of(block.j + 1);
     line(x0, y0, 1, 0, x1 - x0);
     line(x0, y1, 1, 0, x1 - x0);
     line(x0, y0, 0, 1, y1 - y0);
     line(x1, y0, 0, 1, y1 - y0);
-  });
+  }
 }
 
 }  // namespace copresence::renderer

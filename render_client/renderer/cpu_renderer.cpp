@@ -32,8 +32,14 @@ class Source {
       invert_depth(camera.frame->depth, metres_per_unit(unit_), inverse_);
       find_flat_blocks(inverse_, pixel_angle, blocks_);
       measure_tilts(inverse_, blocks_, model_, cosines_);
-      outlines_.draw(blocks_, largest_block_, inverse_);
-      build_mesh(inverse_, blocks_, largest_block_, rays_, pixel_angle, mesh);
+      if (model_.is_distorted()) {
+        straightened_rays_ = rays_;
+        outlines_.draw(blocks_, largest_block_, inverse_, &straightened_rays_);
+        build_mesh(inverse_, blocks_, largest_block_, straightened_rays_, pixel_angle, mesh);
+      } else {
+        outlines_.draw(blocks_, largest_block_, inverse_);
+        build_mesh(inverse_, blocks_, largest_block_, rays_, pixel_angle, mesh);
+      }
     }
     if (new_frame || camera.color_matching != color_matching_) {
       color_matching_ = camera.color_matching;
@@ -44,7 +50,7 @@ class Source {
   // Puts the mesh before the eye.
   void project(const VirtualCamera& eye, const Rigid3& world_from_camera) {
     matrix = projection_matrix(eye, world_from_camera);
-    vertices.resize(mesh.x.size());
+    vertices.resize(mesh.vertices());
     extents.resize(mesh.patches.size());
     project_patches(mesh, 0, mesh.patches.size(), matrix, static_cast<float>(eye.near_m), vertices, extents);
   }
@@ -85,7 +91,7 @@ class Source {
   CameraModel model_;
   DepthUnit unit_ = DepthUnit::kMillimetre;
   Eigen::Matrix<float, 3, 4> color_matching_;
-  std::vector<Eigen::Vector2f> rays_;
+  std::vector<Eigen::Vector2f> rays_, straightened_rays_;
   InverseDepth inverse_;
   FlatBlocks blocks_;
   BlockOutlines outlines_;

@@ -24,7 +24,7 @@ class PatchBuilder {
     top_ = 16 * j;
     numbers_.fill(kUnused);
     vertices_ = quads_ = triangles_ = 0;
-    add_block(2, i, j);
+    add_block(kLevels - 1, i, j);
   }
 
   void append_to(DepthMesh& mesh) const {
@@ -152,6 +152,9 @@ void build_mesh(const InverseDepth& inverse, const FlatBlocks& blocks, int large
       patch.build(i, j);
       patch.append_to(mesh);
     }
+  }
+  for (auto* numbers : {&mesh.x, &mesh.y, &mesh.w, &mesh.u, &mesh.v}) {
+    numbers->resize(numbers->size() + DepthMesh::kSpare);
   }
 }
 

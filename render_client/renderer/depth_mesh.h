@@ -15,8 +15,11 @@
 namespace copresence::renderer {
 
 struct DepthMesh {
-  /// One number per vertex. The point is (x, y, 1) / w, metres in the camera's frame; u, v are its pixel.
+  /// One number per vertex, and kSpare more. The point is (x, y, 1) / w, metres in the camera's frame; u, v
+  /// are its pixel.
   std::vector<float> x, y, w, u, v;
+  static constexpr std::size_t kSpare = 8;  ///< so that vertices can be read in groups
+  std::size_t vertices() const { return x.size() - kSpare; }
 
   /// Corners by their number within the patch, clockwise as the camera sees them. A quad is two triangles,
   /// split from its second corner to its fourth.
@@ -38,18 +41,28 @@ struct DepthMesh {
 /// adjoining blocks agree, so that coarse and fine triangles meet without cracks.
 class BlockOutlines {
  public:
-  /// Blocks larger than `largest_block` pixels a side are not used; 1 changes nothing.
-  void draw(const FlatBlocks& blocks, int largest_block, InverseDepth& inverse);
+  /// Blocks larger than `largest_block` pixels a side are not used. Requires 1, which changes nothing, 4, 8
+  /// or 16.
+  /// A distorted lens sees a straight line bent: where `bent_rays` is given, the pixels of the outlines get
+  /// the straight lines' rays.
+  void draw(const FlatBlocks& blocks, int largest_block, InverseDepth& inverse,
+            std::vector<Eigen::Vector2f>* bent_rays = nullptr);
 
  private:
+  struct Block {
+    int i, j;
+  };
   struct Corner {
     float sum = 0;
     int count = 0;
   };
-  void draw_level(const FlatBlocks& blocks, int level, int largest_block, InverseDepth& inverse);
+  void list(const FlatBlocks& blocks, int level, Block block, int largest_block, const InverseDepth& inverse);
+  void draw_level(const Image<Plane>& planes, int level, InverseDepth& inverse,
+                  std::vector<Eigen::Vector2f>* bent_rays);
 
+  std::array<std::vector<Block>, kLevels> listed_;  // flat blocks that lie in no larger flat one
   Image<std::uint8_t> drawn_;  // pixels on a larger block's outline: smaller blocks take them as they are
-  std::vector<Corner> corners_;
+  Image<Corner> corners_;      // by pixel; zero but while a level is drawn
 };
 
 /// The mesh of an image whose outlines are drawn. `rays` are (x, y) at z = 1 by pixel

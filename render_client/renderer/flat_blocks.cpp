@@ -88,6 +88,40 @@ void find_blocks_of_4(const InverseDepth& inverse, float pixel_angle, Image<Plan
   }
 }
 
+// A plane through 3 x 3 pixels, where they lie in one.
+Plane fit_block_of_2(const InverseDepth& inverse, int x, int y, float pixel_angle) {
+  const std::array<const float*, 3> rows = {&inverse.w(x, y), &inverse.w(x, y + 1), &inverse.w(x, y + 2)};
+  Plane plane;
+  for (int r = 0; r < 3; ++r) {
+    plane.w += rows[r][0] + rows[r][1] + rows[r][2];
+    plane.dx += rows[r][2] - rows[r][0];
+  }
+  for (int c = 0; c < 3; ++c) plane.dy += rows[2][c] - rows[0][c];
+  plane = {plane.w * (1.0F / 9), plane.dx * (1.0F / 6), plane.dy * (1.0F / 6)};
+  float off = 0;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) {
+      const float here =
+          plane.w + plane.dx * static_cast<float>(c - 1) + plane.dy * static_cast<float>(r - 1);
+      off = std::max(off, std::abs(rows[r][c] - here));
+    }
+  }
+  return off <= kPixelTolerance && !too_steep(plane, pixel_angle) ? plane : Plane{};
+}
+
+void find_blocks_of_2(const InverseDepth& inverse, float pixel_angle, const Image<Plane>& blocks_of_4,
+                      Image<Plane>& planes) {
+  for (int j = 0; j < blocks_of_4.height(); ++j) {
+    for (int i = 0; i < blocks_of_4.width(); ++i) {
+      if (blocks_of_4(i, j).is_flat()) continue;
+      for (int y = 2 * j; y < 2 * j + 2; ++y) {
+        for (int x = 2 * i; x < 2 * i + 2; ++x)
+          planes(x, y) = fit_block_of_2(inverse, 2 * x, 2 * y, pixel_angle);
+      }
+    }
+  }
+}
+
 // The plane through four quarters, each `size` pixels a side, where they lie in one.
 Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float size) {
   if (!a.is_flat() || !b.is_flat() || !c.is_flat() || !d.is_flat()) return {};
@@ -105,6 +139,15 @@ Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float
   return worst <= kPlaneTolerance ? whole : Plane{};
 }
 
+void invert_row(const std::uint16_t* from, int width, float per_unit, float* to) {
+  for (int x = 0; x < width; ++x) {
+    const auto value = static_cast<float>(from[x]);
+    // A hole's 0 becomes per_unit / 1 * 0; whole numbers, so that the compiler needs no branch.
+    const float there = std::min(value, 1.0F);
+    to[x] = per_unit * there / std::max(value, 1.0F);
+  }
+}
+
 }  // namespace
 
 void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth& inverse) {
@@ -115,11 +158,7 @@ void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth&
   for (int y = 0; y < inverse.w.height(); ++y) {
     const auto to = inverse.w.row(y);
     if (y < depth.height()) {
-      const auto from = depth.row(y);
-      for (int x = 0; x < depth.width(); ++x) {
-        const int value = from[x];
-        to[x] = (value > 0 ? per_unit : 0.0F) / static_cast<float>(std::max(value, 1));
-      }
+      invert_row(depth.row(y).data(), depth.width(), per_unit, to.data());
       std::fill(to.begin() + depth.width(), to.end(), to[depth.width() - 1]);
     } else {
       std::copy_n(inverse.w.row(y - 1).begin(), to.size(), to.begin());
@@ -128,9 +167,11 @@ void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth&
 }
 
 void find_flat_blocks(const InverseDepth& inverse, float pixel_angle, FlatBlocks& blocks) {
-  blocks.planes[0].resize(4 * inverse.patches_x(), 4 * inverse.patches_y());
-  find_blocks_of_4(inverse, pixel_angle, blocks.planes[0]);
-  for (int level = 1; level < 3; ++level) {
+  blocks.planes[1].resize(4 * inverse.patches_x(), 4 * inverse.patches_y());
+  find_blocks_of_4(inverse, pixel_angle, blocks.planes[1]);
+  blocks.planes[0].resize(8 * inverse.patches_x(), 8 * inverse.patches_y());
+  find_blocks_of_2(inverse, pixel_angle, blocks.planes[1], blocks.planes[0]);
+  for (int level = 2; level < kLevels; ++level) {
     const Image<Plane>& quarters = blocks.planes[level - 1];
     Image<Plane>& wholes = blocks.planes[level];
     wholes.resize(quarters.width() / 2, quarters.height() / 2);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a depth image is flat: planes of inverse depth, fitted to its blocks of 4, 8 and 16 pixels a side. A
+// Where a depth image is flat: planes of inverse depth, fitted to its blocks of 2 to 16 pixels a side. A
 // block spans its pixels and the first ones of its right and lower neighbours, since a mesh joins those as
 // well. Private to the renderers. Thread: values; distinct ones are independent.
 
@@ -31,7 +31,8 @@ struct Plane {
   bool is_flat() const { return w > 0; }
 };
 
-inline constexpr std::array<int, 3> kBlockSizes = {4, 8, 16};
+inline constexpr std::array<int, 4> kBlockSizes = {2, 4, 8, 16};
+inline constexpr int kLevels = static_cast<int>(kBlockSizes.size());
 
 /// Noise is the pixels' distance from their block of 4; curvature is its plane's from the next larger
 /// block's. Planes of 25 pixels are known to a quarter of a step at their corners. 1/m.
@@ -39,17 +40,9 @@ inline constexpr float kPixelTolerance = kPlanarSteps * kStepInverse;
 inline constexpr float kPlaneTolerance = 1.0F * kStepInverse;
 
 struct FlatBlocks {
-  /// By level, blocks of kBlockSizes[level]; block (i, j) begins at pixel (size i, size j).
-  std::array<Image<Plane>, 3> planes;
-
-  /// Whether a block is flat, but in no larger flat one of at most `largest_block` pixels a side.
-  bool is_drawn(int level, int i, int j, int largest_block) const {
-    if (!planes[level](i, j).is_flat()) return false;
-    for (int above = level + 1; above < 3 && kBlockSizes[above] <= largest_block; ++above) {
-      if (planes[above](i >> (above - level), j >> (above - level)).is_flat()) return false;
-    }
-    return true;
-  }
+  /// By level, blocks of kBlockSizes[level]; block (i, j) begins at pixel (size i, size j). Blocks of 2 have
+  /// a plane only where the block of 4 that holds them is not flat; elsewhere it is undefined.
+  std::array<Image<Plane>, kLevels> planes;
 };
 
 /// A block is flat when every one of its pixels has depth, lies within kPlanarSteps of its plane, and the

@@ -68,7 +68,7 @@ Result<MeasureTilts> MeasureTilts::make(gl::Context& context) {
 void MeasureTilts::run(const gl::Texture& depth, const GlPlanes& planes, const CameraModel& model,
                        float units_per_metre, const gl::Texture& cosines) {
   constexpr int kLevel = 1;
-  static_assert(kBlockSizes[kLevel] == kCell);
+  static_assert(kBlockSizes[kLevel + kFirstGlLevel] == kCell);
   depth.bind(0);
   planes[kLevel].bind(1);
   cosines.bind_image(0, Access::kWrite);

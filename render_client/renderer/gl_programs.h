@@ -23,6 +23,8 @@ namespace copresence::renderer {
 
 /// Planes of inverse depth by block of 4, 8, 16 pixels (kRgba32f), FlatBlocks on the card.
 using GlPlanes = std::array<gl::Texture, 3>;
+/// The level of kBlockSizes that they begin with: blocks of 2 are not worth a pass on the card.
+inline constexpr int kFirstGlLevel = 1;
 
 /// find_flat_blocks.comp: depth (kR16ui) to planes.
 class FindFlatBlocks {

@@ -37,7 +37,7 @@ int patches(int pixels) {
 
 GlPlanes make_planes(gl::Context& context, const CameraModel& model) {
   const auto of_level = [&](int level) {
-    const int in_patch = 16 / kBlockSizes[level];
+    const int in_patch = 16 / kBlockSizes[level + kFirstGlLevel];
     return gl::Texture(context, Format::kRgba32f, in_patch * patches(model.width),
                        in_patch * patches(model.height));
   };

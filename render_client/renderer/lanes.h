@@ -4,6 +4,7 @@
 // where it does not, with the same results, since every lane is plain IEEE arithmetic. Private to the CPU
 // renderer.
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -48,6 +49,27 @@ void store(Scalar* to, const Vector& v) {
   std::memcpy(to, &v, sizeof v);
 }
 
+/// Lanes 0 to 3 from one place and 4 to 7 from another, `second_half` numbers on.
+template <class Vector, class Scalar>
+Vector load_halves(const Scalar* from, std::ptrdiff_t second_half) {
+  static_assert(sizeof(Scalar) * kLanes == sizeof(Vector));
+  using Half = float __attribute__((vector_size(kLanes * 2)));
+  Half low, high;
+  std::memcpy(&low, from, sizeof low);
+  std::memcpy(&high, from + second_half, sizeof high);
+  return reinterpret_cast<Vector>(__builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7));
+}
+
+template <class Vector, class Scalar>
+void store_halves(Scalar* to, std::ptrdiff_t second_half, const Vector& v) {
+  static_assert(sizeof(Scalar) * kLanes == sizeof(Vector));
+  const auto floats = reinterpret_cast<Floats>(v);
+  const auto low = __builtin_shufflevector(floats, floats, 0, 1, 2, 3);
+  const auto high = __builtin_shufflevector(floats, floats, 4, 5, 6, 7);
+  std::memcpy(to, &low, sizeof low);
+  std::memcpy(to + second_half, &high, sizeof high);
+}
+
 inline Ints truncated(const Floats& v) {
   return __builtin_convertvector(v, Ints);
 }
@@ -55,11 +77,17 @@ inline Floats as_floats(const Ints& v) {
   return __builtin_convertvector(v, Floats);
 }
 
-inline Floats smaller(const Floats& a, const Floats& b) {
+template <class Vector>
+Vector smaller(const Vector& a, const Vector& b) {
   return a < b ? a : b;
 }
-inline Floats larger(const Floats& a, const Floats& b) {
+template <class Vector>
+Vector larger(const Vector& a, const Vector& b) {
   return a > b ? a : b;
+}
+
+inline float sum(const Floats& v) {
+  return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
 }
 
 /// One bit per lane of a comparison's result.

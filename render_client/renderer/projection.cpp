@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render_client/renderer/lanes.h"
+
 namespace copresence::renderer {
 
 ProjectionMatrix projection_matrix(const VirtualCamera& eye, const Rigid3& world_from_camera) {
@@ -33,27 +35,67 @@ ViewVertex to_view(const ClipVertex& vertex) {
           .v = (kTexelSteps * vertex.v + 0.5F) * k};
 }
 
+namespace {
+
+// Eight vertices at a time; the last of a patch come in a group of fewer.
+struct Group {
+  Floats x, y, w, k, u, v;
+  Ints in_front;
+
+  Group(const DepthMesh& mesh, std::size_t first, const ProjectionMatrix& m, float near_m) {
+    const Floats ray_x = load<Floats>(mesh.x.data() + first), ray_y = load<Floats>(mesh.y.data() + first);
+    const Floats inverse = load<Floats>(mesh.w.data() + first);
+    const auto row = [&](int r) { return m(r, 0) * ray_x + m(r, 1) * ray_y + (m(r, 3) * inverse + m(r, 2)); };
+    const Floats z = row(2);
+    in_front = (z > 0) & (z >= near_m * inverse);
+    k = 1.0F / z;
+    x = row(0) * k;
+    y = row(1) * k;
+    w = inverse * k;
+    u = (kTexelSteps * load<Floats>(mesh.u.data() + first) + 0.5F) * k;
+    v = (kTexelSteps * load<Floats>(mesh.v.data() + first) + 0.5F) * k;
+  }
+};
+
+float least(const Floats& v) {
+  float result = v[0];
+  for (int lane = 1; lane < kLanes; ++lane) result = std::min(result, v[lane]);
+  return result;
+}
+
+}  // namespace
+
 void project_patches(const DepthMesh& mesh, std::size_t begin, std::size_t end,
                      const ProjectionMatrix& matrix, float near_m, std::vector<ViewVertex>& vertices,
                      std::vector<PatchExtent>& extents) {
+  const Floats infinity = all(std::numeric_limits<float>::infinity());
   for (std::size_t p = begin; p < end; ++p) {
     const DepthMesh::Patch& patch = mesh.patches[p];
-    PatchExtent extent;
-    for (std::size_t i = patch.first_vertex; i < patch.first_vertex + patch.vertices; ++i) {
-      const ClipVertex projected = project(mesh, i, matrix);
-      if (!projected.is_in_front(near_m)) {
-        extent.in_front = false;
-        continue;
+    Floats left = infinity, top = infinity, minus_right = infinity, minus_bottom = infinity;
+    unsigned in_front = 0, behind = 0;
+    for (std::uint32_t i = 0; i < patch.vertices; i += kLanes) {
+      const Group group(mesh, patch.first_vertex + i, matrix, near_m);
+      const int count = std::min<int>(kLanes, static_cast<int>(patch.vertices - i));
+      const Ints valid = group.in_front & (ramp() < static_cast<float>(count));
+      const unsigned here = (1U << count) - 1, shown = bits(valid);
+      in_front |= shown;
+      behind |= here & ~shown;
+      left = smaller(valid ? group.x : infinity, left);
+      top = smaller(valid ? group.y : infinity, top);
+      minus_right = smaller(valid ? -group.x : infinity, minus_right);
+      minus_bottom = smaller(valid ? -group.y : infinity, minus_bottom);
+      ViewVertex* const to = vertices.data() + patch.first_vertex + i;
+      for (int lane = 0; lane < count; ++lane) {
+        to[lane] = {group.x[lane], group.y[lane], {},           group.w[lane],
+                    group.k[lane], group.u[lane], group.v[lane]};
       }
-      extent.behind = false;
-      const ViewVertex vertex = to_view(projected);
-      vertices[i] = vertex;
-      extent.left = std::min(extent.left, vertex.x);
-      extent.right = std::max(extent.right, vertex.x);
-      extent.top = std::min(extent.top, vertex.y);
-      extent.bottom = std::max(extent.bottom, vertex.y);
     }
-    extents[p] = extent;
+    extents[p] = {.in_front = behind == 0,
+                  .behind = in_front == 0,
+                  .left = least(left),
+                  .right = -least(minus_right),
+                  .top = least(top),
+                  .bottom = -least(minus_bottom)};
   }
 }
 

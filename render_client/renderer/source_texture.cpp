@@ -4,37 +4,38 @@
 #include <cmath>
 #include <vector>
 
+#include "render_client/renderer/lanes.h"
 #include "render_client/renderer/merge_rules.h"
 
 namespace copresence::renderer {
 namespace {
 
-constexpr int kTiltLevel = 1;  // of FlatBlocks
+constexpr int kTiltLevel = 2;  // of FlatBlocks
 static_assert(kBlockSizes[kTiltLevel] == kCell);
 
 // Least squares over the pixels of a cell that have depth; w = 0 where they are too few or in one line.
 Plane fit_cell(const InverseDepth& inverse, int x_begin, int y_begin) {
-  const int x_end = std::min(x_begin + kCell, inverse.width);
   const int y_end = std::min(y_begin + kCell, inverse.height);
   constexpr float kMiddle = 0.5F * kCell;  // where a block of kCell pixels has its plane, too
-  float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, w = 0, xw = 0, yw = 0;
+  static_assert(kCell == kLanes);
+  // Moments by column first. The image is padded: columns beyond it are there, but do not count.
+  const Ints in_image = ramp() < static_cast<float>(inverse.width - x_begin);
+  Floats columns_n{}, columns_y{}, columns_yy{}, columns_w{}, columns_yw{};
   for (int v = y_begin; v < y_end; ++v) {
+    const Floats here = load<Floats>(&inverse.w(x_begin, v));
+    const Floats value = in_image ? here : Floats{};
+    const Floats there = value > 0 ? all(1.0F) : Floats{};
     const float dv = static_cast<float>(v - y_begin) - kMiddle;
-    for (int u = x_begin; u < x_end; ++u) {
-      const float value = inverse.w(u, v);
-      const float there = value > 0 ? 1.0F : 0.0F;
-      const float du = there * (static_cast<float>(u - x_begin) - kMiddle);
-      n += there;
-      x += du;
-      y += there * dv;
-      xx += du * du;
-      xy += du * dv;
-      yy += there * dv * dv;
-      w += value;
-      xw += du * value;
-      yw += dv * value;
-    }
+    columns_n += there;
+    columns_y += there * dv;
+    columns_yy += there * (dv * dv);
+    columns_w += value;
+    columns_yw += value * dv;
   }
+  const Floats du = ramp() - kMiddle;
+  const float n = sum(columns_n), x = sum(columns_n * du), y = sum(columns_y);
+  const float xx = sum(columns_n * du * du), xy = sum(columns_y * du), yy = sum(columns_yy);
+  const float w = sum(columns_w), xw = sum(columns_w * du), yw = sum(columns_yw);
   if (n < kCellPixels) return {};
   const float sxx = xx - x * x / n, sxy = xy - x * y / n, syy = yy - y * y / n;
   const float sxw = xw - x * w / n, syw = yw - y * w / n;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Bilinear samples of a Texture, eight at a time. Private to the CPU renderer. Thread: pure.
+// Bilinear samples of a Texture, eight at a time, in whole numbers: the portable path gives the same bits as
+// AVX2's. Private to the CPU renderer. Thread: pure.
 
 #include <cstdint>
 
@@ -13,103 +14,87 @@
 
 namespace copresence::renderer {
 
-namespace sampling {
+inline constexpr int kTexelBits = 4;
+static_assert(1 << kTexelBits == kTexelSteps);
 
-using Bytes = std::uint8_t __attribute__((vector_size(16)));
-using Words = std::uint16_t __attribute__((vector_size(16)));
-using WidePair = std::uint16_t __attribute__((vector_size(32)));
-using Longs = std::uint64_t __attribute__((vector_size(16)));
-
-inline constexpr int kFractionBits = 4;
-static_assert(1 << kFractionBits == kTexelSteps);
-
-struct Weights {
-  alignas(16) std::uint16_t words[kTexelSteps][8];
-};
-/// Four channels of the left texel, then four of the right one.
-inline constexpr Weights kAcross = [] {
-  Weights table{};
-  for (int f = 0; f < kTexelSteps; ++f) {
-    for (int i = 0; i < 8; ++i) table.words[f][i] = static_cast<std::uint16_t>(i < 4 ? kTexelSteps - f : f);
-  }
-  return table;
-}();
-/// Of the lower texels.
-inline constexpr Weights kDown = [] {
-  Weights table{};
-  for (int f = 0; f < kTexelSteps; ++f) {
-    for (int i = 0; i < 8; ++i) table.words[f][i] = static_cast<std::uint16_t>(f);
-  }
-  return table;
-}();
-
-/// Two neighbouring texels from either address, a channel in 16 bits.
-inline WidePair texels(const std::uint32_t* first, const std::uint32_t* second) {
-  Longs both{};
-  std::uint64_t half;
-  std::memcpy(&half, first, sizeof half);
-  both[0] = half;
-  std::memcpy(&half, second, sizeof half);
-  both[1] = half;
-  return __builtin_convertvector(reinterpret_cast<Bytes>(both), WidePair);
+/// The texel nearest to each texture coordinate (Band::texels).
+inline Ints nearest_texels(const Texture& texture, const Ints& texel) {
+  const Ints u = ((texel & 0xFFFF) + kTexelSteps / 2) >> kTexelBits;
+  const Ints v = ((texel >> 16 & 0xFFFF) + kTexelSteps / 2) >> kTexelBits;
+  return gather(texture.data(), v * texture.width() + u);
 }
 
-inline WidePair weights(const Weights& table, int first, int second) {
-  Words a, b;
-  std::memcpy(&a, table.words[first], sizeof a);
-  std::memcpy(&b, table.words[second], sizeof b);
-  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-}
+#if defined(__AVX2__)
 
-/// Words 0 to 3 and 8 to 11 are the two colours.
-inline WidePair sample_two(const std::uint32_t* first, const std::uint32_t* second, std::ptrdiff_t row,
-                           std::int32_t across_first, std::int32_t across_second, std::int32_t down_first,
-                           std::int32_t down_second) {
-  const WidePair upper = texels(first, second);
-  const WidePair lower = texels(first + row, second + row);
-  const WidePair down = weights(kDown, down_first, down_second);
-  // At most 255 * 16 * 16, which 16 bits hold, with 128 more for rounding.
-  const WidePair weighted =
-      (upper * (kTexelSteps - down) + lower * down) * weights(kAcross, across_first, across_second);
-  const WidePair right =
-      __builtin_shufflevector(weighted, weighted, 4, 5, 6, 7, 4, 5, 6, 7, 12, 13, 14, 15, 12, 13, 14, 15);
-  return (weighted + right + 128) >> 8;
-}
-
-}  // namespace sampling
-
-/// What a texture shows at eight texture coordinates (Band::texels), in Texture's layout, rounded.
+/// What a texture shows at eight texture coordinates, in Texture's layout, rounded.
 inline Ints sample(const Texture& texture, const Ints& texel) {
-  using namespace sampling;
   const Ints u = texel & 0xFFFF;
   const Ints v = texel >> 16 & 0xFFFF;
-  alignas(32) std::int32_t at[kLanes], across[kLanes], down[kLanes];
-  store(at, (v >> kFractionBits) * texture.width() + (u >> kFractionBits));
-  store(across, u & (kTexelSteps - 1));
-  store(down, v & (kTexelSteps - 1));
-  const auto pair = [&](int i) {
-    return sample_two(texture.data() + at[i], texture.data() + at[i + 1], texture.width(), across[i],
-                      across[i + 1], down[i], down[i + 1]);
+  const auto at = reinterpret_cast<__m256i>((v >> kTexelBits) * texture.width() + (u >> kTexelBits));
+  const Ints right = u & (kTexelSteps - 1), lower = v & (kTexelSteps - 1);
+  // Weights of left and right, upper and lower texels, as two bytes and as two words in each lane.
+  const auto down = reinterpret_cast<__m256i>((kTexelSteps - lower) | lower << 8);
+  const auto across = reinterpret_cast<__m256i>((kTexelSteps - right) | right << 16);
+
+  // Colours of four pixels, a channel in 16 bits. `index` are their first texels; `first` tells which of a
+  // half's four lanes have their weights.
+  const auto four = [&](__m128i index, int first) {
+    const auto* const upper_row = reinterpret_cast<const long long*>(texture.data());
+    const auto* const lower_row = reinterpret_cast<const long long*>(texture.data() + texture.width());
+    const __m256i above = _mm256_i32gather_epi64(upper_row, index, 4);
+    const __m256i below = _mm256_i32gather_epi64(lower_row, index, 4);
+    // The first and third pixel, then the second and fourth: left and right texel, a channel of both rows in
+    // two bytes.
+    const __m256i even = _mm256_unpacklo_epi8(above, below), odd = _mm256_unpackhi_epi8(above, below);
+    const auto half = [&](const __m256i& weights) {
+      return first == 0 ? _mm256_permute4x64_epi64(weights, 0x50) : _mm256_permute4x64_epi64(weights, 0xFA);
+    };
+    // Each half now has its two pixels' weights in lanes 0 and 1.
+    const __m256i down_here = half(down), across_here = half(across);
+    const auto bytes = [&](int lane) {
+      return _mm256_shuffle_epi8(down_here, _mm256_set1_epi16(static_cast<short>(0x0100 + 0x0404 * lane)));
+    };
+    const auto words = [&](int lane) {
+      const auto left = static_cast<long long>(0x0100010001000100 + 0x0404040404040404 * lane);
+      const long long right_of_it = left + 0x0202020202020202;
+      return _mm256_shuffle_epi8(across_here, _mm256_set_epi64x(right_of_it, left, right_of_it, left));
+    };
+    // At most 255 * 16, then 255 * 16 * 16, which 16 bits hold without a sign.
+    const __m256i e = _mm256_mullo_epi16(_mm256_maddubs_epi16(even, bytes(0)), words(0));
+    const __m256i o = _mm256_mullo_epi16(_mm256_maddubs_epi16(odd, bytes(1)), words(1));
+    const __m256i sum = _mm256_add_epi16(_mm256_unpacklo_epi64(e, o), _mm256_unpackhi_epi64(e, o));
+    return _mm256_srli_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(128)), 8);
   };
-  const auto four = [&](int i) {
-    const WidePair colors = __builtin_shufflevector(pair(i), pair(i + 2), 0, 1, 2, 3, 8, 9, 10, 11, 16, 17,
-                                                    18, 19, 24, 25, 26, 27);
-    return __builtin_convertvector(colors, Bytes);
-  };
-  const Bytes low = four(0), high = four(4);
-  Ints result;
-  std::memcpy(&result, &low, sizeof low);
-  std::memcpy(reinterpret_cast<char*>(&result) + sizeof low, &high, sizeof high);
+  const __m256i packed =
+      _mm256_packus_epi16(four(_mm256_castsi256_si128(at), 0), four(_mm256_extracti128_si256(at, 1), 1));
+  return reinterpret_cast<Ints>(_mm256_permute4x64_epi64(packed, 0xD8));
+}
+
+#else
+
+inline Ints sample(const Texture& texture, const Ints& texel) {
+  Ints result{};
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const std::uint32_t u = static_cast<std::uint32_t>(texel[lane]) & 0xFFFF;
+    const std::uint32_t v = static_cast<std::uint32_t>(texel[lane]) >> 16;
+    const std::uint32_t right = u % kTexelSteps, lower = v % kTexelSteps;
+    const std::uint32_t* const above =
+        texture.data() + static_cast<std::ptrdiff_t>(v / kTexelSteps) * texture.width() + u / kTexelSteps;
+    const std::uint32_t* const below = above + texture.width();
+    std::uint32_t color = 0;
+    for (int shift = 0; shift < 32; shift += 8) {
+      const auto channel = [shift](std::uint32_t c) { return c >> shift & 0xFF; };
+      const std::uint32_t left_column = channel(above[0]) * (kTexelSteps - lower) + channel(below[0]) * lower;
+      const std::uint32_t right_column =
+          channel(above[1]) * (kTexelSteps - lower) + channel(below[1]) * lower;
+      color |= (left_column * (kTexelSteps - right) + right_column * right + 128) >> 8 << shift;
+    }
+    result[lane] = static_cast<std::int32_t>(color);
+  }
   return result;
 }
 
-/// The texel nearest to each texture coordinate.
-inline Ints nearest_texels(const Texture& texture, const Ints& texel) {
-  using namespace sampling;
-  const Ints u = ((texel & 0xFFFF) + kTexelSteps / 2) >> kFractionBits;
-  const Ints v = ((texel >> 16 & 0xFFFF) + kTexelSteps / 2) >> kFractionBits;
-  return gather(texture.data(), v * texture.width() + u);
-}
+#endif
 
 }  // namespace copresence::renderer
 

@@ -1,5 +1,5 @@
 #version 450 core
-// checked with: -DWIDEST_GAP=40
+// checked with: -DWIDEST_GAP=40 -DBORDER=28
 //
 // Which holes are narrow enough to be closed (fillable.h). One invocation per pixel.
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -7,12 +7,12 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(binding = 0) uniform usampler2D depth;
 layout(binding = 0, r8ui) writeonly uniform uimage2D fillable;
 
-// Holes between `at` and the next depth that way; WIDEST_GAP where there is none near enough.
+// Holes between `at` and the next depth that way, at most WIDEST_GAP; the image's border counts as BORDER holes.
 int holes(ivec2 at, ivec2 direction) {
   const ivec2 size = textureSize(depth, 0);
   for (int i = 0; i < WIDEST_GAP; ++i) {
     at += direction;
-    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return WIDEST_GAP;
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return min(i + BORDER, WIDEST_GAP);
     if (texelFetch(depth, at, 0).r != 0u) return i;
   }
   return WIDEST_GAP;

@@ -1,32 +1,37 @@
 #include "capture_server/hole_filling/fillable.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstring>
 
 namespace copresence::hole_filling {
 namespace {
 
-constexpr std::uint8_t kTouchesBorder = 255;
+constexpr std::uint8_t kLongest = 255;  // stands for every length from here on
 
-/// Marks what lies in short column runs; sets every pixel of `fillable`.
-void mark_columns(const StateImage& state, int widest, Image<std::uint8_t>& fillable) {
+/// Marks what lies in short column runs; sets every pixel of `fillable`. The border counts as so many holes that runs
+/// which touch it are short up to widest_at_border, and runs from border to border never.
+void mark_columns(const StateImage& state, int widest, int widest_at_border, Image<std::uint8_t>& fillable) {
   const int width = state.width(), height = state.height();
-  std::vector<std::uint8_t> run(width, kTouchesBorder);  // holes above, this one included
+  const int border = widest - widest_at_border;
+  std::vector<std::uint8_t> run(width, static_cast<std::uint8_t>(border));  // holes above, this one included
   for (int y = 0; y < height; ++y) {
     const DepthState* states = state.row(y).data();
     std::uint8_t *above = run.data(), *out = fillable.row(y).data();
     for (int x = 0; x < width; ++x) {
-      const auto longer = static_cast<std::uint8_t>(above[x] + (above[x] != kTouchesBorder));
+      const auto longer = static_cast<std::uint8_t>(above[x] + (above[x] != kLongest));
       above[x] = states[x] == DepthState::kHole ? longer : std::uint8_t{0};
       out[x] = above[x];
     }
   }
   std::fill(run.begin(), run.end(),
-            kTouchesBorder);  // now the whole run's length, handed up from its last pixel
+            std::uint8_t{0});  // now the whole run's length, handed up from its last pixel
   for (int y = height - 1; y >= 0; --y) {
     std::uint8_t *below = run.data(), *out = fillable.row(y).data();
+    const int more = y == height - 1 ? border : 0;
     for (int x = 0; x < width; ++x) {
-      const std::uint8_t length = below[x] != 0 ? below[x] : out[x];
+      const auto whole = static_cast<std::uint8_t>(std::min<int>(out[x] + more, kLongest));
+      const std::uint8_t length = below[x] != 0 ? below[x] : whole;
       below[x] = out[x] != 0 ? length : std::uint8_t{0};
       out[x] = static_cast<std::uint8_t>(below[x] - 1) < widest;
     }
@@ -43,11 +48,11 @@ int end_of_run(const DepthState* states, int x, int width) {
 
 }  // namespace
 
-void find_fillable(const StateImage& state, int widest, Image<std::uint8_t>& fillable) {
+void find_fillable(const StateImage& state, int widest, int widest_at_border, Image<std::uint8_t>& fillable) {
   static_assert(static_cast<int>(DepthState::kHole) == 0 && sizeof(DepthState) == 1);
-  assert(widest >= 1 && widest < kTouchesBorder);
+  assert(widest >= 1 && widest < kLongest && widest_at_border >= 0 && 2 * widest_at_border <= widest);
   fillable.resize(state.width(), state.height());
-  mark_columns(state, widest, fillable);
+  mark_columns(state, widest, widest_at_border, fillable);
   const int width = state.width();
   for (int y = 0; y < state.height(); ++y) {
     const DepthState* states = state.row(y).data();
@@ -56,7 +61,8 @@ void find_fillable(const StateImage& state, int widest, Image<std::uint8_t>& fil
       if (hole == nullptr) break;
       const int first = static_cast<int>(static_cast<const DepthState*>(hole) - states);
       x = end_of_run(states, first, width);
-      if (first > 0 && x < width && x - first <= widest) {
+      const int borders = (first == 0) + (x == width);
+      if (borders < 2 && x - first <= (borders == 0 ? widest : widest_at_border)) {
         std::memset(fillable.row(y).data() + first, 1, static_cast<std::size_t>(x - first));
       }
     }

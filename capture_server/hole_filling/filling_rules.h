@@ -20,6 +20,9 @@ constexpr float steps_times_units(DepthUnit unit) {
 /// A hole is closed where measured depth lies on both its sides in its row or in its column, at most this
 /// many holes apart. Widest occlusion shadow of a Kinect: 43.5 px m (1 / 1 m - 1 / 4 m) = 33 px.
 constexpr int kWidestGapPx = 40;
+/// At the image's border depth on one side is enough, for so many holes: a Kinect v1 never measures its last eight
+/// columns, and planes reach that far.
+constexpr int kWidestAtBorderPx = 12;
 
 constexpr int kCellPx = 4;            ///< edge of the cells on which wide holes are reasoned about
 constexpr int kReachCells = 12;       ///< how far a hole looks for measured cells, each of eight ways

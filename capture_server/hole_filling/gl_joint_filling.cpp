@@ -63,6 +63,7 @@ class OwnContext final : public HoleFiller {
 Result<GlJointFilling::Programs> GlJointFilling::compile(gl::Context& context, const FrameFormat& format) {
   static_assert(kCellPx == 4 && kWindowPx == 2, "written out in the shaders");
   const std::array defines = {Define{"WIDEST_GAP", std::to_string(kWidestGapPx)},
+                              Define{"BORDER", std::to_string(kWidestGapPx - kWidestAtBorderPx)},
                               Define{"ONE_SURFACE", literal(kOneSurface)},
                               Define{"STEPS_TIMES_UNITS", literal(steps_times_units(format.unit))},
                               Define{"CELL_ENOUGH", std::to_string(kCellEnough)},

@@ -92,7 +92,7 @@ JointFilling::JointFilling(const FrameFormat& format)
 
 Result<void> JointFilling::fill(RgbdFrame& frame) {
   assert(same_shape(frame.depth, frame.state));
-  find_fillable(frame.state, kWidestGapPx, fillable_);
+  find_fillable(frame.state, kWidestGapPx, kWidestAtBorderPx, fillable_);
   cells_.see(frame.depth, fillable_, steps_times_units_);
   for (int row = 0; row < cells_.rows(); ++row) {
     for (int column = 0; column < cells_.columns(); ++column) {

@@ -13,9 +13,9 @@ StateImage measured_except(int width, int height, int left, int top, int right, 
   return state;
 }
 
-int fillable_pixels(const StateImage& state, int widest) {
+int fillable_pixels(const StateImage& state, int widest, int widest_at_border = 0) {
   Image<std::uint8_t> fillable;
-  find_fillable(state, widest, fillable);
+  find_fillable(state, widest, widest_at_border, fillable);
   int count = 0;
   for (const std::uint8_t pixel : fillable.pixels()) count += pixel;
   return count;
@@ -27,11 +27,19 @@ TEST(Fillable, TakesRunsUpToTheWidestAlongEitherAxis) {
   EXPECT_EQ(fillable_pixels(measured_except(80, 60, 10, 10, 70, 30), 20), 60 * 20);
 }
 
-TEST(Fillable, TakesNothingThatTouchesTheBorder) {
-  EXPECT_EQ(fillable_pixels(measured_except(80, 60, 0, 0, 8, 60), 20), 0);
-  EXPECT_EQ(fillable_pixels(measured_except(80, 60, 72, 0, 80, 60), 20), 0);
-  EXPECT_EQ(fillable_pixels(measured_except(80, 60, 0, 0, 80, 8), 20), 0);
-  EXPECT_EQ(fillable_pixels(measured_except(80, 60, 0, 52, 80, 60), 20), 0);
+TEST(Fillable, TakesNarrowBandsAtTheBorder) {
+  for (const int band : {1, 8, 9}) {
+    const bool narrow = band <= 8;
+    EXPECT_EQ(fillable_pixels(measured_except(80, 60, 0, 0, band, 60), 20, 8), narrow ? band * 60 : 0);
+    EXPECT_EQ(fillable_pixels(measured_except(80, 60, 80 - band, 0, 80, 60), 20, 8), narrow ? band * 60 : 0);
+    EXPECT_EQ(fillable_pixels(measured_except(80, 60, 0, 0, 80, band), 20, 8), narrow ? band * 80 : 0);
+    EXPECT_EQ(fillable_pixels(measured_except(80, 60, 0, 60 - band, 80, 60), 20, 8), narrow ? band * 80 : 0);
+  }
+}
+
+TEST(Fillable, TakesNothingBetweenBorderAndBorder) {
+  EXPECT_EQ(fillable_pixels(measured_except(8, 6, 0, 0, 8, 6), 20, 10), 0);
+  EXPECT_EQ(fillable_pixels(measured_except(80, 6, 0, 0, 80, 6), 254, 127), 0);
 }
 
 TEST(Fillable, TakesWhatTouchesTheBorderOnOneAxisOnly) {

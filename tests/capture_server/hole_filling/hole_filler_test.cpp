@@ -168,7 +168,7 @@ TEST(HoleFilling, JointBelievesColorWhereTwoSurfacesMayBe) {
 TEST(HoleFilling, LeavesWhatNobodyCanKnow) {
   for (const Method method : {Method::kMedian, Method::kJoint}) {
     Scene scene = Scene::make(160, 120, slanted_plane, [](int x, int y) {
-      return x < 20 || x >= 150 ||
+      return x < 20 || x >= 140 ||
              (x >= 60 && x < 110 && y >= 30 && y < 90);  // border bands, and a large hole
     });
     fill(method, scene);

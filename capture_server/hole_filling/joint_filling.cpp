@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 
 #include "capture_server/hole_filling/fillable.h"
 #include "capture_server/hole_filling/filling_rules.h"
@@ -12,62 +13,67 @@ namespace copresence::hole_filling {
 namespace {
 
 constexpr int kTilePx = kCellPx + 2 * kWindowPx;  // a cell and what its pixels' windows reach
-static_assert(kWindowPx <= Cells::kMarginPx && kWindowPx == 2);
+static_assert(kWindowPx <= Cells::kMarginPx && kWindowPx == 2 && kCellPx == 4);
 constexpr std::array<float, 5> kKernel{0.37f, 0.78f, 1, 0.78f,
                                        0.37f};  // exp(-d^2 / 4), the window's weights each way
 
-using CellPixels = std::array<std::array<float, kCellPx>, kCellPx>;
+// A tile's row and a cell's row, as GCC and clang compute side by side.
+using TileRow = float __attribute__((vector_size(kTilePx * sizeof(float))));
+using CellRow = float __attribute__((vector_size(kCellPx * sizeof(float))));
+constexpr TileRow kNone{};
 
-/// What the measured pixels in the windows of a cell's pixels say about one surface.
+template <class Row>
+void load(const float* from, Row& row) {
+  std::memcpy(&row, from, sizeof(Row));
+}
+
+/// What the measured pixels in the windows of a cell's pixels say about one surface, row by row.
 struct Support {
-  CellPixels weight;  ///< of those that lie on the surface
-  CellPixels rest;    ///< weighted sum of their steps above it
-  CellPixels x, y;    ///< weighted sum of where they are, pixels from the window's middle
+  std::array<CellRow, kCellPx> weight;  ///< of those that lie on the surface
+  std::array<CellRow, kCellPx> rest;    ///< weighted sum of their steps above it
+  std::array<CellRow, kCellPx> x, y;    ///< weighted sum of where they are, pixels from the window's middle
 };
 
-/// Windows are separable, and what a pixel says does not depend on the window it is in: sums along columns,
+/// Windows are separable, and what a pixel says does not depend on the window it is seen through: sums along columns,
 /// then rows. `corner` is the top left of the cell's tile. Without `places`, x and y stay unset.
 void find_support(const float* corner, int stride, const Plane& plane, bool places, Support& support) {
   constexpr float kFirst = -kWindowPx - 0.5f * (kCellPx - 1);  // from the cell's middle
-  std::array<std::array<float, kTilePx>, kTilePx> member, rest;
+  constexpr TileRow kColumns{kFirst,     kFirst + 1, kFirst + 2, kFirst + 3,
+                             kFirst + 4, kFirst + 5, kFirst + 6, kFirst + 7};
+  constexpr TileRow kOne = kNone + 1.0f;
+  std::array<TileRow, kTilePx> member, rest;
   for (int v = 0; v < kTilePx; ++v) {
-    const float start =
-        plane.steps + plane.slope_y * (kFirst + static_cast<float>(v)) + plane.slope_x * kFirst;
-    for (int u = 0; u < kTilePx; ++u) {
-      const float s = corner[v * stride + u];
-      const float above = s - (start + plane.slope_x * static_cast<float>(u));
-      const bool on_it = std::abs(above) <= kSameSurface && s > 0;
-      member[v][u] = on_it ? 1.0f : 0.0f;
-      rest[v][u] = on_it ? above : 0.0f;
-    }
+    TileRow s;
+    load(corner + v * stride, s);
+    const TileRow above =
+        s - (plane.steps + plane.slope_y * (kFirst + static_cast<float>(v)) + plane.slope_x * kColumns);
+    const auto on_it = (above <= kSameSurface) & (above >= -kSameSurface) & (s > 0.0f);
+    member[v] = on_it ? kOne : kNone;
+    rest[v] = on_it ? above : kNone;
   }
   for (int y = 0; y < kCellPx; ++y) {
-    std::array<float, kTilePx> weights{}, rests{}, places_y{};
+    TileRow weights = kNone, rests = kNone, places_y = kNone;
     for (int k = 0; k < 5; ++k) {
-      const float kernel = kKernel[k], moment = kKernel[k] * static_cast<float>(k - kWindowPx);
-      for (int u = 0; u < kTilePx; ++u) {
-        weights[u] += kernel * member[y + k][u];
-        rests[u] += kernel * rest[y + k][u];
-        places_y[u] += moment * member[y + k][u];
-      }
+      weights += kKernel[k] * member[y + k];
+      rests += kKernel[k] * rest[y + k];
+      if (places) places_y += kKernel[k] * static_cast<float>(k - kWindowPx) * member[y + k];
     }
-    std::array<float, kCellPx> weight{}, rest_sum{}, place_x{}, place_y{};
+    std::array<float, kTilePx> weight_row, rest_row, place_row;
+    std::memcpy(&weight_row, &weights, sizeof(weights));
+    std::memcpy(&rest_row, &rests, sizeof(rests));
+    std::memcpy(&place_row, &places_y, sizeof(places_y));
+    support.weight[y] = support.rest[y] = support.x[y] = support.y[y] = CellRow{};
     for (int k = 0; k < 5; ++k) {
-      const float kernel = kKernel[k], moment = kKernel[k] * static_cast<float>(k - kWindowPx);
-      for (int x = 0; x < kCellPx; ++x) {
-        weight[x] += kernel * weights[x + k];
-        rest_sum[x] += kernel * rests[x + k];
-      }
+      CellRow part;
+      load(weight_row.data() + k, part);
+      support.weight[y] += kKernel[k] * part;
+      if (places) support.x[y] += kKernel[k] * static_cast<float>(k - kWindowPx) * part;
+      load(rest_row.data() + k, part);
+      support.rest[y] += kKernel[k] * part;
       if (!places) continue;
-      for (int x = 0; x < kCellPx; ++x) {
-        place_x[x] += moment * weights[x + k];
-        place_y[x] += kernel * places_y[x + k];
-      }
+      load(place_row.data() + k, part);
+      support.y[y] += kKernel[k] * part;
     }
-    support.weight[y] = weight;
-    support.rest[y] = rest_sum;
-    support.x[y] = place_x;
-    support.y[y] = place_y;
   }
 }
 
@@ -81,6 +87,29 @@ float likeness(Rgb8 a, const std::array<float, 3>& b) {
   const float dr = static_cast<float>(a.r) - b[0], dg = static_cast<float>(a.g) - b[1],
               db = static_cast<float>(a.b) - b[2];
   return falling((dr * dr + dg * dg + db * db) * (1 / (2 * kColorSigma * kColorSigma)));
+}
+
+/// Which of two surfaces a pixel lies on, by what its window holds of them: weights, and the near one's place. `own` is
+/// its colour, or null.
+bool lies_near(const SurfaceGuess& guess, float far_weight, float near_weight, float near_x, float near_y,
+               const Rgb8* own) {
+  const bool enclosed =
+      near_weight > 2 * far_weight && near_x * near_x + near_y * near_y < 0.25f * near_weight * near_weight;
+  const bool by_place = enclosed || (guess.prefers_near && near_weight >= far_weight);
+  if (own == nullptr) return by_place;
+  const float like_far = likeness(*own, guess.far_color), like_near = likeness(*own, guess.near_color);
+  if (like_near > 4 * like_far + 0.2f) return true;
+  if (like_far > 4 * like_near + 0.2f) return false;
+  return by_place;
+}
+
+/// Depth, in units and half of one more, of a row of a cell's pixels if they lie on `plane`. Out of every range where the
+/// plane is not in front of the camera.
+CellRow units_on(const Plane& plane, const Support& support, int y, float steps_times_units) {
+  constexpr CellRow kColumns{-1.5f, -0.5f, 0.5f, 1.5f};
+  const CellRow s = plane.steps + plane.slope_x * kColumns + plane.slope_y * (static_cast<float>(y) - 1.5f) +
+                    support.rest[y] / (support.weight[y] + kGuessWeight);
+  return steps_times_units / s + 0.5f;
 }
 
 }  // namespace
@@ -115,32 +144,22 @@ void JointFilling::fill_cell(int column, int row, RgbdFrame& frame) {
 
   const int right = std::min(kCellPx, frame.depth.width() - left),
             bottom = std::min(kCellPx, frame.depth.height() - top);
+  const float nearest = range_.near, beyond = static_cast<float>(range_.far) + 1;
   for (int y = 0; y < bottom; ++y) {
+    const std::uint8_t* wanted = fillable_.row(top + y).data() + left;
+    std::uint16_t* depth = frame.depth.row(top + y).data() + left;
+    DepthState* state = frame.state.row(top + y).data() + left;
+    const CellRow far_units = units_on(guess.far, far, y, steps_times_units_);
+    const CellRow near_units = two ? units_on(guess.near, near, y, steps_times_units_) : CellRow{};
     for (int x = 0; x < right; ++x) {
-      if (fillable_(left + x, top + y) == 0) continue;
-      const float dx = static_cast<float>(x) - 0.5f * (kCellPx - 1),
-                  dy = static_cast<float>(y) - 0.5f * (kCellPx - 1);
-      bool takes_near = false;
-      if (two) {
-        const float W = near.weight[y][x], X = near.x[y][x], Y = near.y[y][x];
-        const bool enclosed = W > 2 * far.weight[y][x] && X * X + Y * Y < 0.25f * W * W;
-        takes_near = enclosed || (guess.prefers_near && W >= far.weight[y][x]);
-        if (color != nullptr) {
-          const float like_far = likeness((*color)(left + x, top + y), guess.far_color);
-          const float like_near = likeness((*color)(left + x, top + y), guess.near_color);
-          if (like_near > 4 * like_far + 0.2f) takes_near = true;
-          if (like_far > 4 * like_near + 0.2f) takes_near = false;
-        }
-      }
-      const Plane& plane = takes_near ? guess.near : guess.far;
-      const Support& support = takes_near ? near : far;
-      const float s = plane.steps + plane.slope_x * dx + plane.slope_y * dy +
-                      support.rest[y][x] / (support.weight[y][x] + kGuessWeight);
-      if (!(s > 0)) continue;
-      const float units = steps_times_units_ / s + 0.5f;
-      if (units < static_cast<float>(range_.near) || units >= static_cast<float>(range_.far) + 1) continue;
-      frame.depth(left + x, top + y) = static_cast<std::uint16_t>(units);
-      frame.state(left + x, top + y) = DepthState::kFilled;
+      if (wanted[x] == 0) continue;
+      const Rgb8* own = color != nullptr ? color->row(top + y).data() + left + x : nullptr;
+      const bool takes_near =
+          two && lies_near(guess, far.weight[y][x], near.weight[y][x], near.x[y][x], near.y[y][x], own);
+      const float units = takes_near ? near_units[x] : far_units[x];
+      if (!(units >= nearest && units < beyond)) continue;
+      depth[x] = static_cast<std::uint16_t>(units);
+      state[x] = DepthState::kFilled;
     }
   }
 }

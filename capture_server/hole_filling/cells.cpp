@@ -189,19 +189,23 @@ void Cells::find_reach() {
   for (std::size_t d = 0; d < kDirections.size(); ++d) {
     const int towards = offset(kDirections[d]);
     const bool upward = towards > 0;  // the neighbour must be known first
-    std::uint8_t* out = reach[d].data();
-    const std::uint8_t* has = has_depth_.data();
+    std::uint8_t* reaches = reach[d].data();
     for (int i = 0; i < rows_; ++i) {
       const int first = at(0, upward ? rows_ - 1 - i : i);
-      const auto step = [&](int cell) {
-        const int next = cell + towards;
-        const std::uint8_t farther = out[next] != 0 && out[next] < kReachCells ? out[next] + 1 : 0;
-        out[cell] = has[next] != 0 ? std::uint8_t{1} : farther;
+      const std::uint8_t* has = has_depth_.data() + first + towards;
+      const auto from_next = [](std::uint8_t has_next, std::uint8_t next) {
+        const auto farther = static_cast<std::uint8_t>(next != 0 && next < kReachCells ? next + 1 : 0);
+        return has_next != 0 ? std::uint8_t{1} : farther;
       };
-      if (towards == 1) {
-        for (int cell = first + columns_ - 1; cell >= first; --cell) step(cell);
+      if (kDirections[d].dy != 0) {  // rows are apart: side by side
+        const std::uint8_t* __restrict next = reaches + first + towards;
+        std::uint8_t* __restrict out = reaches + first;
+        for (int x = 0; x < columns_; ++x) out[x] = from_next(has[x], next[x]);
+      } else if (towards > 0) {
+        for (int x = columns_ - 1; x >= 0; --x)
+          reaches[first + x] = from_next(has[x], reaches[first + x + 1]);
       } else {
-        for (int cell = first; cell < first + columns_; ++cell) step(cell);
+        for (int x = 0; x < columns_; ++x) reaches[first + x] = from_next(has[x], reaches[first + x - 1]);
       }
     }
   }

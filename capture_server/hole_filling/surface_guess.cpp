@@ -19,12 +19,19 @@ struct Sighting {
 struct Sightings {
   std::array<Sighting, 2 + 2 * 8> entries;
   int count = 0;
+  float farthest = 1e9f, nearest = 0;
 
-  /// Keeps the entries sorted from far to near.
   void add(const Sighting& sighting) {
-    int i = count++;
-    for (; i > 0 && entries[i - 1].steps > sighting.steps; --i) entries[i] = entries[i - 1];
-    entries[i] = sighting;
+    entries[count++] = sighting;
+    farthest = std::min(farthest, sighting.steps);
+    nearest = std::max(nearest, sighting.steps);
+  }
+
+  /// From far to near. Where everything belongs to one surface, the common case, the order does not matter.
+  void sort() {
+    if (nearest - farthest <= kLinked) return;
+    std::sort(entries.begin(), entries.begin() + count,
+              [](const Sighting& a, const Sighting& b) { return a.steps < b.steps; });
   }
 };
 
@@ -115,8 +122,9 @@ bool in_shadow(const Sightings& seen, const Group& near, float steps, int column
 }  // namespace
 
 SurfaceGuess guess_surfaces(const Cells& cells, int column, int row, const ColorImage* color) {
-  const Sightings seen = look_around(cells, column, row);
+  Sightings seen = look_around(cells, column, row);
   if (seen.count == 0) return {};
+  seen.sort();
   Group far, near, group;
   for (int i = 0; i < seen.count; ++i) {
     group.weight += seen.entries[i].weight;

@@ -17,7 +17,7 @@ add_library(copresence::rules ALIAS copresence_rules)
 target_include_directories(copresence_rules INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(copresence_rules INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wno-sign-conversion
-  -Wno-stringop-overflow  # g++ 12 at -O3 sees one inside fmt's own parser
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>  # g++ 12 at -O3 sees one inside fmt's own parser
   # One result for one input, whatever the instruction set: no fused multiply-add behind our back.
   -ffp-contract=off)
 if(COPRESENCE_WERROR)

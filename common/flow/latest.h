@@ -31,13 +31,19 @@ class Latest {
   std::optional<T> take(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, stop, [this] { return slot_.has_value() || closed_; });
-    return std::exchange(slot_, std::nullopt);
+    return empty_the_slot();
   }
 
   /// What is there now, without waiting.
   std::optional<T> try_take() {
     std::lock_guard lock(mutex_);
-    return std::exchange(slot_, std::nullopt);
+    return empty_the_slot();
+  }
+
+  /// Waits until nothing is in the slot: for a producer that can wait, and then loses nothing.
+  void wait_until_taken(std::stop_token stop) {
+    std::unique_lock lock(mutex_);
+    emptied_.wait(lock, stop, [this] { return !slot_.has_value() || closed_; });
   }
 
   /// No more values will come; a waiting take() returns.
@@ -47,6 +53,7 @@ class Latest {
       closed_ = true;
     }
     filled_.notify_all();
+    emptied_.notify_all();
   }
 
   /// Values that were replaced before anybody took them.
@@ -56,8 +63,16 @@ class Latest {
   }
 
  private:
+  /// Call with mutex_ held.
+  std::optional<T> empty_the_slot() {
+    std::optional<T> value = std::exchange(slot_, std::nullopt);
+    if (value) emptied_.notify_all();
+    return value;
+  }
+
   mutable std::mutex mutex_;
   std::condition_variable_any filled_;
+  std::condition_variable_any emptied_;
   std::optional<T> slot_;
   std::uint64_t overwritten_ = 0;
   bool closed_ = false;

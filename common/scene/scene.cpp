@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <toml++/toml.h>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -85,13 +86,17 @@ class Reader {
     const auto m = matrix<4, 4>(table, key);
     if (!m) return std::nullopt;
     const Rigid3 rigid{m->topLeftCorner<3, 3>(), m->topRightCorner<3, 1>()};
-    if (!rigid.is_rigid() || m->row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+    // People and tools write few digits; the nearest rotation is what they mean.
+    constexpr double kRounding = 0.01;
+    if (!rigid.is_rigid(kRounding) || m->row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
       wrong(*table.get(key),
-            fmt::format("\"{}\" is not a rigid transform: its upper left 3x3 must be a rotation and its last "
-                        "row 0 0 0 1",
+            fmt::format("\"{}\" is not a rigid transform: its upper left 3x3 must be a rotation and "
+                        "its last row 0 0 0 1",
                         key));
+      return std::nullopt;
     }
-    return rigid;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rigid.rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    return Rigid3{svd.matrixU() * svd.matrixV().transpose(), rigid.translation};
   }
 
   CameraModel model(const toml::table& table) {

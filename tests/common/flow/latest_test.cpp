@@ -62,5 +62,22 @@ TEST(Latest, LosesNothingUncountedBetweenTwoThreads) {
   EXPECT_EQ(last, kValues);
 }
 
+TEST(Latest, LosesNothingOfAProducerThatWaits) {
+  Latest<int> mailbox;
+  constexpr int kValues = 2000;
+  int taken = 0;
+  std::jthread taker([&](std::stop_token stop) {
+    while (mailbox.take(stop)) ++taken;
+  });
+  for (int i = 1; i <= kValues; ++i) {
+    mailbox.wait_until_taken({});
+    mailbox.put(i);
+  }
+  mailbox.close();
+  taker.join();
+  EXPECT_EQ(taken, kValues);
+  EXPECT_EQ(mailbox.overwritten(), 0u);
+}
+
 }  // namespace
 }  // namespace copresence::flow

@@ -45,7 +45,7 @@ TEST(Scene, ReadsACamera) {
   EXPECT_EQ(left.model.width, 640);
   EXPECT_EQ(left.model.cx, 320);
   EXPECT_FALSE(left.model.is_distorted());
-  EXPECT_EQ(*left.world_from_camera * Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0.5, 1, -2));
+  EXPECT_TRUE((*left.world_from_camera * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(0.5, 1, -2)));
   EXPECT_FALSE(left.color || left.color_matching || left.calibration_error_mm || scene->clip);
   EXPECT_EQ(scene->up, Eigen::Vector3d(0, -1, 0));
 }
@@ -75,6 +75,15 @@ TEST(Scene, LeavesDevicesAndAbsolutePathsAlone) {
   EXPECT_EQ(parsed(left_with("source = \"openni:freenect://A00366\""))->cameras[0].source,
             "openni:freenect://A00366");
   EXPECT_EQ(parsed(left_with("source = \"/data/left.oni\""))->cameras[0].source, "/data/left.oni");
+}
+
+TEST(Scene, TakesAPoseWrittenWithFewDigitsAsTheNearestRotation) {
+  std::string text(kLeft);
+  const std::string exact = "[[0,-1,0,0.5],[1,0,0,0],";
+  text.replace(text.find(exact), exact.size(), "[[0.001,-0.999,0,0.5],[1.001,0.001,0,0],");
+  const auto scene = parsed(text);
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_TRUE(scene->cameras[0].world_from_camera->is_rigid(1e-12));
 }
 
 TEST(Scene, FindsACameraByName) {

@@ -1,0 +1,114 @@
+#include "capture_server/frame_encoding.h"
+
+#include <fmt/format.h>
+
+#include "common/color/yuv420.h"
+
+namespace copresence::server {
+namespace {
+
+/// What the sensor says of its lenses and place, where the scene file does not know better.
+sensor::SensorDescription told_by_scene(sensor::SensorDescription sensor, const scene::Camera& camera) {
+  sensor.depth = camera.model;
+  if (camera.color) {
+    sensor.color = camera.color->model;
+    sensor.color_from_depth = camera.color->color_from_depth;
+    sensor.registered = false;
+  }
+  if (camera.world_from_camera) sensor.world_from_camera = camera.world_from_camera;
+  return sensor;
+}
+
+Result<void> check_scene_fits(const sensor::SensorDescription& sensor, const scene::Camera& camera) {
+  if (camera.model.width == sensor.depth.width && camera.model.height == sensor.depth.height) return {};
+  return fail(ErrorCode::kInvalid,
+              fmt::format("the scene file says that camera \"{}\" gives {}x{} pixels, but it gives {}x{}",
+                          camera.name, camera.model.width, camera.model.height, sensor.depth.width,
+                          sensor.depth.height));
+}
+
+}  // namespace
+
+void keep_range(RgbdFrame& frame, const DepthRangeUnits& range) {
+  const auto depth = frame.depth.pixels();
+  const auto state = frame.state.pixels();
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const bool kept = range.contains(depth[i]);
+    depth[i] = kept ? depth[i] : std::uint16_t{0};
+    state[i] = kept ? state[i] : DepthState::kHole;
+  }
+}
+
+Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_sensor,
+                                          const scene::Camera* camera, const ServerSettings& settings) {
+  if (camera) {
+    if (auto fits = check_scene_fits(from_sensor, *camera); !fits) return fail(fits.error());
+  }
+  const sensor::SensorDescription sensor = camera ? told_by_scene(from_sensor, *camera) : from_sensor;
+
+  auto registration = registration::Registration::open(
+      {sensor.depth, sensor.has_color ? std::optional(sensor.color) : std::nullopt, sensor.color_from_depth,
+       sensor.unit, sensor.registered});
+  if (!registration) return fail(registration.error());
+  const CameraModel& model = registration->model();
+  auto filler = hole_filling::open(settings.hole_filling, settings.compute,
+                                   {model.width, model.height, sensor.unit, settings.range});
+  if (!filler) return fail(filler.error());
+  auto depth = depth::Encoder::open(settings.codec, {model.width, model.height, sensor.unit, settings.range});
+  if (!depth) return fail(depth.error());
+  depth->set_lossless(settings.depth_qp == 0 && !settings.depth_kbps);
+
+  StreamDescription stream;
+  stream.camera = settings.name;
+  stream.model = model;
+  stream.unit = sensor.unit;
+  stream.range = settings.range;
+  stream.frames_per_second = sensor.frames_per_second;
+  stream.has_color = sensor.has_color;
+  stream.has_pose = sensor.world_from_camera.has_value();
+  stream.world_from_camera = sensor.world_from_camera.value_or(Rigid3{});
+  stream.codec = depth->description();
+
+  video::VideoSettings video_settings;
+  video_settings.depth_qp = settings.depth_qp;
+  video_settings.depth_kbps = settings.depth_kbps;
+  video_settings.color_kbps = settings.color_kbps;
+  auto video = video::FrameEncoder::open(stream, video_settings);
+  if (!video) return fail(video.error());
+  return FrameEncoding(std::move(stream), std::move(*registration), std::move(*filler), std::move(*depth),
+                       std::move(*video));
+}
+
+FrameEncoding::FrameEncoding(StreamDescription description, registration::Registration registration,
+                             std::unique_ptr<hole_filling::HoleFiller> filler, depth::Encoder depth,
+                             video::FrameEncoder video)
+    : description_(std::move(description)),
+      registration_(std::move(registration)),
+      filler_(std::move(filler)),
+      depth_(std::move(depth)),
+      video_(std::move(video)) {}
+
+Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe) {
+  using std::chrono::steady_clock;
+  frame.stamp.world_from_camera = description_.world_from_camera;
+  const Instant begin = steady_clock::now();
+  frame = registration_.apply(std::move(frame));
+  keep_range(frame, to_units(description_.range, description_.unit));
+  if (auto filled = filler_->fill(frame); !filled) return fail(filled.error());
+  const Instant filled = steady_clock::now();
+
+  auto depth = depth_.encode(frame.depth, frame.state, keyframe);
+  if (!depth) return fail(depth.error());
+  PlanarFrame planar{frame.stamp, std::move(*depth), std::nullopt, frame.durations};
+  if (frame.color) color::rgb_to_yuv420(*frame.color, planar.color.emplace());
+  const Instant planes = steady_clock::now();
+
+  auto encoded = video_.encode(planar);
+  if (!encoded) return fail(encoded.error());
+  encoded->durations.fill = filled - begin;
+  encoded->durations.depth_encode = planes - filled;
+  encoded->durations.video_encode = steady_clock::now() - planes;
+  return encoded;
+}
+
+}  // namespace copresence::server

@@ -1,0 +1,147 @@
+#include "capture_server/pipeline.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <spdlog/spdlog.h>
+
+#include <optional>
+#include <thread>
+
+#include "capture_server/source.h"
+#include "capture_server/frame_encoding.h"
+#include "common/flow/latest.h"
+#include "common/wire/frame_server.h"
+
+namespace copresence::server {
+namespace {
+
+/// A frame on its way from the capture to the encode thread, with the losses as they stood when it came.
+struct Captured {
+  RgbdFrame frame;
+  std::uint64_t encoder_busy = 0;
+};
+
+void name_this_thread(const char* name) {
+  pthread_setname_np(pthread_self(), name);
+}
+
+Result<std::optional<scene::Camera>> camera_in_scene(const ServerSettings& settings) {
+  if (settings.scene.empty()) return std::optional<scene::Camera>();
+  const auto scene = scene::load(settings.scene);
+  if (!scene) return fail(scene.error());
+  const scene::Camera* camera = scene->find(settings.name);
+  if (!camera) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: no camera is called \"{}\": give one of its names with --name",
+                            settings.scene, settings.name));
+  }
+  return std::optional(*camera);
+}
+
+class Pipeline {
+ public:
+  Pipeline(const ServerSettings& settings, std::unique_ptr<sensor::FrameSource> source,
+           FrameEncoding encoding, std::unique_ptr<wire::FrameServer> server)
+      : settings_(settings),
+        source_(std::move(source)),
+        encoding_(std::move(encoding)),
+        server_(std::move(server)) {}
+
+  /// On the thread that opened the encoding: a graphics context may belong to it.
+  Result<void> run(std::stop_token stop, const std::function<void()>& alive) {
+    std::jthread wire([this](std::stop_token end) {
+      name_this_thread("wire");
+      server_->run(end);
+    });
+    Result<void> captured;
+    const std::stop_callback stop_too(stop, [this] { end_capture_.request_stop(); });
+    std::jthread capture([&] {
+      name_this_thread("capture");
+      captured = capture_frames(end_capture_.get_token(), alive);
+      captured_.close();
+    });
+    const Result<void> encoded = encode_frames();
+    end_capture_.request_stop();
+    capture.join();
+
+    const Result<void>& result = encoded ? captured : encoded;
+    server_->end(result ? "the server has ended" : result.error().what);
+    wire.join();
+    return result;
+  }
+
+ private:
+  Result<void> capture_frames(std::stop_token stop, const std::function<void()>& alive) {
+    const bool waits_for_the_encoder =
+        settings_.pace == sensor::SourceSettings::Pace::kFast && is_recording(settings_.source);
+    while (!stop.stop_requested()) {
+      auto frame = source_->next(stop);
+      alive();
+      if (!frame) {
+        if (frame.error().code == ErrorCode::kEndOfStream) return {};
+        return fail(frame.error());
+      }
+      const std::uint64_t sequence = frame->stamp.sequence;
+      if (waits_for_the_encoder) captured_.wait_until_taken(stop);
+      captured_.put({std::move(*frame), captured_.overwritten()});
+      if (settings_.frames && sequence >= *settings_.frames) return {};
+    }
+    return {};
+  }
+
+  /// Until the capture ends and its last frame is encoded. Fails with what no later frame can mend.
+  Result<void> encode_frames() {
+    bool keyframe_owed = false;      // a frame that was to be one failed
+    std::uint64_t without_room = 0;  // frames left out since nobody was there, or nobody had room
+    while (auto captured = captured_.take({})) {
+      if (!server_->wants_frames()) {
+        ++without_room;
+        continue;
+      }
+      const std::uint64_t sequence = captured->frame.stamp.sequence;
+      const bool keyframe = server_->take_keyframe_request() || keyframe_owed;
+      auto encoded = encoding_.encode(std::move(captured->frame), keyframe);
+      keyframe_owed = !encoded;
+      if (encoded) {
+        server_->send(std::make_shared<const EncodedFrame>(std::move(*encoded)),
+                      {sequence, captured->encoder_busy, without_room});
+      } else if (encoded.error().code == ErrorCode::kUnsupported) {
+        return fail(encoded.error());
+      } else {
+        spdlog::warn("{}: frame {} is left out: {}", settings_.name, sequence, encoded.error().what);
+      }
+    }
+    return {};
+  }
+
+  const ServerSettings& settings_;
+  std::unique_ptr<sensor::FrameSource> source_;
+  FrameEncoding encoding_;
+  std::unique_ptr<wire::FrameServer> server_;
+  flow::Latest<Captured> captured_;
+  std::stop_source end_capture_;
+};
+
+}  // namespace
+
+Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
+                          std::stop_token stop, const std::function<void()>& alive) {
+  const auto camera = camera_in_scene(settings);
+  if (!camera) return fail(camera.error());
+  auto source = open_source(settings.source, {settings.pace, settings.loop});
+  if (!source) return fail(source.error());
+  auto encoding = FrameEncoding::open((*source)->description(), *camera ? &**camera : nullptr, settings);
+  if (!encoding) return fail(encoding.error());
+  auto server = wire::FrameServer::open(listening, encoding->description());
+  if (!server) return fail(server.error());
+  alive();
+  spdlog::info("{}: {}x{} {}, depth {} at {}, on {}", settings.name, encoding->description().model.width,
+               encoding->description().model.height,
+               encoding->description().has_color ? "depth and colour" : "depth only", settings.codec,
+               settings.depth_kbps ? fmt::format("{} kbit/s", *settings.depth_kbps)
+                                   : fmt::format("qp {}", settings.depth_qp),
+               listening.address());
+  return Pipeline(settings, std::move(*source), std::move(*encoding), std::move(*server)).run(stop, alive);
+}
+
+}  // namespace copresence::server

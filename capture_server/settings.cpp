@@ -1,0 +1,121 @@
+#include "capture_server/settings.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "capture_server/source.h"
+#include "common/depth/depth_codec.h"
+#include "common/version.h"
+
+namespace copresence::server {
+namespace {
+
+/// "NEAR:FAR" in metres.
+std::string parse_range(const std::string& text, DepthRange& range) {
+  const auto colon = text.find(':');
+  double near = 0, far = 0;
+  if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), near) ||
+      !CLI::detail::lexical_cast(text.substr(colon + 1), far)) {
+    return fmt::format("\"{}\" is not NEAR:FAR in metres, such as 0.4:5", text);
+  }
+  if (!(near >= 0.05 && near < far && far <= 65.0)) {
+    return fmt::format("{}:{} m cannot be a range: NEAR must be at least 0.05 and below FAR, FAR at most 65",
+                       near, far);
+  }
+  range = {near, far};
+  return {};
+}
+
+std::string check_codec(const std::string& name) {
+  const auto names = depth::codec_names();
+  if (std::find(names.begin(), names.end(), name) != names.end()) return {};
+  return fmt::format("there is no depth codec \"{}\"; there are {}", name, fmt::join(names, ", "));
+}
+
+using hole_filling::Compute;
+using Pace = sensor::SourceSettings::Pace;
+
+std::map<std::string, hole_filling::Method> methods_by_name() {
+  std::map<std::string, hole_filling::Method> methods;
+  for (const auto method : hole_filling::kMethods) methods.emplace(hole_filling::name(method), method);
+  return methods;
+}
+
+std::string default_name(const ServerSettings& settings) {
+  return is_recording(settings.source) ? std::filesystem::path(settings.source).stem().string() : "camera";
+}
+
+}  // namespace
+
+tl::expected<ServerSettings, int> read_command_line(int argc, const char* const* argv) {
+  ServerSettings settings;
+  CLI::App app{"Streams one RGB-D camera, or a recording of one, to render_client over TCP.",
+               "capture_server"};
+  app.set_version_flag("--version", std::string("capture_server ") + kVersion);
+
+  auto* source = app.add_option("--source", settings.source,
+                                "openni: (first device), openni:URI (see --list) or a recording FILE.oni");
+  app.add_option("--listen", settings.listen, "address to accept clients on, HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--name", settings.name, "the camera's name [the recording's file name, else camera]")
+      ->check([](const std::string& name) {
+        return name.empty() || name.size() > 64 ? std::string("a name has 1 to 64 characters")
+                                                : std::string();
+      });
+  app.add_option("--codec", settings.codec, "depth codec, see docs/codecs.md")
+      ->capture_default_str()
+      ->check(CLI::Validator(check_codec, ""));
+  auto* qp = app.add_option("--depth-qp", settings.depth_qp, "constant quality of depth, 0 (lossless) to 51")
+                 ->capture_default_str()
+                 ->check(CLI::Range(0, 51));
+  app.add_option("--depth-kbps", settings.depth_kbps, "constant rate of all that depth costs, kbit/s")
+      ->check(CLI::Range(50, 200000))
+      ->excludes(qp);
+  app.add_option("--color-kbps", settings.color_kbps, "rate of colour, kbit/s")
+      ->capture_default_str()
+      ->check(CLI::Range(50, 200000));
+  app.add_option("--hole-filling", settings.hole_filling, "off, median, bilateral or joint [joint]")
+      ->transform(CLI::Transformer(methods_by_name()).description(""));
+  app.add_option_function<std::string>(
+         "--range", [&](const std::string& text) { (void)parse_range(text, settings.range); },
+         "depth that counts, NEAR:FAR in metres [0.4:5]")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            DepthRange ignored;
+            return parse_range(text, ignored);
+          },
+          ""));
+  app.add_option("--compute", settings.compute,
+                 "where holes are filled: auto (gl on a GPU, else cpu), gl or cpu [auto]")
+      ->transform(
+          CLI::Transformer(std::map<std::string, Compute>{
+                               {"auto", Compute::kAuto}, {"gl", Compute::kGl}, {"cpu", Compute::kCpu}})
+              .description(""));
+  app.add_flag("--loop", settings.loop, "start a recording again at its end");
+  app.add_option("--pace", settings.pace, "real: as recorded; fast: as fast as frames can be sent [real]")
+      ->transform(CLI::Transformer(std::map<std::string, Pace>{{"real", Pace::kReal}, {"fast", Pace::kFast}})
+                      .description(""));
+  app.add_option("--frames", settings.frames, "end after N captured frames")->check(CLI::PositiveNumber);
+  app.add_flag("--insecure", settings.insecure,
+               "allow --listen beyond this machine: anyone who reaches the port sees the room, unencrypted");
+  app.add_option("--scene", settings.scene, "scene file with this camera's pose and intrinsics, by --name");
+  auto* list = app.add_flag("--list", settings.list, "list the devices that can be opened, and end");
+  source->excludes(list);
+
+  try {
+    app.parse(argc, argv);
+    if (!settings.list && settings.source.empty()) {
+      throw CLI::RequiredError("--source (openni:, openni:URI or FILE.oni)");
+    }
+  } catch (const CLI::ParseError& error) {
+    return tl::unexpected(app.exit(error) == 0 ? 0 : 2);
+  }
+  if (settings.name.empty()) settings.name = default_name(settings);
+  return settings;
+}
+
+}  // namespace copresence::server

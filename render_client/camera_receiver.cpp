@@ -1,0 +1,105 @@
+#include "render_client/camera_receiver.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "render_client/clipping.h"
+
+namespace copresence::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kFirstBackoff{50}, kLongestBackoff{500}, kConnectTimeout{2000};
+
+void sleep_for(std::stop_token stop, Duration duration) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any().wait_for(lock, stop, duration, [] { return false; });
+}
+
+bool is_final(const Error& error) {
+  return error.code == ErrorCode::kRefused || error.code == ErrorCode::kUnsupported ||
+         error.code == ErrorCode::kInvalid;
+}
+
+}  // namespace
+
+CameraReceiver::CameraReceiver(std::string address, std::size_t slot, const scene::Scene* scene,
+                               flow::LatestOfEach<Received>& board, CameraStatistics& statistics)
+    : address_(std::move(address)), slot_(slot), scene_(scene), board_(board), statistics_(statistics) {}
+
+Result<void> CameraReceiver::run(std::stop_token stop) {
+  bool said_waiting = false;
+  Duration backoff = kFirstBackoff;
+  while (!stop.stop_requested()) {
+    auto client = wire::FrameClient::connect(address_, kConnectTimeout, stop);
+    if (client) {
+      spdlog::info("{}: connected to camera \"{}\"", address_, client->description().camera);
+      said_waiting = false;
+      backoff = kFirstBackoff;
+      const auto ended = receive_from(*client, stop);
+      if (!ended && is_final(ended.error())) return ended;
+      if (!ended && !stop.stop_requested()) spdlog::warn("{}: {}", address_, ended.error().what);
+    } else if (is_final(client.error())) {
+      return fail(client.error());
+    } else if (!said_waiting && !stop.stop_requested()) {
+      spdlog::info("{}: {}; waiting for it", address_, client.error().what);
+      said_waiting = true;
+    }
+    sleep_for(stop, backoff);
+    backoff = std::min<Duration>(backoff * 2, kLongestBackoff);
+  }
+  return {};
+}
+
+Result<void> CameraReceiver::receive_from(wire::FrameClient& client, std::stop_token stop) {
+  const auto stream = std::make_shared<const StreamDescription>(client.description());
+  auto decoding = FrameDecoding::open(*stream);
+  if (!decoding) return fail(decoding.error());
+  while (!stop.stop_requested()) {
+    auto received = client.receive(stop);
+    if (!received) return fail(received.error());
+    const EncodedFrame& encoded = received->frame;
+    statistics_.received(received->counters.captured, received->counters.encoder_busy,
+                         encoded.depth.size() + encoded.color.size(), received->received_at);
+    statistics_.stage(Stage::kWire, received->received_at - client.clock().to_local(received->sent_at));
+
+    FrameDecoding::Durations durations;
+    auto frame = decoding->decode(encoded, durations);
+    if (!frame) {
+      statistics_.not_decoded();
+      client.request_keyframe();
+      spdlog::debug("{}: {}", address_, frame.error().what);
+      continue;
+    }
+    statistics_.decoded();
+    statistics_.stage(Stage::kCapture, encoded.durations.capture);
+    statistics_.stage(Stage::kFill, encoded.durations.fill);
+    statistics_.stage(Stage::kDepthEncode, encoded.durations.depth_encode);
+    statistics_.stage(Stage::kVideoEncode, encoded.durations.video_encode);
+    statistics_.stage(Stage::kVideoDecode, durations.video_decode);
+    statistics_.stage(Stage::kDepthDecode, durations.depth_decode);
+    hand_over(client, std::move(*frame), stream);
+  }
+  return {};
+}
+
+void CameraReceiver::hand_over(const wire::FrameClient& client, RgbdFrame frame,
+                               const std::shared_ptr<const StreamDescription>& stream) {
+  if (scene_ && scene_->clip) {
+    const scene::Camera* known = scene_->find(stream->camera);
+    const Rigid3& pose =
+        known && known->world_from_camera ? *known->world_from_camera : frame.stamp.world_from_camera;
+    clip(frame, stream->model, stream->unit, pose, *scene_->clip);
+  }
+  const wire::ClockOffset clock = client.clock();
+  statistics_.clock(clock.offset, clock.uncertainty);
+  const Instant captured_at = clock.to_local(frame.stamp.captured_at);
+  if (board_.put(slot_, {std::move(frame), captured_at, steady_clock::now(), stream})) statistics_.unshown();
+}
+
+}  // namespace copresence::client

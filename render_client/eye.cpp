@@ -1,0 +1,76 @@
+#include "render_client/eye.h"
+
+#include "render_client/viewpoint/fixed_view.h"
+#include "render_client/viewpoint/opentrack_view.h"
+#include "render_client/viewpoint/path_view.h"
+
+namespace copresence::client {
+namespace {
+
+constexpr double kPivotM = 2.0;  // about where a person stands before a Kinect
+constexpr std::string_view kPath = "path:";
+
+/// A result's value on the heap, as the interface.
+template <class View>
+Result<std::unique_ptr<viewpoint::Viewpoint>> owned(Result<View> view) {
+  if (!view) return fail(view.error());
+  return std::unique_ptr<viewpoint::Viewpoint>(std::make_unique<View>(std::move(*view)));
+}
+
+}  // namespace
+
+Result<Eye> Eye::open(const ClientSettings& settings, const scene::Scene* scene) {
+  const CameraModel lens = renderer::lens_from_fov(settings.width, settings.height, settings.fov_degrees);
+  const Eigen::Vector3d up = scene ? scene->up : scene::Scene{}.up;
+  if (settings.view == "mouse" || (settings.view.empty() && !settings.headless)) {
+    auto orbit = std::make_unique<viewpoint::OrbitView>(up, kPivotM, settings.fov_degrees);
+    viewpoint::OrbitView* mouse = orbit.get();
+    return Eye(lens, std::move(orbit), mouse);
+  }
+  if (settings.view.empty()) return Eye(lens, std::make_unique<viewpoint::FixedView>(), nullptr);
+  auto view = settings.view == "opentrack"
+                  ? owned(viewpoint::OpentrackView::open())
+                  : owned(viewpoint::PathView::load(settings.view.substr(kPath.size()), up));
+  if (!view) return fail(view.error());
+  return Eye(lens, std::move(*view), nullptr);
+}
+
+void Eye::see_camera(std::size_t index, const Rigid3& world_from_camera) {
+  if (home_ && *home_ <= index) return;
+  home_ = index;
+  viewpoint_->set_home(world_from_camera);
+}
+
+void Eye::handle(const std::vector<gl::Event>& events, int picture_height) {
+  for (const gl::Event& event : events) {
+    if (const auto* move = std::get_if<gl::MoveEvent>(&event)) {
+      drag(*move, picture_height);
+    } else if (const auto* scroll = std::get_if<gl::ScrollEvent>(&event); scroll && orbit_) {
+      orbit_->zoom(scroll->y);
+    } else if (const auto* key = std::get_if<gl::KeyEvent>(&event); key && key->pressed && orbit_) {
+      if (key->key == gl::Key{'R'} || key->key == gl::Key::kHome) orbit_->go_home();
+    }
+  }
+}
+
+void Eye::drag(const gl::MoveEvent& move, int picture_height) {
+  if (orbit_ && last_move_ && picture_height > 0) {
+    const double right = (move.x - last_move_->x) / picture_height;
+    const double down = (move.y - last_move_->y) / picture_height;
+    if (move.left) {
+      orbit_->orbit(right, down);
+    } else if (move.right || move.middle) {
+      orbit_->pan(right, down);
+    }
+  }
+  last_move_ = move;
+}
+
+renderer::VirtualCamera Eye::at(std::uint64_t view_index, Instant now) {
+  renderer::VirtualCamera camera;
+  camera.lens = lens_;
+  camera.world_from_eye = viewpoint_->at(view_index, now).world_from_eye;
+  return camera;
+}
+
+}  // namespace copresence::client

@@ -1,0 +1,48 @@
+#pragma once
+
+// The viewer's eye: the viewpoint that --view names, seen through the lens that --size and --fov give; and
+// what the mouse does to it.
+//
+// Thread: the render thread's.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/gl/event.h"
+#include "common/result.h"
+#include "common/scene/scene.h"
+#include "render_client/renderer/merged_view.h"
+#include "render_client/settings.h"
+#include "render_client/viewpoint/orbit_view.h"
+
+namespace copresence::client {
+
+class Eye {
+ public:
+  /// Fails where the path file is none, or the head tracker's port is in use.
+  static Result<Eye> open(const ClientSettings& settings, const scene::Scene* scene);
+
+  /// Where a camera stands. The eye is at home at the first listed camera, or until that is there at the
+  /// first to come.
+  void see_camera(std::size_t index, const Rigid3& world_from_camera);
+
+  /// Left drag orbits, right or middle drag pans, the wheel comes closer, R or Home goes home.
+  /// `picture_height`: of the window, pixels.
+  void handle(const std::vector<gl::Event>& events, int picture_height);
+
+  renderer::VirtualCamera at(std::uint64_t view_index, Instant now);
+
+ private:
+  Eye(const CameraModel& lens, std::unique_ptr<viewpoint::Viewpoint> viewpoint, viewpoint::OrbitView* orbit)
+      : lens_(lens), viewpoint_(std::move(viewpoint)), orbit_(orbit) {}
+  void drag(const gl::MoveEvent& move, int picture_height);
+
+  CameraModel lens_;
+  std::unique_ptr<viewpoint::Viewpoint> viewpoint_;
+  viewpoint::OrbitView* orbit_;             // the viewpoint, where it is the mouse's
+  std::optional<std::size_t> home_;         // index of the camera at which home is
+  std::optional<gl::MoveEvent> last_move_;  // where the pointer was
+};
+
+}  // namespace copresence::client

@@ -1,0 +1,33 @@
+#include "render_client/frame_decoding.h"
+
+#include "common/color/yuv420.h"
+
+namespace copresence::client {
+
+Result<FrameDecoding> FrameDecoding::open(const StreamDescription& description) {
+  auto video = video::FrameDecoder::open(description);
+  if (!video) return fail(video.error());
+  auto depth = depth::Decoder::open(description.codec, {description.model.width, description.model.height,
+                                                        description.unit, description.range});
+  if (!depth) return fail(depth.error());
+  return FrameDecoding(std::move(*video), std::move(*depth));
+}
+
+Result<RgbdFrame> FrameDecoding::decode(const EncodedFrame& encoded, Durations& durations) {
+  const Instant begin = std::chrono::steady_clock::now();
+  auto planar = video_.decode(encoded);
+  if (!planar) return fail(planar.error());
+  const Instant have_planes = std::chrono::steady_clock::now();
+  durations.video_decode = have_planes - begin;
+
+  RgbdFrame frame;
+  frame.stamp = planar->stamp;
+  frame.durations = encoded.durations;
+  if (auto decoded = depth_.decode(planar->depth, frame.depth, frame.state); !decoded)
+    return fail(decoded.error());
+  if (planar->color) color::yuv420_to_rgb(*planar->color, frame.color.emplace());
+  durations.depth_decode = std::chrono::steady_clock::now() - have_planes;
+  return frame;
+}
+
+}  // namespace copresence::client

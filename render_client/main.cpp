@@ -1,0 +1,24 @@
+// render_client: shows the room that capture_servers stream. See settings.cpp for its command line.
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "common/flow/stop_on_signal.h"
+#include "render_client/pipeline.h"
+#include "render_client/settings.h"
+
+int main(int argc, char** argv) {
+  using namespace copresence;
+  using namespace copresence::client;
+  const auto settings = read_command_line(argc, argv);
+  if (!settings) return settings.error();
+  spdlog::set_default_logger(spdlog::stderr_color_mt("render_client"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  flow::StopOnSignal signals;
+  if (auto ran = run_pipeline(*settings, signals.source()); !ran) {
+    fmt::print(stderr, "render_client: {}\n", ran.error().what);
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,50 @@
+#pragma once
+
+// Where views come to be and where they go: the window or none, the graphics context or none, and the
+// renderer that fits them.
+//
+// Thread: one, the render thread; with a window the main thread.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/frame/workers.h"
+#include "common/gl/context.h"
+#include "common/gl/window.h"
+#include "common/result.h"
+#include "render_client/renderer/renderer.h"
+#include "render_client/settings.h"
+
+namespace copresence::client {
+
+class ViewOutput {
+ public:
+  /// `workers` must outlive this. Fails where a window was asked for and there is no display, or GL and there
+  /// is none.
+  static Result<ViewOutput> open(const ClientSettings& settings, Workers& workers);
+
+  /// nullptr when headless.
+  gl::Window* window() { return window_.get(); }
+  std::string_view renderer_name() const { return renderer_->name(); }
+
+  /// The view as the renderer makes it; shown in the window where there is one.
+  Result<void> render(std::span<const renderer::CameraView> cameras, const renderer::VirtualCamera& eye);
+
+  /// Shows the last view again.
+  void present_again();
+
+  /// The same once more as host pixels, for a picture.
+  Result<Image<Rgba8>> picture(std::span<const renderer::CameraView> cameras,
+                               const renderer::VirtualCamera& eye);
+
+ private:
+  ViewOutput() = default;
+
+  std::unique_ptr<gl::Window> window_;
+  std::unique_ptr<gl::Context> headless_;
+  std::unique_ptr<renderer::Renderer> renderer_;
+  renderer::MergedView view_;
+};
+
+}  // namespace copresence::client

@@ -1,0 +1,178 @@
+// What the network and the codecs cost: the picture that real processes show, held against one rendered from
+// the same frames of the recording before any coding, 20 degrees off the cameras.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture_server/frame_encoding.h"
+#include "capture_server/hole_filling/hole_filler.h"
+#include "capture_server/source.h"
+#include "common/flow/worker_pool.h"
+#include "common/scene/scene.h"
+#include "render_client/renderer/cpu_renderer.h"
+#include "render_client/viewpoint/look_at.h"
+#include "tests/pipeline/running_room.h"
+
+namespace copresence::testing {
+namespace {
+
+constexpr int kWidth = 1280, kHeight = 720;
+
+struct Difference {
+  double psnr = 0;              ///< dB, over pixels shown in both
+  double only_one_percent = 0;  ///< of the pixels shown in either
+};
+
+class Fidelity : public ::testing::Test {
+ protected:
+  /// Serves the scene's cameras, looks from 20 degrees beside the first, and compares.
+  Difference measure(const std::filesystem::path& scene_file) {
+    const auto loaded = scene::load(scene_file);
+    EXPECT_TRUE(loaded) << loaded.error().what;
+    const scene::Scene& scene = *loaded;
+    for (const scene::Camera& camera : scene.cameras) {
+      room_.serve(camera.source, {"--loop", "--name", camera.name, "--scene", scene_file});
+    }
+    const Rigid3 world_from_eye = beside(*scene.cameras[0].world_from_camera, scene.up);
+    const auto stats = room_.view({"--scene", scene_file, "--view", "path:" + path_file(world_from_eye),
+                                   "--frames", "40", "--size", fmt::format("{}x{}", kWidth, kHeight)});
+    if (stats.is_null()) return {};
+    std::vector<std::uint64_t> shown;
+    for (const auto& camera : stats["cameras"]) shown.push_back(camera["last_shown_sequence"]);
+    const cv::Mat streamed = cv::imread(room_.picture().string()),
+                  undecoded = reference(scene, shown, world_from_eye);
+    if (const char* folder = std::getenv("COPRESENCE_KEEP_PICTURES")) {  // for a look at what differs
+      cv::imwrite(std::string(folder) + "/streamed.png", streamed);
+      cv::imwrite(std::string(folder) + "/undecoded.png", undecoded);
+    }
+    return compare(streamed, undecoded);
+  }
+
+  RunningRoom room_;
+
+ private:
+  static constexpr double kPivotM = 2.0;
+
+  static Rigid3 beside(const Rigid3& world_from_camera, const Eigen::Vector3d& up) {
+    const Eigen::Vector3d pivot = world_from_camera * Eigen::Vector3d(0, 0, kPivotM);
+    const Eigen::AngleAxisd turn(20 * std::numbers::pi / 180, up);
+    return viewpoint::look_at(pivot + turn * (world_from_camera.translation - pivot), pivot, up);
+  }
+
+  std::string path_file(const Rigid3& world_from_eye) {
+    const Eigen::Vector3d at = world_from_eye.translation,
+                          look = world_from_eye * Eigen::Vector3d(0, 0, kPivotM);
+    std::ofstream(room_.file("eye.path"))
+        << fmt::format("0 {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", at.x(), at.y(), at.z(),
+                       look.x(), look.y(), look.z());
+    return room_.file("eye.path").string();
+  }
+
+  /// The frame with this sequence number as the hole filling leaves it.
+  static RgbdFrame filled_frame(const scene::Camera& camera, std::uint64_t sequence) {
+    auto source = open_source(camera.source, {sensor::SourceSettings::Pace::kFast, true});
+    EXPECT_TRUE(source) << source.error().what;
+    RgbdFrame frame;
+    while (frame.stamp.sequence < sequence) frame = *(*source)->next({});
+    server::keep_range(frame, to_units(DepthRange{}, (*source)->description().unit));
+    const auto filler = hole_filling::open(
+        hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
+        {camera.model.width, camera.model.height, (*source)->description().unit, DepthRange{}});
+    EXPECT_TRUE((*filler)->fill(frame));
+    return frame;
+  }
+
+  static cv::Mat reference(const scene::Scene& scene, const std::vector<std::uint64_t>& sequences,
+                           const Rigid3& world_from_eye) {
+    std::vector<RgbdFrame> frames;
+    for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+      frames.push_back(filled_frame(scene.cameras[i], sequences[i]));
+    }
+    std::vector<renderer::CameraView> views;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      renderer::CameraView view;
+      view.frame = &frames[i];
+      view.version = 1;
+      view.model = scene.cameras[i].model;
+      view.world_from_camera = *scene.cameras[i].world_from_camera;
+      if (scene.cameras[i].calibration_error_mm) {
+        view.calibration_error_m = *scene.cameras[i].calibration_error_mm * 1e-3;
+      }
+      views.push_back(view);
+    }
+    flow::WorkerPool workers(2, "reference");
+    renderer::VirtualCamera eye;
+    eye.lens = renderer::lens_from_fov(kWidth, kHeight, 50);
+    eye.world_from_eye = world_from_eye;
+    renderer::MergedView merged;
+    EXPECT_TRUE(renderer::make_cpu_renderer(workers)->render(views, eye, {.color = true}, merged));
+    cv::Mat bgr;
+    cv::cvtColor(cv::Mat(kHeight, kWidth, CV_8UC4, merged.color.data()), bgr, cv::COLOR_RGBA2BGR);
+    return bgr;
+  }
+
+  static Difference compare(const cv::Mat& streamed, const cv::Mat& undecoded) {
+    EXPECT_EQ(streamed.size(), undecoded.size());
+    if (streamed.size() != undecoded.size()) return {};
+    double squares = 0;
+    int both = 0, only_one = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const auto a = streamed.at<cv::Vec3b>(y, x), b = undecoded.at<cv::Vec3b>(y, x);
+        const bool in_a = a != cv::Vec3b(0, 0, 0), in_b = b != cv::Vec3b(0, 0, 0);
+        only_one += in_a != in_b;
+        if (!in_a || !in_b) continue;
+        ++both;
+        for (int c = 0; c < 3; ++c) squares += (a[c] - b[c]) * (a[c] - b[c]);
+      }
+    }
+    EXPECT_GT(both, kWidth * kHeight / 4);
+    const double mse = squares / (3.0 * std::max(both, 1));
+    const Difference difference{10 * std::log10(255.0 * 255.0 / std::max(mse, 1e-6)),
+                                100.0 * only_one / (both + only_one)};
+    std::cout << fmt::format("PSNR {:.1f} dB over {} pixels, {:.2f} % shown in only one\n", difference.psnr,
+                             both, difference.only_one_percent);
+    return difference;
+  }
+};
+
+TEST_F(Fidelity, StreamedAndUndecodedViewsOfTheSimulatedRoomAgree) {
+  const Difference difference = measure(recordings() / "scene.toml");
+  EXPECT_GE(difference.psnr, 30.0);
+  EXPECT_LE(difference.only_one_percent, 1.0);
+}
+
+TEST_F(Fidelity, StreamedAndUndecodedViewsOfARealOfficeAgree) {
+  const auto folder = real_recordings();
+  if (!folder || !std::filesystem::exists(*folder / "office_views.json")) {
+    GTEST_SKIP() << "SKIPPED: the real recordings are not on this machine (set COPRESENCE_RECORDINGS)";
+  }
+  std::ifstream file(*folder / "office_views.json");
+  const auto views = nlohmann::json::parse(file);
+  std::ofstream scene(room_.file("scene.toml"));
+  for (const auto& camera : views["cameras"]) {
+    const auto& k = views["intrinsics"];
+    scene << fmt::format(
+        "[[camera]]\nname = \"{0}\"\nsource = \"{1}\"\nwidth = 640\nheight = 480\nfx = {2}\nfy = {3}\ncx = "
+        "{4}\n"
+        "cy = {5}\nworld_from_camera = {6}\n",
+        camera["file"].get<std::string>(), (*folder / camera["file"]).string(), k["fx"].get<double>(),
+        k["fy"].get<double>(), k["cx"].get<double>(), k["cy"].get<double>(),
+        camera["world_from_camera"].dump());
+  }
+  scene.close();
+  const Difference difference = measure(room_.file("scene.toml"));
+  EXPECT_GE(difference.psnr, 30.0);
+  EXPECT_LE(difference.only_one_percent, 1.0);
+}
+
+}  // namespace
+}  // namespace copresence::testing

@@ -14,7 +14,7 @@
 namespace copresence::depth {
 
 /// The mean of the largest set of pixels in the 2x2 block at (x, y), both even, that lie within `tolerance`
-/// of one of them. Holes vote only among themselves. Requires values below 32768 in `depth`, tolerance >= 0.
+/// of one of them. Holes vote only among themselves. Requires tolerance >= 0.
 inline int agreed_value(const DepthImage& depth, const StateImage& states, int x, int y, int tolerance) {
   const std::uint16_t* const upper = depth.row(y).data() + x;
   const std::uint16_t* const lower = depth.row(y + 1).data() + x;

@@ -1,9 +1,11 @@
 #include "common/depth/codec_catalogue.h"
 
 #include <array>
+#include <charconv>
 #include <string>
 
 #include "common/depth/accuracy_codec.h"
+#include "common/depth/phase_codec.h"
 #include "common/depth/quantized_codec.h"
 #include "common/depth/spiral_codec.h"
 
@@ -12,15 +14,17 @@ namespace {
 
 template <PixelFormat kPicture>
 constexpr CodecEntry accuracy(std::string_view name) {
-  return {name, kPicture,
-          [](std::string_view, const DepthFormat& format) { return make_accuracy_encoder(format, kPicture); },
+  return {name, kPicture, false,
+          [](std::string_view, double, const DepthFormat& format) {
+            return make_accuracy_encoder(format, kPicture);
+          },
           make_accuracy_decoder};
 }
 
 template <bool kFold, bool kFullChroma, bool kFilter>
 constexpr CodecEntry spiral(std::string_view name) {
-  return {name, kFullChroma ? PixelFormat::kYuv444 : PixelFormat::kYuv420,
-          [](std::string_view own, const DepthFormat& format) {
+  return {name, kFullChroma ? PixelFormat::kYuv444 : PixelFormat::kYuv420, false,
+          [](std::string_view own, double, const DepthFormat& format) {
             return make_spiral_encoder(own, SpiralVariant{kFold, kFullChroma, kFilter}, format);
           },
           [](const DepthCodecDescription& description, const DepthFormat& format) {
@@ -31,10 +35,22 @@ constexpr CodecEntry spiral(std::string_view name) {
 template <std::unique_ptr<PlaneEncoder> (*kMake)(const DepthFormat&)>
 constexpr CodecEntry by_levels(std::string_view name) {
   return {
-      name, PixelFormat::kGray10, [](std::string_view, const DepthFormat& format) { return kMake(format); },
+      name, PixelFormat::kGray10, false,
+      [](std::string_view, double, const DepthFormat& format) { return kMake(format); },
       [](const DepthCodecDescription&, const DepthFormat& format) -> Result<std::unique_ptr<PlaneDecoder>> {
         return make_quantized_decoder(format);
       }};
+}
+
+template <Wave kWave>
+constexpr CodecEntry phase(std::string_view name) {
+  return {name, PixelFormat::kYuv420, true,
+          [](std::string_view own, double period_m, const DepthFormat& format) {
+            return make_phase_encoder(own, kWave, period_m, format);
+          },
+          [](const DepthCodecDescription& description, const DepthFormat& format) {
+            return make_phase_decoder(kWave, description, format);
+          }};
 }
 
 constexpr std::array kCatalogue{
@@ -50,6 +66,8 @@ constexpr std::array kCatalogue{
     spiral<true, false, false>("spiral-fold-nofilter"),
     spiral<false, true, false>("spiral-444-nofilter"),
     spiral<true, true, false>("spiral-fold-444-nofilter"),
+    phase<Wave::kTriangle>("triangle"),
+    phase<Wave::kSine>("direct"),
 };
 
 }  // namespace
@@ -65,6 +83,29 @@ Result<const CodecEntry*> find_codec(std::string_view name) {
     what += ' ' + std::string(entry.name);
   }
   return fail(ErrorCode::kInvalid, what);
+}
+
+Result<std::unique_ptr<PlaneEncoder>> make_encoder(std::string_view text, const DepthFormat& format) {
+  const std::size_t colon = text.find(':');
+  const auto codec = find_codec(text.substr(0, colon));
+  if (!codec) return fail(codec.error());
+  double period_m = kPeriodM;
+  if (colon != std::string_view::npos) {
+    constexpr std::string_view kPeriod = "period=";
+    const std::string_view parameter = text.substr(colon + 1);
+    const bool known = (*codec)->has_period && parameter.starts_with(kPeriod);
+    const char* const first = parameter.data() + kPeriod.size();
+    const char* const last = parameter.data() + parameter.size();
+    if (!known || std::from_chars(first, last, period_m).ptr != last || first == last) {
+      const std::string what = (*codec)->has_period ? "takes only period=METRES" : "takes no parameters";
+      return fail(ErrorCode::kInvalid, "depth codec " + std::string((*codec)->name) + ' ' + what + ", not '" +
+                                           std::string(parameter) + '\'');
+    }
+  }
+  if ((*codec)->has_period) {
+    if (const auto checked = check_period(period_m, format); !checked) return fail(checked.error());
+  }
+  return (*codec)->make_encoder((*codec)->name, period_m, format);
 }
 
 }  // namespace copresence::depth

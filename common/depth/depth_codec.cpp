@@ -42,9 +42,9 @@ Encoder& Encoder::operator=(Encoder&&) noexcept = default;
 
 Result<Encoder> Encoder::open(std::string_view codec_name, const DepthFormat& format) {
   if (const auto checked = check(format); !checked) return fail(checked.error());
-  const auto codec = find_codec(codec_name);
-  if (!codec) return fail(codec.error());
-  return Encoder(std::make_unique<Parts>((*codec)->make_encoder((*codec)->name, format), format));
+  auto planes = make_encoder(codec_name, format);
+  if (!planes) return fail(planes.error());
+  return Encoder(std::make_unique<Parts>(std::move(*planes), format));
 }
 
 const DepthCodecDescription& Encoder::description() const {

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "common/depth/depth_codec.h"
 #include "tools/depth_bench/baselines.h"
 #include "tools/depth_bench/codec_run.h"
 #include "tools/depth_bench/depth_recording.h"
@@ -61,7 +60,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
 }
 
 Result<std::vector<Row>> tune_all(const Settings& settings, const DepthRecording& recording) {
-  Progress progress(static_cast<int>(settings.rates_kbps.size() * depth::codec_names().size()));
+  Progress progress(static_cast<int>(settings.rates_kbps.size() * candidates().size()));
   std::vector<Row> all;
   for (const int kbps : settings.rates_kbps) {
     const auto rows = tune(recording, kbps, progress);

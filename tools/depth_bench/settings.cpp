@@ -46,11 +46,14 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       "depth_bench"};
   app.set_version_flag("--version", std::string("depth_bench ") + COPRESENCE_VERSION);
   app.add_option("RECORDING", settings.recording, "an .oni recording")->required()->check(CLI::ExistingFile);
-  app.add_option("--codec", settings.codecs,
-                 fmt::format("codecs, or all (default quantized): {}", fmt::join(known, ", ")))
+  app.add_option(
+         "--codec", settings.codecs,
+         fmt::format("codecs, or all (default quantized); triangle and direct also as NAME:period=METRES: {}",
+                     fmt::join(known, ", ")))
       ->delimiter(',')
       ->check([&](const std::string& name) {
-        const bool is_known = name == "all" || std::find(known.begin(), known.end(), name) != known.end();
+        const bool is_known = name == "all" || std::find(known.begin(), known.end(),
+                                                         name.substr(0, name.find(':'))) != known.end();
         return is_known ? std::string()
                         : fmt::format("there is no codec \"{}\"; choose from all, {}", name,
                                       fmt::join(known, ", "));

@@ -1,6 +1,7 @@
 #include "tools/depth_bench/tuning.h"
 
 #include <algorithm>
+#include <string>
 #include <tuple>
 
 #include "common/depth/depth_codec.h"
@@ -8,12 +9,20 @@
 
 namespace copresence::depth_bench {
 
+std::vector<std::string> candidates() {
+  std::vector<std::string> names(depth::codec_names().begin(), depth::codec_names().end());
+  for (const char* codec : {"triangle", "direct"}) {
+    for (const char* period : {"0.3", "1", "1.6"}) names.push_back(std::string(codec) + ":period=" + period);
+  }
+  return names;
+}
+
 Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, Progress& progress) {
   std::vector<Row> rows;
-  for (const std::string_view codec : depth::codec_names()) {
+  for (const std::string& codec : candidates()) {
     const Setting setting{std::nullopt, kbps};
-    progress.begin(std::string(codec) + ' ' + setting.text());
-    auto row = run_codec(recording, std::string(codec), setting);
+    progress.begin(codec + ' ' + setting.text());
+    auto row = run_codec(recording, codec, setting);
     if (!row) return fail(row.error());
     rows.push_back(std::move(*row));
   }

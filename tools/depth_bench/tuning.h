@@ -2,6 +2,7 @@
 
 // The best codec for a recording at a rate (thesis 5.1.2).
 
+#include <string>
 #include <vector>
 
 #include "tools/depth_bench/depth_recording.h"
@@ -10,7 +11,10 @@
 
 namespace copresence::depth_bench {
 
-/// Rows of every codec at the rate, the least RMSE in sensor steps first. Codecs that cannot hold the rate within a tenth come last.
+/// What tune() tries: every codec, and some with other parameters.
+std::vector<std::string> candidates();
+
+/// Rows of all candidates at the rate, the least RMSE in sensor steps first. Codecs that cannot hold the rate within a tenth come last.
 /// Fails as run_codec() does.
 Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, Progress& progress);
 

@@ -52,6 +52,7 @@ double bound_mm(std::string_view codec, double z) {
   if (codec == "quantized" || codec == "adaptive") return 0;
   if (codec == "accuracy8") return z * z * inverse_range / 510 * 1.02 + 0.5;
   if (codec == "accuracy10") return z * z * inverse_range / 2046 * 1.02 + 0.5;
+  if (codec == "triangle" || codec == "direct") return 600.0 / 1020 + 1;
   return 4600.0 / 8191 / 2 + 0.5;  // spiral, away from edges
 }
 
@@ -243,6 +244,20 @@ TEST(DepthCodec, NamesTheKnownCodecsWhereItDoesNotKnowOne) {
   for (const std::string_view name : codec_names())
     EXPECT_THAT(opened.error().what, HasSubstr(std::string(name)));
   EXPECT_FALSE(Decoder::open({"h265", PixelFormat::kGray8, {}}, kinect_format()));
+}
+
+TEST(DepthCodec, TakesAPeriodWhereTheCodecHasOne) {
+  const auto opened = Encoder::open("triangle:period=0.8", kinect_format());
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->description().name, "triangle");
+  EXPECT_EQ(opened->description().parameters.back(), (std::pair<std::string, double>("period", 800)));
+  for (const std::string_view wrong :
+       {"triangle:", "triangle:period=", "triangle:period=x", "triangle:period=0.8m", "triangle:period=0.01",
+        "triangle:period=9", "triangle:period=nan", "direct:phase=1", "quantized:period=0.8", "quantized:"}) {
+    const auto refused = Encoder::open(wrong, kinect_format());
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalid);
+  }
 }
 
 TEST(DepthCodec, RefusesShapesAndRangesThatCannotBe) {

@@ -11,7 +11,7 @@
 namespace copresence::depth {
 namespace {
 
-constexpr int kGroup = 16;  // pixels
+constexpr int kGroup = 8;  // pixels
 
 // States as two bit planes; a hole is in neither.
 struct Planes {
@@ -27,24 +27,43 @@ struct Models {
 
 // The neighbourhood of one group in one plane: pixel x of the group is bit x + 2 of every window.
 struct Windows {
-  std::uint64_t above2, above, before_above, before, before_below;
+  std::uint64_t above2, above, before, before_below;
 
   static Windows at(const BitPlane& now, const BitPlane& earlier, int x, int y) {
     return {BitPlane::window(now.row(y - 2), x - 2), BitPlane::window(now.row(y - 1), x - 2),
-            BitPlane::window(earlier.row(y - 1), x - 2), BitPlane::window(earlier.row(y), x - 2),
-            BitPlane::window(earlier.row(y + 1), x - 2)};
+            BitPlane::window(earlier.row(y), x - 2), BitPlane::window(earlier.row(y + 1), x - 2)};
   }
 };
 
-// All bits of a group and two to either side.
-constexpr std::uint64_t kWide = (std::uint64_t{1} << (kGroup + 4)) - 1;
+// What the rows around a row have in common, for one plane: bits set in all of them and in any of them.
+class RowsAround {
+ public:
+  explicit RowsAround(int width) : all_(row_words(width)), any_(all_.size()) {}
 
-bool all_set(const Windows& w, std::uint64_t left) {
-  return (w.above & w.before_above & w.before & w.before_below & kWide) == kWide && (left & 3) == 3;
-}
-bool all_clear(const Windows& w, std::uint64_t left) {
-  return ((w.above | w.before_above | w.before | w.before_below) & kWide) == 0 && (left & 3) == 0;
-}
+  void look(const BitPlane& now, const BitPlane& earlier, int y) {
+    const std::uint64_t* const above = now.row(y - 1) - 1;
+    const std::uint64_t* const before_above = earlier.row(y - 1) - 1;
+    const std::uint64_t* const before = earlier.row(y) - 1;
+    const std::uint64_t* const before_below = earlier.row(y + 1) - 1;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      all_[i] = above[i] & before_above[i] & before[i] & before_below[i];
+      any_[i] = above[i] | before_above[i] | before[i] | before_below[i];
+    }
+  }
+
+  // Whether all pixels around the group at x are set, or none is: in these rows, two to either side, and the two to the left.
+  bool all_set(int x, std::uint64_t left) const {
+    return (BitPlane::window(all_.data() + 1, x - 2) & kWide) == kWide && (left & 3) == 3;
+  }
+  bool all_clear(int x, std::uint64_t left) const {
+    return (BitPlane::window(any_.data() + 1, x - 2) & kWide) == 0 && (left & 3) == 0;
+  }
+
+ private:
+  static constexpr std::uint64_t kWide = (std::uint64_t{1} << (kGroup + 4)) - 1;
+  static std::size_t row_words(int width) { return static_cast<std::size_t>((width + 63) / 64 + 2); }
+  std::vector<std::uint64_t> all_, any_;  // with the planes' margin of a word on either side
+};
 
 // One walk for both directions. Coder::decide(model, bit) writes the bit, or reads and returns it.
 template <class Coder>
@@ -55,6 +74,8 @@ class Walk {
 
   void run() {
     for (int y = 0; y < height_; ++y) {
+      measured_around_.look(now_.measured, earlier_.measured, y);
+      filled_around_.look(now_.filled, earlier_.filled, y);
       std::uint64_t left_measured = 0, left_filled = 0;  // the pixels to the left, nearest in bit 0
       for (int x = 0; x < width_; x += kGroup) group(x, y, left_measured, left_filled);
     }
@@ -63,8 +84,6 @@ class Walk {
  private:
   void group(int x, int y, std::uint64_t& left_measured, std::uint64_t& left_filled) {
     const int count = std::min(kGroup, width_ - x);
-    const Windows measured = Windows::at(now_.measured, earlier_.measured, x, y);
-    const Windows filled = Windows::at(now_.filled, earlier_.filled, x, y);
     const std::uint64_t all = (std::uint64_t{1} << count) - 1;
     std::uint64_t* const row_measured = now_.measured.row(y) + (x >> 6);
     std::uint64_t* const row_filled = now_.filled.row(y) + (x >> 6);
@@ -73,13 +92,13 @@ class Walk {
 
     std::uint64_t expected_measured = 0, expected_filled = 0;
     bool uniform = true;
-    if (all_set(measured, left_measured)) {
+    if (measured_around_.all_set(x, left_measured)) {
       expected_measured = all;
-    } else if (!all_clear(measured, left_measured)) {
+    } else if (!measured_around_.all_clear(x, left_measured)) {
       uniform = false;
-    } else if (all_set(filled, left_filled)) {
+    } else if (filled_around_.all_set(x, left_filled)) {
       expected_filled = all;
-    } else if (!all_clear(filled, left_filled)) {
+    } else if (!filled_around_.all_clear(x, left_filled)) {
       uniform = false;
     }
     const int expected = expected_measured ? 1 : expected_filled ? 2 : 0;
@@ -90,7 +109,9 @@ class Walk {
       left_measured = expected_measured ? ~std::uint64_t{0} : 0;
       left_filled = expected_filled ? ~std::uint64_t{0} : 0;
     } else {
-      pixels(count, measured, filled, left_measured, left_filled, group_measured, group_filled);
+      pixels(count, Windows::at(now_.measured, earlier_.measured, x, y),
+             Windows::at(now_.filled, earlier_.filled, x, y), left_measured, left_filled, group_measured,
+             group_filled);
     }
     if constexpr (Coder::kReads) {
       *row_measured |= group_measured << shift;
@@ -128,6 +149,7 @@ class Walk {
   const Planes& earlier_;
   Planes& now_;
   const int width_, height_;
+  RowsAround measured_around_{width_}, filled_around_{width_};
 };
 
 struct Writer {

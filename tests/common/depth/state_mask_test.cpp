@@ -84,17 +84,17 @@ TEST(StateMask, MakesSomeMaskOfAnyBytes) {
 }
 
 TEST(StateMask, HasTheFormatThatIsDocumented) {
-  StateImage states(32, 4, DepthState::kMeasured);
+  StateImage states(64, 6, DepthState::kMeasured);
   for (int x = 5; x < 20; ++x) states(x, 2) = DepthState::kHole;
   for (int x = 9; x < 12; ++x) states(x, 2) = DepthState::kFilled;
-  StateMaskEncoder encoder(32, 4);
+  StateMaskEncoder encoder(64, 6);
   std::vector<std::uint8_t> bytes;
   encoder.encode(states, true, bytes);
-  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x7f, 0xff, 0xcb, 0x7a, 0x7e, 0xa2, 0x08, 0x41}));
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x7f, 0xff, 0xb1, 0x7c, 0xc3, 0x08, 0x1d, 0xc7}));
   states(6, 2) = DepthState::kMeasured;
   bytes.clear();
   encoder.encode(states, false, bytes);
-  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x00, 0x00, 0x00, 0xbf, 0x37, 0x7e, 0x81, 0xa8}));
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x00, 0x00, 0x00, 0x35, 0xe0, 0x6c, 0x16, 0x44, 0x60}));
 }
 
 }  // namespace

@@ -5,11 +5,19 @@
 
 #include "common/depth/codec_catalogue.h"
 #include "common/depth/completion.h"
+#include "common/depth/edge_repair.h"
 #include "common/depth/plane_codec.h"
 #include "common/depth/side_data_seal.h"
 #include "common/depth/state_mask.h"
 
 namespace copresence::depth {
+
+namespace {
+
+// The first byte before a state mask: whether the decoder gets the picture's samples as they were, or repairs edges.
+constexpr std::uint8_t kLossless = 0, kLossy = 1;
+
+}  // namespace
 
 std::span<const std::string_view> codec_names() {
   static const std::vector<std::string_view> names = [] {
@@ -32,6 +40,7 @@ struct Encoder::Parts {
   Completion completion;
   StateMaskEncoder mask;
   SideDataSeal seal;
+  std::uint8_t coding = kLossy;
   bool keyframe_due = true;
 };
 
@@ -52,6 +61,7 @@ const DepthCodecDescription& Encoder::description() const {
 }
 
 void Encoder::set_lossless(bool lossless) {
+  parts_->coding = lossless ? kLossless : kLossy;
   parts_->planes->set_lossless(lossless);
 }
 
@@ -63,6 +73,7 @@ Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& s
   parts.keyframe_due = true;  // until this frame is done
   const auto encoded = parts.planes->encode(parts.completion.depth(), parts.completion.states(), out);
   if (!encoded) return fail(encoded.error());
+  out.state_mask.push_back(parts.coding);
   parts.mask.encode(parts.completion.states(), out.keyframe, out.state_mask);
   parts.seal.close(out.keyframe, out.table, out.state_mask);
   parts.keyframe_due = false;
@@ -71,12 +82,17 @@ Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& s
 
 struct Decoder::Parts {
   Parts(std::unique_ptr<PlaneDecoder> planes_, const DepthFormat& format_, PixelFormat picture_)
-      : planes(std::move(planes_)), format(format_), picture(picture_), mask(format.width, format.height) {}
+      : planes(std::move(planes_)),
+        format(format_),
+        picture(picture_),
+        mask(format.width, format.height),
+        repair(format.unit) {}
 
   std::unique_ptr<PlaneDecoder> planes;
   DepthFormat format;
   PixelFormat picture;
   StateMaskDecoder mask;
+  EdgeRepair repair;
   SideDataSeal seal;
 };
 
@@ -113,12 +129,18 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
     return fail(ErrorCode::kCorrupt,
                 "state mask or level table are damaged, or a frame is missing before them");
   }
-  parts.mask.decode(*mask, planes.keyframe, states);
+  const std::uint8_t coding = mask->empty() ? std::uint8_t{255} : mask->front();
+  if (coding != kLossless && coding != kLossy) {
+    parts.seal.break_chain();
+    return fail(ErrorCode::kCorrupt, "a state mask does not say how its picture is coded");
+  }
+  parts.mask.decode(mask->subspan(1), planes.keyframe, states);
   depth.resize(parts.format.width, parts.format.height);
   if (const auto decoded = parts.planes->decode(planes, states, depth); !decoded) {
     parts.seal.break_chain();
     return fail(decoded.error());
   }
+  if (coding == kLossy) parts.repair.repair(depth);
   std::uint16_t* const z = depth.data();
   const DepthState* const state = states.data();
   const std::size_t size = depth.pixels().size();

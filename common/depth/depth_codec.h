@@ -36,7 +36,8 @@ class Encoder {
 
   const DepthCodecDescription& description() const;
 
-  /// Tells whether the pictures are coded without loss from the next frame on. It is off at first.
+  /// Tells whether the pictures are coded without loss from the next frame on. It is off at first: the decoder then repairs
+  /// edges that video coding blurred (edge_repair.h), and may take a true point between two surfaces for such a blur.
   void set_lossless(bool lossless);
 
   /// Depth and states as pictures and side data. Depth outside the range, and depth 0, is a hole whatever its

@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "common/depth/edge_repair.h"
 #include "tests/common/depth/scenes.h"
 
 namespace copresence::depth {
@@ -27,7 +28,9 @@ DepthFormat kinect_format(int width = 160, int height = 120) {
 class Stream {
  public:
   explicit Stream(std::string_view codec, DepthFormat format = kinect_format())
-      : encoder(*Encoder::open(codec, format)), decoder(*Decoder::open(encoder.description(), format)) {}
+      : encoder(*Encoder::open(codec, format)), decoder(*Decoder::open(encoder.description(), format)) {
+    encoder.set_lossless(true);
+  }
 
   PlanarDepth send(const Scene& scene, bool keyframe = false) {
     auto planes = encoder.encode(scene.depth, scene.state, keyframe);
@@ -101,6 +104,7 @@ TEST_P(EveryCodec, BringsDepthBackWithinItsBoundAndStatesExactly) {
 
 TEST_P(EveryCodec, KeepsHolesHolesAndDepthDepthWhateverVideoCodingDoesToThePicture) {
   Stream stream(GetParam());
+  stream.encoder.set_lossless(false);
   std::minstd_rand random(1);
   for (int time = 0; time < 3; ++time) {
     const Scene scene = kinect_scene(160, 120, time);
@@ -160,6 +164,7 @@ TEST_P(EveryCodec, TakesEveryValueThatSixteenBitsHold) {
     if (i == 0) scene.state.data()[i] = DepthState::kHole;
   }
   Stream stream(GetParam(), format);
+  stream.encoder.set_lossless(false);
   stream.carry(scene);
   EXPECT_EQ(stream.state, scene.state);
   for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i)
@@ -335,7 +340,8 @@ TEST_P(CodedByLevels, IsExactWhileLevelsAppearAndFilledPixelsAddNone) {
 Scene ramp(int width, int height) {
   Scene scene = flat_scene(width, height, 400);
   for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
-    scene.depth.data()[i] = static_cast<std::uint16_t>(400 + i % 4601);
+    const auto column = i % static_cast<std::size_t>(width), row = i / static_cast<std::size_t>(width);
+    scene.depth.data()[i] = static_cast<std::uint16_t>(2500 + column + 10 * row);
   }
   return scene;
 }
@@ -358,6 +364,37 @@ TEST_P(CodedByLevels, RefusesMoreLevelsThanCodesOnlyWhereItMustBeExact) {
     const double z = scene.depth.data()[i];
     ASSERT_NEAR(stream.depth.data()[i], z, bound_mm("accuracy10", z) + 1);
   }
+}
+
+TEST(EdgeRepair, PutsAPixelThatHangsBetweenTwoSurfacesBackOnTheNearerOne) {
+  DepthImage depth(16, 8, 1000);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 8; x < 16; ++x) depth(x, y) = 2000;
+  }
+  const DepthImage whole = depth;
+  EdgeRepair repair(DepthUnit::kMillimetre);
+  repair.repair(depth);
+  EXPECT_EQ(depth, whole) << "a clean edge stays";
+  for (int y = 0; y < 8; ++y) {
+    depth(7, y) = 1100;
+    depth(8, y) = 1700;
+  }
+  repair.repair(depth);
+  EXPECT_EQ(depth, whole);
+  for (int y = 0; y < 8; ++y) depth(8, y) = 1333;  // half way in steps: either may be right
+  const DepthImage unsure = depth;
+  repair.repair(depth);
+  EXPECT_EQ(depth, unsure);
+}
+
+TEST(EdgeRepair, LeavesSlantedSurfacesAlone) {
+  DepthImage depth(64, 48);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) depth(x, y) = static_cast<std::uint16_t>(1500 + 12 * x + 5 * y);
+  }
+  const DepthImage before = depth;
+  EdgeRepair(DepthUnit::kMillimetre).repair(depth);
+  EXPECT_EQ(depth, before);
 }
 
 TEST(Adaptive, LaysItsTableOutAnewWhereTheSceneHasLeftIt) {

@@ -1,0 +1,53 @@
+#include "common/depth/edge_repair.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace copresence::depth {
+namespace {
+
+constexpr int kReach = 2;          // pixels to either side
+constexpr float kEdgeSteps = 10;   // sides this far apart are two surfaces
+constexpr float kFlyingSteps = 5;  // from both of them
+constexpr float kSureShare =
+    0.3f;  // of the steps between the sides: a pixel nearer to the middle may belong to either
+
+}  // namespace
+
+EdgeRepair::EdgeRepair(DepthUnit unit)
+    : steps_per_inverse_unit_(static_cast<float>(1.0 / (sensor_step_m(1.0) * metres_per_unit(unit)))) {}
+
+void EdgeRepair::repair(DepthImage& depth) {
+  const int width = depth.width(), height = depth.height();
+  copy_.resize(static_cast<std::size_t>(width));
+  if (width > 2 * kReach) {
+    for (int y = 0; y < height; ++y) {
+      std::uint16_t* const row = depth.row(y).data();
+      std::copy_n(row, width, copy_.begin());
+      const std::uint16_t* const old = copy_.data();
+      repair_row(row + kReach, old, old + kReach, old + 2 * kReach, width - 2 * kReach);
+    }
+  }
+  // Downwards the side above is repaired already, which does no harm.
+  for (int y = kReach; y + kReach < height; ++y) {
+    std::uint16_t* const row = depth.row(y).data();
+    repair_row(row, depth.row(y - kReach).data(), row, depth.row(y + kReach).data(), width);
+  }
+}
+
+void EdgeRepair::repair_row(std::uint16_t* row, const std::uint16_t* before, const std::uint16_t* here,
+                            const std::uint16_t* behind, int count) const {
+  // |a - b| S / (a b) > k steps, as |a - b| S > k a b: no division, and all of it in vector instructions.
+  const float S = steps_per_inverse_unit_;
+  for (int i = 0; i < count; ++i) {
+    const float a = before[i], b = behind[i], c = here[i];
+    const float off_a = std::abs(c - a), off_b = std::abs(c - b);
+    const bool flying = (std::abs(a - b) * S > kEdgeSteps * a * b) & (off_a * S > kFlyingSteps * a * c) &
+                        (off_b * S > kFlyingSteps * b * c);
+    const float near_a = off_a * b, near_b = off_b * a;  // in steps times a b c / S
+    const bool sure = std::min(near_a, near_b) < kSureShare * std::abs(a - b) * c;
+    row[i] = flying & sure ? (near_a < near_b ? before[i] : behind[i]) : here[i];
+  }
+}
+
+}  // namespace copresence::depth

@@ -11,6 +11,7 @@
 #include "capture_server/settings.h"
 #include "capture_server/source.h"
 #include "capture_server/supervisor.h"
+#include "common/flow/keep_memory.h"
 #include "common/flow/stop_on_signal.h"
 
 namespace copresence::server {
@@ -48,6 +49,7 @@ int stream(const ServerSettings& settings, const wire::ListeningSocket& listenin
 int main(int argc, char** argv) {
   using namespace copresence;
   using namespace copresence::server;
+  flow::keep_memory_for_frames();
   const auto settings = read_command_line(argc, argv);
   if (!settings) return settings.error();
   if (settings->list) return list_devices();

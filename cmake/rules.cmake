@@ -19,7 +19,9 @@ target_compile_options(copresence_rules INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wno-sign-conversion
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>  # g++ 12 at -O3 sees one inside fmt's own parser
   # One result for one input, whatever the instruction set: no fused multiply-add behind our back.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # Nobody here looks at floating-point exceptions; believing in them keeps loops with comparisons from using vectors.
+  -fno-trapping-math -fno-math-errno)
 if(COPRESENCE_WERROR)
   target_compile_options(copresence_rules INTERFACE -Werror)
 endif()

@@ -96,6 +96,7 @@ void CameraReceiver::hand_over(const wire::FrameClient& client, RgbdFrame frame,
         known && known->world_from_camera ? *known->world_from_camera : frame.stamp.world_from_camera;
     clip(frame, stream->model, stream->unit, pose, *scene_->clip);
   }
+  smoothing_.smooth(frame.depth, stream->unit);
   const wire::ClockOffset clock = client.clock();
   statistics_.clock(clock.offset, clock.uncertainty);
   const Instant captured_at = clock.to_local(frame.stamp.captured_at);

@@ -16,6 +16,7 @@
 #include "common/result.h"
 #include "common/scene/scene.h"
 #include "common/wire/frame_client.h"
+#include "render_client/depth_smoothing.h"
 #include "render_client/frame_decoding.h"
 #include "render_client/statistics.h"
 
@@ -50,6 +51,7 @@ class CameraReceiver {
   const scene::Scene* scene_;
   flow::LatestOfEach<Received>& board_;
   CameraStatistics& statistics_;
+  DepthSmoothing smoothing_;
 };
 
 }  // namespace copresence::client

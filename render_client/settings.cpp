@@ -76,7 +76,8 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
       throw CLI::RequiredError("--connect HOST:PORT or --scene FILE");
     }
     if (settings.headless && settings.view == "mouse") {
-      throw CLI::ValidationError("--view mouse", "needs a window; with --headless choose path:FILE or opentrack");
+      throw CLI::ValidationError("--view mouse",
+                                 "needs a window; with --headless choose path:FILE or opentrack");
     }
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(app.exit(error) == 0 ? 0 : 2);

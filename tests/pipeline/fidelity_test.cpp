@@ -17,6 +17,7 @@
 #include "capture_server/source.h"
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
+#include "render_client/depth_smoothing.h"
 #include "render_client/renderer/cpu_renderer.h"
 #include "render_client/viewpoint/look_at.h"
 #include "tests/pipeline/running_room.h"
@@ -87,6 +88,7 @@ class Fidelity : public ::testing::Test {
         hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
         {camera.model.width, camera.model.height, (*source)->description().unit, DepthRange{}});
     EXPECT_TRUE((*filler)->fill(frame));
+    client::DepthSmoothing().smooth(frame.depth, (*source)->description().unit);
     return frame;
   }
 

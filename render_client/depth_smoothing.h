@@ -1,0 +1,31 @@
+#pragma once
+
+// Takes a sensor's and a codec's grain out of depth before it becomes a surface. A Kinect's levels lie 25 mm apart at
+// 3 m and coding adds a level or so; seen from the side that is a rough surface with ragged edges.
+//
+// Each value becomes the mean of its neighbours along the row, then along the column, as far as they lie on the same
+// surface: within a few sensor steps. Holes stay holes, nothing is mixed across a discontinuity, states are kept.
+// Thread: one thread at a time per object.
+
+#include <vector>
+
+#include "common/frame/depth_unit.h"
+#include "common/frame/rgbd_frame.h"
+
+namespace copresence::client {
+
+class DepthSmoothing {
+ public:
+  static constexpr int kRadius = 3;  ///< pixels
+  static constexpr float kSameSurface =
+      2.5f;  ///< sensor steps between a pixel and a neighbour of its surface
+
+  /// Changes depth only where it is not 0, by at most kSameSurface steps each way.
+  void smooth(DepthImage& depth, DepthUnit unit);
+
+ private:
+  std::vector<float> rows_;    // smoothed along the rows, with kRadius empty rows above and below
+  std::vector<float> padded_;  // one row with kRadius empty pixels on both sides
+};
+
+}  // namespace copresence::client

@@ -70,6 +70,7 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   stream.codec = depth->description();
 
   video::VideoSettings video_settings;
+  video_settings.effort = video::Effort::kLive;
   video_settings.depth_qp = settings.depth_qp;
   video_settings.depth_kbps = settings.depth_kbps;
   video_settings.color_kbps = settings.color_kbps;

@@ -17,8 +17,8 @@ struct ServerSettings {
   std::string source;  ///< openni:, openni:URI or a recording's path
   std::string listen = "127.0.0.1:7001";
   std::string name;  ///< the camera's; the recording's file name without its ending by default
-  std::string codec = "quantized";
-  int depth_qp = 10;  ///< 0 (lossless) to 51
+  std::string codec = "adaptive";
+  int depth_qp = 20;  ///< 0 (lossless) to 51
   std::optional<int> depth_kbps;  ///< everything depth costs; instead of depth_qp
   int color_kbps = 2500;
   hole_filling::Method hole_filling = hole_filling::Method::kJoint;

@@ -23,6 +23,7 @@ PictureRate color_rate(int kbps, double frames_per_second) {
 Result<FrameEncoder> FrameEncoder::open(const StreamDescription& stream, const VideoSettings& settings) {
   if (auto checked = check(settings); !checked) return fail(checked.error());
   PictureSettings depth_settings{.kind = PictureKind::kDepth,
+                                 .effort = settings.effort,
                                  .format = stream.codec.format,
                                  .width = stream.model.width,
                                  .height = stream.model.height,

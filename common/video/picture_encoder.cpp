@@ -46,14 +46,20 @@ constexpr const char* kColorOptions =
     // Of the intra kinds 8x8 alone is as good; weighting looks for fades.
     ":analyse=i8x8:weightp=0";
 
+// The same for machines that do much else: small partitions and CABAC are what time goes into.
+constexpr const char* kLiveDepthOptions =
+    "scenecut=0:psy=0:aq-mode=0:analyse=i4x4:deblock=2,2:no-deblock=0:deadzone-inter=11:deadzone-intra=11";
+constexpr const char* kLiveColorOptions = "scenecut=0:aq-mode=0";
+
 void set_presets(AVCodecContext& context, const PictureSettings& settings) {
-  set(context, "preset", "superfast");
+  const bool live = settings.effort == Effort::kLive;
+  set(context, "preset", live ? "ultrafast" : "superfast");
   set(context, "tune", "zerolatency");
   set(context, "forced-idr", "1");
   if (settings.kind == PictureKind::kDepth) {
-    set(context, "x264-params", kDepthOptions);
+    set(context, "x264-params", live ? kLiveDepthOptions : kDepthOptions);
   } else {
-    set(context, "x264-params", kColorOptions);
+    set(context, "x264-params", live ? kLiveColorOptions : kColorOptions);
     context.colorspace = AVCOL_SPC_SMPTE170M;  // the BT.601 matrix of common/color
     context.color_primaries = AVCOL_PRI_BT709;
     context.color_trc = AVCOL_TRC_IEC61966_2_1;

@@ -12,6 +12,7 @@
 
 #include "common/frame/picture.h"
 #include "common/result.h"
+#include "common/video/video_settings.h"
 #include "common/video/libav_owners.h"
 
 namespace copresence::video {
@@ -26,6 +27,7 @@ struct PictureRate {
 
 struct PictureSettings {
   PictureKind kind = PictureKind::kDepth;
+  Effort effort = Effort::kDense;
   PixelFormat format = PixelFormat::kGray8;
   int width = 0;  ///< even
   int height = 0;

@@ -78,8 +78,8 @@ TEST_F(Live, FramesEndsTheServerWithoutAnyClient) {
 }
 
 TEST_F(Live, EveryCodecShowsTheRoom) {
-  for (const char* codec :
-       {"accuracy8", "accuracy10", "spiral", "spiral-fold", "spiral-fold-444", "quantized"}) {
+  for (const char* codec : {"accuracy8", "accuracy10", "spiral", "spiral-fold", "spiral-fold-444",
+                            "quantized", "adaptive", "triangle", "direct"}) {
     RunningRoom room;
     room.serve(recordings() / "camera0.oni", {"--loop", "--codec", codec});
     const auto stats = room.view({"--frames", "5", "--size", "320x180"});

@@ -21,6 +21,7 @@
 #include "render_client/renderer/cpu_renderer.h"
 #include "render_client/viewpoint/look_at.h"
 #include "tests/pipeline/running_room.h"
+#include "tests/support/real_recordings.h"
 
 namespace copresence::testing {
 namespace {
@@ -153,11 +154,12 @@ TEST_F(Fidelity, StreamedAndUndecodedViewsOfTheSimulatedRoomAgree) {
 }
 
 TEST_F(Fidelity, StreamedAndUndecodedViewsOfARealOfficeAgree) {
-  const auto folder = real_recordings();
-  if (!folder || !std::filesystem::exists(*folder / "office_views.json")) {
+  const auto views_file = test::real_recording("office_views.json");
+  if (!views_file) {
     GTEST_SKIP() << "SKIPPED: the real recordings are not on this machine (set COPRESENCE_RECORDINGS)";
   }
-  std::ifstream file(*folder / "office_views.json");
+  const auto folder = std::filesystem::absolute(*views_file).parent_path();
+  std::ifstream file(*views_file);
   const auto views = nlohmann::json::parse(file);
   std::ofstream scene(room_.file("scene.toml"));
   for (const auto& camera : views["cameras"]) {
@@ -166,7 +168,7 @@ TEST_F(Fidelity, StreamedAndUndecodedViewsOfARealOfficeAgree) {
         "[[camera]]\nname = \"{0}\"\nsource = \"{1}\"\nwidth = 640\nheight = 480\nfx = {2}\nfy = {3}\ncx = "
         "{4}\n"
         "cy = {5}\nworld_from_camera = {6}\n",
-        camera["file"].get<std::string>(), (*folder / camera["file"]).string(), k["fx"].get<double>(),
+        camera["file"].get<std::string>(), (folder / camera["file"]).string(), k["fx"].get<double>(),
         k["fy"].get<double>(), k["cx"].get<double>(), k["cy"].get<double>(),
         camera["world_from_camera"].dump());
   }

@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <thread>
@@ -25,14 +24,6 @@ std::filesystem::path program(const std::string& name) {
 
 std::filesystem::path recordings() {
   return std::filesystem::path(COPRESENCE_ROOT) / "data/recordings";
-}
-
-std::optional<std::filesystem::path> real_recordings() {
-  const char* told = std::getenv("COPRESENCE_RECORDINGS");
-  const std::filesystem::path folder =
-      told ? std::filesystem::path(told) : std::filesystem::path(COPRESENCE_ROOT) / "../shared/recordings";
-  if (!std::filesystem::is_directory(folder)) return std::nullopt;
-  return folder;
 }
 
 TemporaryFolder::TemporaryFolder() {

@@ -18,10 +18,6 @@ std::filesystem::path program(const std::string& name);
 /// The project's data/recordings.
 std::filesystem::path recordings();
 
-/// Real sensors' recordings, where this machine has them: $COPRESENCE_RECORDINGS, else ../shared/recordings
-/// beside the project.
-std::optional<std::filesystem::path> real_recordings();
-
 /// A new empty folder, removed with everything in it at the end.
 class TemporaryFolder {
  public:

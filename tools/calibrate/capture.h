@@ -1,0 +1,64 @@
+#pragma once
+
+// What calibration reads: recordings, one per camera, as frames with colour and depth in one camera model.
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture_server/registration/registration.h"
+#include "capture_server/sensor/frame_source.h"
+#include "common/frame/rgbd_frame.h"
+#include "common/result.h"
+#include "common/scene/scene.h"
+
+namespace copresence::calibrate {
+
+/// NAME=FILE.oni of the command line.
+struct NamedRecording {
+  std::string name;  ///< the camera's, as in the scene file
+  std::string file;
+};
+
+/// `--recording NAME=FILE.oni`, once or more. A wrong one, or one name twice, is a wrong command line.
+CLI::Option* add_recording_option(CLI::App& parser, std::vector<NamedRecording>& recordings);
+
+/// One camera's recording, read frame by frame. Thread: one thread per object.
+class Capture {
+ public:
+  /// known   what the scene file says of this camera; nullptr where it says nothing. Its intrinsics win over the
+  ///         recording's own, its pose too.
+  /// Fails   as open_source() does, and kInvalid where the scene's picture size is not the recording's.
+  static Result<Capture> open(const NamedRecording& recording, const scene::Camera* known);
+
+  const std::string& name() const { return name_; }
+  const CameraModel& model() const {
+    return registration_.model();
+  }  ///< of depth, and of colour where there is
+  DepthUnit unit() const { return unit_; }
+  bool has_color() const { return has_color_; }
+  const std::optional<Rigid3>& world_from_camera() const { return world_from_camera_; }
+  std::optional<std::uint64_t> frames() const { return source_->description().frames; }
+
+  /// Fails  kEndOfStream after the last frame, else as FrameSource::next().
+  Result<RgbdFrame> next();
+
+ private:
+  Capture(std::string name, std::unique_ptr<sensor::FrameSource> source,
+          registration::Registration registration);
+
+  std::string name_;
+  std::unique_ptr<sensor::FrameSource> source_;
+  registration::Registration registration_;
+  DepthUnit unit_ = DepthUnit::kMillimetre;
+  bool has_color_ = false;
+  std::optional<Rigid3> world_from_camera_;
+};
+
+/// At most `most` frames, spread evenly over the recording.
+/// Fails  as Capture::next(), but not at the recording's end; kCorrupt where there is no frame at all.
+Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most);
+
+}  // namespace copresence::calibrate

@@ -1,0 +1,32 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+
+#include "common/version.h"
+#include "tools/calibrate/command.h"
+
+int main(int argc, char** argv) {
+  using namespace copresence::calibrate;
+  CLI::App program{
+      "Finds out how cameras see and where they stand, and how good that is, in millimetres. The guide is "
+      "docs/calibration.md.",
+      "calibrate"};
+  program.set_version_flag("--version", std::string("calibrate ") + copresence::kVersion);
+  program.require_subcommand(1);
+  const std::array commands{intrinsics_command(program), markers_command(program), refine_command(program),
+                            check_command(program)};
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? 0 : 2;
+  }
+  for (const Command& command : commands) {
+    if (!command.parser->parsed()) continue;
+    if (const auto done = command.run(); !done) {
+      fmt::print(stderr, "calibrate {}: {}\n", command.parser->get_name(), done.error().what);
+      return 1;
+    }
+  }
+  return 0;
+}

@@ -156,10 +156,6 @@ class Reader {
   std::optional<Error> error_;
 };
 
-bool looks_like_a_file(const std::string& source) {
-  return !source.empty() && !source.starts_with("openni:") && !source.starts_with("simulated:");
-}
-
 Camera read_camera(Reader& reader, const toml::table& table, const std::filesystem::path& folder) {
   reader.only_keys(table, {"name", "address", "width", "height", "fx", "fy", "cx", "cy", "distortion",
                            "world_from_camera", "source", "color", "color_matching", "calibration_error_mm"});
@@ -170,7 +166,7 @@ Camera read_camera(Reader& reader, const toml::table& table, const std::filesyst
   camera.model = reader.model(table);
   camera.world_from_camera = reader.pose(table, "world_from_camera");
   camera.source = reader.text(table, "source");
-  if (looks_like_a_file(camera.source)) camera.source = (folder / camera.source).lexically_normal().string();
+  if (is_recording(camera.source)) camera.source = (folder / camera.source).lexically_normal().string();
   if (const toml::node* node = table.get("color")) {
     const toml::table* color = node->as_table();
     if (!color) {
@@ -238,6 +234,10 @@ const Camera* Scene::find(std::string_view name) const {
   const auto found =
       std::find_if(cameras.begin(), cameras.end(), [&](const Camera& camera) { return camera.name == name; });
   return found == cameras.end() ? nullptr : &*found;
+}
+
+bool is_recording(std::string_view source) {
+  return !source.empty() && !source.starts_with("openni:") && !source.starts_with("simulated:");
 }
 
 Result<Scene> parse(std::string_view text, const std::filesystem::path& path) {

@@ -6,28 +6,23 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/scene/write_scene.h"
+
 namespace copresence::simulate_kinect {
 
 std::string scene_toml(const CameraModel& model, std::span<const Rigid3> poses, const std::string& made_by) {
-  std::string text = fmt::format(
-      "# Made by: {}\n# Metres; the world is x right, y down, z forward, its floor at y = 0.\nup = [0, -1, "
-      "0]\n",
-      made_by);
+  scene::Scene scene;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Eigen::Matrix4d m = poses[i].matrix().array() + 0.0;  // no -0
-    text += fmt::format(
-        "\n[[camera]]\nname = \"camera{0}\"\naddress = \"127.0.0.1:{1}\"\nwidth = {2}\nheight = {3}\nfx = "
-        "{4:.6f}\nfy = {5:.6f}\n"
-        "cx = {6:.6f}\ncy = {7:.6f}\n",
-        i, 7001 + i, model.width, model.height, model.fx, model.fy, model.cx, model.cy);
-    text += "world_from_camera = [";
-    for (int r = 0; r < 4; ++r) {
-      text += fmt::format("{}[{:.12g}, {:.12g}, {:.12g}, {:.12g}]", r == 0 ? "" : ", ", m(r, 0), m(r, 1),
-                          m(r, 2), m(r, 3));
-    }
-    text += fmt::format("]\nsource = \"camera{}.oni\"\n", i);
+    scene::Camera& camera = scene.cameras.emplace_back();
+    camera.name = fmt::format("camera{}", i);
+    camera.address = fmt::format("127.0.0.1:{}", 7001 + i);
+    camera.model = model;
+    camera.world_from_camera = poses[i];
+    camera.source = camera.name + ".oni";
   }
-  return text;
+  return fmt::format("# Made by: {}\n# The world is x right, y down, z forward, its floor at y = 0.\n",
+                     made_by) +
+         scene::to_toml(scene, "scene.toml");
 }
 
 Result<void> write_text(const std::filesystem::path& path, const std::string& text) {

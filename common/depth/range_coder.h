@@ -23,12 +23,13 @@ class AdaptiveBit {
   std::uint32_t probability_of_one() const { return probability_; }
 
   void learn(bool bit) {
-    const std::int32_t target = bit ? 65535 : 0;
+    const std::int32_t target = bit ? 65536 - kLeast : kLeast;
     probability_ = static_cast<std::uint16_t>(probability_ + ((target - probability_) * kRate[seen_] >> 15));
     seen_ = static_cast<std::uint16_t>(seen_ + (seen_ < kMemory));
   }
 
  private:
+  static constexpr std::int32_t kLeast = 32;  // of 65536: certainty costs 1/1400 bit
   static constexpr int kMemory = 160;  // decisions; the best of 40 to 400 on moving and static recordings
   static constexpr std::array<std::int32_t, kMemory + 1> kRate = [] {
     std::array<std::int32_t, kMemory + 1> rate{};
@@ -40,8 +41,14 @@ class AdaptiveBit {
   std::uint16_t seen_ = 0;
 };
 
+/// A cursor into a caller's room: small and copied freely, so that a loop can keep it in registers.
 class RangeEncoder {
  public:
+  /// What is left to write into must at any time be kMostBytes a decision, and kEndBytes.
+  static constexpr std::size_t kMostBytes = 2, kEndBytes = 2;
+
+  explicit RangeEncoder(std::uint8_t* room) : next_(room) {}
+
   void encode(AdaptiveBit& model, bool bit) {
     const std::uint32_t split = split_of(range_, model);
     const std::uint32_t one =
@@ -55,39 +62,32 @@ class RangeEncoder {
     }
   }
 
-  /// Appends what was encoded to `out` and starts anew.
-  void finish(std::vector<std::uint8_t>& out);
+  /// Writes what is left to write and returns the end of the bytes; those of zero at the end may be left off.
+  std::uint8_t* finish();
+
+  /// Goes on in another room that begins with what was written so far.
+  void move_to(std::uint8_t* next) { next_ = next; }
+  std::uint8_t* next() const { return next_; }
 
   /// The part of [0, range) that stands for 1: never empty, never all.
   static std::uint32_t split_of(std::uint32_t range, const AdaptiveBit& model) {
-    const std::uint32_t p = model.probability_of_one();
-    return (range >> 16) * (p < kLeast ? kLeast : p > 65536 - kLeast ? 65536 - kLeast : p);
+    return (range >> 16) * model.probability_of_one();
   }
 
   static constexpr std::uint32_t kBottom = 1u << 24;
 
  private:
-  static constexpr std::uint32_t kLeast = 32;  // of 65536: certainty costs 1/1400 bit
-
   void shift_low() {
-    if (low_ < 0xff000000u || low_ > 0xffffffffu) {
-      const auto carry = static_cast<std::uint8_t>(low_ >> 32);
-      if (started_) bytes_.push_back(static_cast<std::uint8_t>(held_ + carry));
-      for (; pending_; --pending_) bytes_.push_back(static_cast<std::uint8_t>(0xff + carry));
-      held_ = static_cast<std::uint8_t>(low_ >> 24);
-      started_ = true;
-    } else {
-      ++pending_;
+    if (low_ >> 32) {
+      for (std::uint8_t* byte = next_ - 1; ++*byte == 0;) --byte;  // the first byte never overflows
     }
+    *next_++ = static_cast<std::uint8_t>(low_ >> 24);
     low_ = (low_ & 0x00ffffffu) << 8;
   }
 
-  std::vector<std::uint8_t> bytes_;
+  std::uint8_t* next_;
   std::uint64_t low_ = 0;
   std::uint32_t range_ = 0xffffffffu;
-  std::size_t pending_ = 0;  // bytes of 0xff that wait for a carry
-  std::uint8_t held_ = 0;
-  bool started_ = false;
 };
 
 class RangeDecoder {

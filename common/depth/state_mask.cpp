@@ -2,30 +2,31 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
-#include <cstring>
 
 #include "common/depth/bit_plane.h"
 #include "common/depth/range_coder.h"
+#include "common/depth/state_planes.h"
+#include "common/depth/state_surroundings.h"
 
 namespace copresence::depth {
 namespace {
 
-constexpr int kGroup = 8;  // pixels
-
-// States as two bit planes; a hole is in neither.
-struct Planes {
-  BitPlane measured, filled;
-  void clear() { measured.clear(), filled.clear(); }
-};
+// A run of pixels that is not all as expected is halved until it is shorter than twice this.
+constexpr int kLeastRun = 8;
+constexpr int kStretch = 48;               // pixels that are looked at with one set of windows
+constexpr std::size_t kMostDecisions = 4;  // a pixel: measured, filled, and less than two for runs
 
 struct Models {
   std::array<AdaptiveBit, 1 << 17> measured;
   std::array<AdaptiveBit, 1 << 12> filled;
-  std::array<AdaptiveBit, 3> as_expected;  // by the expected state
+  // By the expected state, by whether not all of the run can be so, and by the bits of its length.
+  std::array<std::array<std::array<AdaptiveBit, 14>, 2>, 3> as_expected;
+  AdaptiveBit any_filled;
 };
 
-// The neighbourhood of one group in one plane: pixel x of the group is bit x + 2 of every window.
+// The neighbourhood of a stretch in one plane: pixel x of it is bit x + 2 of every window.
 struct Windows {
   std::uint64_t above2, above, before, before_below;
 
@@ -35,129 +36,165 @@ struct Windows {
   }
 };
 
-// What the rows around a row have in common, for one plane: bits set in all of them and in any of them.
-class RowsAround {
- public:
-  explicit RowsAround(int width) : all_(row_words(width)), any_(all_.size()) {}
-
-  void look(const BitPlane& now, const BitPlane& earlier, int y) {
-    const std::uint64_t* const above = now.row(y - 1) - 1;
-    const std::uint64_t* const before_above = earlier.row(y - 1) - 1;
-    const std::uint64_t* const before = earlier.row(y) - 1;
-    const std::uint64_t* const before_below = earlier.row(y + 1) - 1;
-    for (std::size_t i = 0; i < all_.size(); ++i) {
-      all_[i] = above[i] & before_above[i] & before[i] & before_below[i];
-      any_[i] = above[i] | before_above[i] | before[i] | before_below[i];
-    }
-  }
-
-  // Whether all pixels around the group at x are set, or none is: in these rows, two to either side, and the two to the left.
-  bool all_set(int x, std::uint64_t left) const {
-    return (BitPlane::window(all_.data() + 1, x - 2) & kWide) == kWide && (left & 3) == 3;
-  }
-  bool all_clear(int x, std::uint64_t left) const {
-    return (BitPlane::window(any_.data() + 1, x - 2) & kWide) == 0 && (left & 3) == 0;
-  }
-
- private:
-  static constexpr std::uint64_t kWide = (std::uint64_t{1} << (kGroup + 4)) - 1;
-  static std::size_t row_words(int width) { return static_cast<std::size_t>((width + 63) / 64 + 2); }
-  std::vector<std::uint64_t> all_, any_;  // with the planes' margin of a word on either side
-};
-
 // One walk for both directions. Coder::decide(model, bit) writes the bit, or reads and returns it.
 template <class Coder>
 class Walk {
  public:
-  Walk(Models& models, Coder& coder, const Planes& earlier, Planes& now, int width, int height)
+  Walk(Models& models, Coder& coder, const StatePlanes& earlier, StatePlanes& now, int width, int height)
       : models_(models), coder_(coder), earlier_(earlier), now_(now), width_(width), height_(height) {}
 
-  void run() {
+  void run(bool any_filled) {
+    any_filled_ = coder_.decide(models_.any_filled, any_filled);
     for (int y = 0; y < height_; ++y) {
-      measured_around_.look(now_.measured, earlier_.measured, y);
-      filled_around_.look(now_.filled, earlier_.filled, y);
-      std::uint64_t left_measured = 0, left_filled = 0;  // the pixels to the left, nearest in bit 0
-      for (int x = 0; x < width_; x += kGroup) group(x, y, left_measured, left_filled);
+      surroundings_.look(now_, earlier_, y);
+      row(y);
     }
   }
 
  private:
-  void group(int x, int y, std::uint64_t& left_measured, std::uint64_t& left_filled) {
-    const int count = std::min(kGroup, width_ - x);
-    const std::uint64_t all = (std::uint64_t{1} << count) - 1;
-    std::uint64_t* const row_measured = now_.measured.row(y) + (x >> 6);
-    std::uint64_t* const row_filled = now_.filled.row(y) + (x >> 6);
-    const int shift = x & 63;
-    std::uint64_t group_measured = *row_measured >> shift & all, group_filled = *row_filled >> shift & all;
+  void row(int y) {
+    coder_.expect(kMostDecisions * static_cast<std::size_t>(width_));
+    Coder coder = coder_;  // in registers
+    left_measured_ = left_filled_ = 0;
+    std::uint64_t* const measured = now_.measured.row(y);
+    std::uint64_t* const filled = now_.filled.row(y);
+    int odd_until = 0;  // up to there not all pixels are as expected
+    for (int x = 0; x < width_;) {
+      const int state = state_to_the_left();
+      const bool odd = x < odd_until;
+      int count = odd         ? odd_until - x
+                  : state < 0 ? 0
+                              : surroundings_.alike(state).run_of(true, x, width_ - x);
+      if (count > 0 && !(odd && count < 2 * kLeastRun)) {
+        if (odd) count /= 2;
+        AdaptiveBit& model = models_.as_expected[state][odd][std::bit_width(static_cast<unsigned>(count))];
+        if (coder.decide(model, !Coder::kReads && all_are(state, measured, filled, x, count))) {
+          if constexpr (Coder::kReads) {
+            if (state == 1) set(measured, x, count);
+            if (state == 2) set(filled, x, count);
+          }
+          left_measured_ = state == 1 ? ~std::uint64_t{0} : 0;
+          left_filled_ = state == 2 ? ~std::uint64_t{0} : 0;
+          x += count;
+        } else {
+          odd_until = x + count;
+        }
+        continue;
+      }
+      if (count == 0)
+        count = std::max(surroundings_.any().run_of(false, x, std::min(kStretch, width_ - x)),
+                         std::min(2, width_ - x));
+      pixels(coder, x, y, count, measured, filled);
+      x += count;
+    }
+    coder_ = coder;
+  }
 
-    std::uint64_t expected_measured = 0, expected_filled = 0;
-    bool uniform = true;
-    if (measured_around_.all_set(x, left_measured)) {
-      expected_measured = all;
-    } else if (!measured_around_.all_clear(x, left_measured)) {
-      uniform = false;
-    } else if (filled_around_.all_set(x, left_filled)) {
-      expected_filled = all;
-    } else if (!filled_around_.all_clear(x, left_filled)) {
-      uniform = false;
+  // The state of the two pixels to the left; -1 where they differ.
+  int state_to_the_left() const {
+    const std::uint64_t m = left_measured_ & 3, f = left_filled_ & 3;
+    return m == 3 ? 1 : m != 0 ? -1 : f == 3 ? 2 : f != 0 ? -1 : 0;
+  }
+
+  static std::uint64_t bits(int first, int end) {  // of a word, 0 <= first < end <= 64
+    return (~std::uint64_t{0} >> (64 - (end - first))) << first;
+  }
+
+  static bool all_are(int state, const std::uint64_t* measured, const std::uint64_t* filled, int x,
+                      int count) {
+    for (const int end = x + count; x < end;) {
+      const int word = x >> 6, stop = std::min(end, (word + 1) << 6);
+      const std::uint64_t mask = bits(x & 63, stop - (word << 6));
+      if ((measured[word] & mask) != (state == 1 ? mask : 0)) return false;
+      if ((filled[word] & mask) != (state == 2 ? mask : 0)) return false;
+      x = stop;
     }
-    const int expected = expected_measured ? 1 : expected_filled ? 2 : 0;
-    if (uniform && coder_.decide(models_.as_expected[expected],
-                                 group_measured == expected_measured && group_filled == expected_filled)) {
-      group_measured = expected_measured;
-      group_filled = expected_filled;
-      left_measured = expected_measured ? ~std::uint64_t{0} : 0;
-      left_filled = expected_filled ? ~std::uint64_t{0} : 0;
-    } else {
-      pixels(count, Windows::at(now_.measured, earlier_.measured, x, y),
-             Windows::at(now_.filled, earlier_.filled, x, y), left_measured, left_filled, group_measured,
-             group_filled);
-    }
-    if constexpr (Coder::kReads) {
-      *row_measured |= group_measured << shift;
-      *row_filled |= group_filled << shift;
+    return true;
+  }
+
+  static void set(std::uint64_t* row, int x, int count) {
+    for (const int end = x + count; x < end;) {
+      const int word = x >> 6, stop = std::min(end, (word + 1) << 6);
+      row[word] |= bits(x & 63, stop - (word << 6));
+      x = stop;
     }
   }
 
-  void pixels(int count, Windows m, Windows f, std::uint64_t& left_measured, std::uint64_t& left_filled,
-              std::uint64_t& group_measured, std::uint64_t& group_filled) {
+  // Decides pixels one by one.
+  void pixels(Coder& coder, int x, int y, int count, std::uint64_t* measured, std::uint64_t* filled) {
+    Windows m = Windows::at(now_.measured, earlier_.measured, x, y);
+    Windows f{};
+    if (any_filled_) f = Windows::at(now_.filled, earlier_.filled, x, y);
+    std::uint64_t known_measured = 0, known_filled = 0;
+    if constexpr (!Coder::kReads) {
+      known_measured = BitPlane::window(measured, x);
+      known_filled = BitPlane::window(filled, x);
+    }
     std::uint64_t got_measured = 0, got_filled = 0;
+    std::uint64_t left_measured = left_measured_, left_filled = left_filled_;
+    const auto known_context = [&] {  // all of it but the pixels to the left
+      return (m.above & 31) << 3 | (m.above2 >> 1 & 7) << 8 | (m.before >> 1 & 7) << 11 |
+             (m.before_below >> 1 & 7) << 14;
+    };
+    std::uint64_t next_context = known_context();
     for (int i = 0; i < count; ++i) {
-      const std::uint64_t context = (left_measured & 7) | (m.above & 31) << 3 | (m.above2 >> 1 & 7) << 8 |
-                                    (m.before >> 1 & 7) << 11 | (m.before_below >> 1 & 7) << 14;
-      const bool is_measured = coder_.decide(models_.measured[context], group_measured >> i & 1);
+      const std::uint64_t context = (left_measured & 7) | next_context;
+      const std::uint64_t m_above = m.above, m_before = m.before;
+      m.above >>= 1, m.above2 >>= 1, m.before >>= 1, m.before_below >>= 1;
+      next_context = known_context();
+      __builtin_prefetch(
+          &models_.measured[next_context]);  // the eight it may be lie in one line of the cache
+      const bool is_measured = coder.decide(models_.measured[context], known_measured >> i & 1);
       bool is_filled = false;
-      if (!is_measured) {
+      if (any_filled_ && !is_measured) {
         const std::uint64_t filled_context =
-            (left_filled & 3) | (left_measured & 1) << 2 | (f.above >> 1 & 7) << 3 | (m.above >> 2 & 1) << 6 |
-            (f.before >> 1 & 7) << 7 | (m.before >> 2 & 1) << 10 | (f.before_below >> 2 & 1) << 11;
-        is_filled = coder_.decide(models_.filled[filled_context], group_filled >> i & 1);
+            (left_filled & 3) | (left_measured & 1) << 2 | (f.above >> 1 & 7) << 3 | (m_above >> 2 & 1) << 6 |
+            (f.before >> 1 & 7) << 7 | (m_before >> 2 & 1) << 10 | (f.before_below >> 2 & 1) << 11;
+        is_filled = coder.decide(models_.filled[filled_context], known_filled >> i & 1);
       }
       got_measured |= std::uint64_t{is_measured} << i;
       got_filled |= std::uint64_t{is_filled} << i;
       left_measured = left_measured << 1 | std::uint64_t{is_measured};
       left_filled = left_filled << 1 | std::uint64_t{is_filled};
-      m.above >>= 1, m.above2 >>= 1, m.before >>= 1, m.before_below >>= 1;
       f.above >>= 1, f.before >>= 1, f.before_below >>= 1;
     }
-    group_measured = got_measured;
-    group_filled = got_filled;
+    left_measured_ = left_measured;
+    left_filled_ = left_filled;
+    if constexpr (Coder::kReads) {
+      put(measured, x, got_measured);
+      put(filled, x, got_filled);
+    }
+  }
+
+  static void put(std::uint64_t* row, int x, std::uint64_t got) {
+    row[x >> 6] |= got << (x & 63);
+    row[(x >> 6) + 1] |= got >> 1 >> (63 - (x & 63));
   }
 
   Models& models_;
   Coder& coder_;
-  const Planes& earlier_;
-  Planes& now_;
+  const StatePlanes& earlier_;
+  StatePlanes& now_;
   const int width_, height_;
-  RowsAround measured_around_{width_}, filled_around_{width_};
+  StateSurroundings surroundings_{width_};
+  std::uint64_t left_measured_ = 0, left_filled_ = 0;  // the pixels to the left, nearest in bit 0
+  bool any_filled_ = false;
 };
 
 struct Writer {
   static constexpr bool kReads = false;
-  RangeEncoder range;
+  std::vector<std::uint8_t>* room;
+  RangeEncoder range{room->data()};
   bool decide(AdaptiveBit& model, bool bit) {
     range.encode(model, bit);
     return bit;
+  }
+  void expect(std::size_t decisions) {
+    const auto used = static_cast<std::size_t>(range.next() - room->data());
+    const std::size_t needed = used + decisions * RangeEncoder::kMostBytes + RangeEncoder::kEndBytes;
+    if (needed <= room->size()) return;
+    room->resize(2 * needed);
+    range.move_to(room->data() + used);
   }
 };
 
@@ -165,61 +202,8 @@ struct Reader {
   static constexpr bool kReads = true;
   RangeDecoder range;
   bool decide(AdaptiveBit& model, bool) { return range.decode(model); }
+  void expect(std::size_t) {}
 };
-
-// Eight states (bytes of 0, 1 or 2) to eight bits of each plane: a multiplication gathers the lowest bits of
-// eight bytes.
-constexpr std::uint64_t kLowBits = 0x0101010101010101u;
-std::uint64_t gather_low_bits(std::uint64_t bytes) {
-  return (bytes & kLowBits) * 0x0102040810204080u >> 56;
-}
-
-void pack(const StateImage& states, Planes& planes) {
-  const int width = states.width();
-  for (int y = 0; y < states.height(); ++y) {
-    const auto* from = reinterpret_cast<const std::uint8_t*>(states.row(y).data());
-    std::uint64_t* measured = planes.measured.row(y);
-    std::uint64_t* filled = planes.filled.row(y);
-    for (int x = 0; x < width; x += 64) {
-      std::uint64_t m = 0, f = 0;
-      for (int i = 0; i < 64 && x + i < width; i += 8) {
-        std::uint64_t eight = 0;
-        std::memcpy(&eight, from + x + i, static_cast<std::size_t>(std::min(8, width - x - i)));
-        m |= gather_low_bits(eight) << i;
-        f |= gather_low_bits(eight >> 1) << i;
-      }
-      measured[x >> 6] = m;
-      filled[x >> 6] = f;
-    }
-  }
-}
-
-// Eight bits to eight bytes of 0 or 1, by table.
-constexpr std::array<std::uint64_t, 256> kSpread = [] {
-  std::array<std::uint64_t, 256> spread{};
-  for (int bits = 0; bits < 256; ++bits) {
-    for (int i = 0; i < 8; ++i) spread[bits] |= static_cast<std::uint64_t>(bits >> i & 1) << 8 * i;
-  }
-  return spread;
-}();
-
-void unpack(const Planes& planes, StateImage& states) {
-  const int width = states.width();
-  for (int y = 0; y < states.height(); ++y) {
-    auto* to = reinterpret_cast<std::uint8_t*>(states.row(y).data());
-    const std::uint64_t* measured = planes.measured.row(y);
-    const std::uint64_t* filled = planes.filled.row(y);
-    for (int x = 0; x < width; x += 8) {
-      const int shift = x & 63;
-      const std::uint64_t eight =
-          kSpread[measured[x >> 6] >> shift & 255] | kSpread[filled[x >> 6] >> shift & 255] << 1;
-      std::memcpy(to + x, &eight, static_cast<std::size_t>(std::min(8, width - x)));
-    }
-  }
-}
-
-static_assert(static_cast<int>(DepthState::kHole) == 0 && static_cast<int>(DepthState::kMeasured) == 1 &&
-              static_cast<int>(DepthState::kFilled) == 2);
 
 }  // namespace
 
@@ -233,12 +217,14 @@ struct StateMaskMemory {
     earlier.clear();
     models.measured.fill({});
     models.filled.fill({});
-    models.as_expected.fill({});
+    models.as_expected = {};
+    models.any_filled = {};
   }
 
   int width, height;
-  Planes now, earlier;
+  StatePlanes now, earlier;
   Models models;
+  std::vector<std::uint8_t> room;  // of the encoder
 };
 
 StateMaskEncoder::StateMaskEncoder(int width, int height)
@@ -251,10 +237,14 @@ void StateMaskEncoder::encode(const StateImage& states, bool complete, std::vect
   StateMaskMemory& memory = *memory_;
   assert(states.width() == memory.width && states.height() == memory.height);
   memory.next(complete);
-  pack(states, memory.now);
-  Writer writer;
-  Walk(memory.models, writer, memory.earlier, memory.now, memory.width, memory.height).run();
-  writer.range.finish(out);
+  const bool any_filled = pack(states, memory.now);
+  Writer writer{&memory.room};
+  writer.expect(1);
+  Walk(memory.models, writer, memory.earlier, memory.now, memory.width, memory.height).run(any_filled);
+  const std::uint8_t* end = writer.range.finish();
+  const std::uint8_t* const begin = memory.room.data();
+  while (end != begin && end[-1] == 0) --end;
+  out.insert(out.end(), begin, end);
 }
 
 StateMaskDecoder::StateMaskDecoder(int width, int height)
@@ -268,7 +258,7 @@ void StateMaskDecoder::decode(std::span<const std::uint8_t> bytes, bool complete
   memory.next(complete);
   memory.now.clear();
   Reader reader{RangeDecoder(bytes)};
-  Walk(memory.models, reader, memory.earlier, memory.now, memory.width, memory.height).run();
+  Walk(memory.models, reader, memory.earlier, memory.now, memory.width, memory.height).run(false);
   states.resize(memory.width, memory.height);
   unpack(memory.now, states);
 }

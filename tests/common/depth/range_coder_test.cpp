@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -26,11 +27,11 @@ std::vector<Decision> decisions(double probability, int count) {
 
 std::vector<std::uint8_t> write(const std::vector<Decision>& list) {
   std::array<AdaptiveBit, 3> models;
-  RangeEncoder encoder;
+  std::vector<std::uint8_t> room(list.size() * RangeEncoder::kMostBytes + RangeEncoder::kEndBytes);
+  RangeEncoder encoder(room.data());
   for (const Decision& d : list) encoder.encode(models[d.model], d.bit);
-  std::vector<std::uint8_t> bytes;
-  encoder.finish(bytes);
-  return bytes;
+  room.resize(static_cast<std::size_t>(encoder.finish() - room.data()));
+  return room;
 }
 
 TEST(RangeCoder, ReadsWhatItWroteWhateverTheOdds) {
@@ -51,12 +52,12 @@ TEST(RangeCoder, CarriesThroughLongRunsOfOnes) {
   // through.
   for (int run = 1; run < 400; ++run) {
     AdaptiveBit zeros;
-    RangeEncoder encoder;
+    std::vector<std::uint8_t> bytes(1000);
+    RangeEncoder encoder(bytes.data());
     for (int i = 0; i < run; ++i) encoder.encode(zeros, false);
     AdaptiveBit other;
     for (int i = 0; i < 9; ++i) encoder.encode(other, i % 2 == 0);
-    std::vector<std::uint8_t> bytes;
-    encoder.finish(bytes);
+    bytes.resize(static_cast<std::size_t>(encoder.finish() - bytes.data()));
     AdaptiveBit zeros_again, other_again;
     RangeDecoder decoder(bytes);
     for (int i = 0; i < run; ++i) ASSERT_FALSE(decoder.decode(zeros_again));
@@ -71,15 +72,29 @@ TEST(RangeCoder, WritesNearTheEntropy) {
   EXPECT_LT(bits, count * (1.0 + 2 * entropy) / 3 * 1.02);
 }
 
-TEST(RangeCoder, CanBeUsedAgainAfterFinishing) {
-  RangeEncoder encoder;
-  std::vector<std::uint8_t> first, second;
-  for (auto* bytes : {&first, &second}) {
-    AdaptiveBit model;
-    for (int i = 0; i < 100; ++i) encoder.encode(model, i % 3 == 0);
-    encoder.finish(*bytes);
+TEST(RangeCoder, ReadsOnWhereItsBytesEnd) {
+  const std::vector<Decision> list(3000, {0, false});
+  std::vector<std::uint8_t> bytes = write(list);
+  while (!bytes.empty() && bytes.back() == 0) bytes.pop_back();
+  AdaptiveBit model;
+  RangeDecoder decoder(bytes);
+  for (const Decision& d : list) ASSERT_EQ(decoder.decode(model), d.bit);
+}
+
+TEST(RangeCoder, GoesOnInALargerRoom) {
+  const auto list = decisions(0.3, 4000);
+  std::array<AdaptiveBit, 3> models;
+  std::vector<std::uint8_t> room(5000), larger(10000);
+  RangeEncoder encoder(room.data());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    encoder.encode(models[list[i].model], list[i].bit);
+    if (i != 2000) continue;
+    const auto used = encoder.next() - room.data();
+    std::copy_n(room.begin(), used, larger.begin());
+    encoder.move_to(larger.data() + used);
   }
-  EXPECT_EQ(first, second);
+  larger.resize(static_cast<std::size_t>(encoder.finish() - larger.data()));
+  EXPECT_EQ(larger, write(list));
 }
 
 }  // namespace

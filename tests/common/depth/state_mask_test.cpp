@@ -90,11 +90,11 @@ TEST(StateMask, HasTheFormatThatIsDocumented) {
   StateMaskEncoder encoder(64, 6);
   std::vector<std::uint8_t> bytes;
   encoder.encode(states, true, bytes);
-  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x7f, 0xff, 0xb1, 0x7c, 0xc3, 0x08, 0x1d, 0xc7}));
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x77, 0xff, 0x82, 0xe3, 0xf0, 0x16, 0x44, 0xb1, 0x47}));
   states(6, 2) = DepthState::kMeasured;
   bytes.clear();
   encoder.encode(states, false, bytes);
-  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x00, 0x00, 0x00, 0x35, 0xe0, 0x6c, 0x16, 0x44, 0x60}));
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x00, 0x00, 0x00, 0x9b, 0xf8, 0x32, 0x2b, 0x74}));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/source.h"
 #include "common/depth/depth_codec.h"
 #include "common/version.h"
@@ -46,7 +47,9 @@ std::map<std::string, hole_filling::Method> methods_by_name() {
 }
 
 std::string default_name(const ServerSettings& settings) {
-  return is_recording(settings.source) ? std::filesystem::path(settings.source).stem().string() : "camera";
+  if (is_recording(settings.source)) return std::filesystem::path(settings.source).stem().string();
+  const auto simulated = drivers::parse_simulated_uri(settings.source);
+  return simulated ? fmt::format("camera{}", simulated->camera) : "camera";
 }
 
 }  // namespace
@@ -57,11 +60,14 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
                "capture_server"};
   app.set_version_flag("--version", std::string("capture_server ") + kVersion);
 
-  auto* source = app.add_option("--source", settings.source,
-                                "openni: (first device), openni:URI (see --list) or a recording FILE.oni");
+  auto* source =
+      app.add_option("--source", settings.source,
+                     "openni: (first camera), openni:URI (see --list), simulated:room?camera=N or a "
+                     "recording FILE.oni");
   app.add_option("--listen", settings.listen, "address to accept clients on, HOST:PORT")
       ->capture_default_str();
-  app.add_option("--name", settings.name, "the camera's name [the recording's file name, else camera]")
+  app.add_option("--name", settings.name,
+                 "the camera's name [the recording's file name, cameraN when simulated, else camera]")
       ->check([](const std::string& name) {
         return name.empty() || name.size() > 64 ? std::string("a name has 1 to 64 characters")
                                                 : std::string();
@@ -109,7 +115,7 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
   try {
     app.parse(argc, argv);
     if (!settings.list && settings.source.empty()) {
-      throw CLI::RequiredError("--source (openni:, openni:URI or FILE.oni)");
+      throw CLI::RequiredError("--source (openni:, openni:URI, simulated:room?camera=N or FILE.oni)");
     }
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(app.exit(error) == 0 ? 0 : 2);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/recording/oni_check.h"
 
 namespace copresence {
@@ -55,11 +56,15 @@ sensor::CheckedRecording describe(const std::string& path, const recording::Reco
 }  // namespace
 
 bool is_recording(const std::string& source) {
-  return !source.starts_with(kDevicePrefix);
+  return !source.starts_with(kDevicePrefix) && !source.starts_with(drivers::kSimulatedPrefix);
 }
 
 Result<std::unique_ptr<sensor::FrameSource>> open_source(const std::string& source,
                                                          const sensor::SourceSettings& settings) {
+  if (source.starts_with(drivers::kSimulatedPrefix)) {
+    if (const auto uri = drivers::parse_simulated_uri(source); !uri) return fail(uri.error());
+    return sensor::open_device(source);
+  }
   if (!is_recording(source)) return sensor::open_device(source.substr(kDevicePrefix.size()));
   const auto summary = recording::check(source);
   if (!summary) return fail(summary.error());

@@ -10,11 +10,11 @@
 
 namespace copresence {
 
-/// source  openni: (the first camera), openni:URI, or the path of an .oni recording, which is checked before OpenNI2
-///         sees it. Intrinsics are the recording's own note where it has one, else from its field of view, else a
+/// source  openni: (the first camera), openni:URI, simulated:WORLD?camera=N (drivers/simulated/simulated_uri.h), or the
+///         path of an .oni recording, which is checked before OpenNI2 sees it. Intrinsics are the recording's own note where it has one, else from its field of view, else a
 ///         Kinect's. Without a note, colour of depth's size counts as registered to it: nothing else says so in the
 ///         format, and recorders' default is to register.
-/// Fails   as recording::check(), sensor::open_recording() and sensor::open_device() do.
+/// Fails   kInvalid (a simulated camera that cannot be), and as recording::check(), sensor::open_recording() and sensor::open_device() do.
 Result<std::unique_ptr<sensor::FrameSource>> open_source(const std::string& source,
                                                          const sensor::SourceSettings& settings);
 

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""The demo: two capture servers replay data/recordings and one client shows the room. With a display in a window, until
-it is closed; without one headless along a path, into a picture. Ends with a table of what was measured."""
+"""The demo: two capture servers replay data/recordings, or with --simulated are live simulated cameras at the same
+places, and one client shows the room. With a display in a window, until it is closed; without one headless along a
+path, into a picture. Ends with a table of what was measured."""
+import argparse
 import json
 import os
 import pathlib
@@ -17,12 +19,14 @@ CAMERAS = ("camera0", "camera1")
 VIEWS = 300
 
 
-def start_servers():
+def start_servers(simulated):
     servers = []
     for index, camera in enumerate(CAMERAS):
+        source = ["--source", f"simulated:room?camera={index}"] if simulated else [
+            "--source", RECORDINGS / f"{camera}.oni", "--loop"]
         servers.append(subprocess.Popen(
-            [BIN / "capture_server", "--source", RECORDINGS / f"{camera}.oni", "--name", camera,
-             "--scene", RECORDINGS / "scene.toml", "--listen", f"127.0.0.1:{7001 + index}", "--loop"]))
+            [BIN / "capture_server", *source, "--name", camera, "--scene", RECORDINGS / "scene.toml",
+             "--listen", f"127.0.0.1:{7001 + index}"]))
     return servers
 
 
@@ -56,10 +60,13 @@ def table(stats):
 
 
 def main():
+    parser = argparse.ArgumentParser(prog="./run demo", description=__doc__)
+    parser.add_argument("--simulated", action="store_true", help="live simulated cameras instead of recordings")
+    simulated = parser.parse_args().simulated
     PICTURE.unlink(missing_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         stats = pathlib.Path(folder) / "stats.json"
-        servers = start_servers()
+        servers = start_servers(simulated)
         try:
             client = subprocess.run(client_command(stats))
         finally:

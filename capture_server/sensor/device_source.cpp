@@ -6,6 +6,8 @@
 #include <thread>
 #include <tuple>
 
+#include "capture_server/drivers/contract/device_properties.h"
+#include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
 #include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/open_ni.h"
@@ -77,8 +79,22 @@ std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, b
   return chosen;
 }
 
+std::string_view drivers_for(std::string_view uri) {
+  if (uri.empty()) return drivers::kRealCameras;
+  if (uri.starts_with("simulated:")) return drivers::kSimulated;
+  if (uri.starts_with("freenect:")) return drivers::kKinectV1;
+  return drivers::kPrimeSense;
+}
+
 CameraModel camera_of(const openni::VideoStream& stream) {
   const openni::VideoMode mode = stream.getVideoMode();
+  drivers::Intrinsics known;
+  int size = sizeof(known);
+  if (stream.getProperty(drivers::kIntrinsics, &known, &size) == openni::STATUS_OK && size == sizeof(known)) {
+    const CameraModel told{
+        mode.getResolutionX(), mode.getResolutionY(), known[0], known[1], known[2], known[3], {}};
+    if (check(told)) return told;
+  }
   double horizontal = stream.getHorizontalFieldOfView(), vertical = stream.getVerticalFieldOfView();
   const auto sane = [](double angle) { return angle > 0.01 && angle < 3.13; };
   if (!sane(horizontal) || !sane(vertical)) {
@@ -88,9 +104,25 @@ CameraModel camera_of(const openni::VideoStream& stream) {
   return camera_from_field_of_view(mode.getResolutionX(), mode.getResolutionY(), horizontal, vertical);
 }
 
+// Where the camera stands, if it knows.
+std::optional<Rigid3> pose_of(const openni::Device& device) {
+  drivers::Pose rows;
+  int size = sizeof(rows);
+  if (device.getProperty(drivers::kPose, &rows, &size) != openni::STATUS_OK || size != sizeof(rows))
+    return std::nullopt;
+  Rigid3 pose;
+  for (std::size_t row = 0; row < 3; ++row) {
+    const auto i = static_cast<Eigen::Index>(row);
+    for (std::size_t column = 0; column < 3; ++column)
+      pose.rotation(i, static_cast<Eigen::Index>(column)) = rows[4 * row + column];
+    pose.translation[i] = rows[4 * row + 3];
+  }
+  return pose.is_rigid() ? std::optional(pose) : std::nullopt;
+}
+
 class DeviceSource final : public FrameSource {
  public:
-  explicit DeviceSource(std::string uri) : uri_(std::move(uri)) {}
+  explicit DeviceSource(std::string uri) : uri_(std::move(uri)), session_(drivers_for(uri_)) {}
 
   ~DeviceSource() override {
     if (depth_.isValid()) depth_.stop();
@@ -205,6 +237,7 @@ Result<void> DeviceSource::start() {
     description_.color = camera_of(color_);
   }
   description_.depth = camera_of(depth_);
+  description_.world_from_camera = pose_of(device_);
   if (description_.registered) description_.registered = description_.color.width == description_.depth.width;
   description_.unit = depth_mode.getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_100_UM
                           ? DepthUnit::k100Micrometres
@@ -295,6 +328,7 @@ Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
   if (pair->color) copy_color(pair->color->picture, description_.color, frame);
   frame.stamp.sequence = ++counters_.frames;
   frame.stamp.captured_at = pair->depth.at;
+  frame.stamp.world_from_camera = description_.world_from_camera.value_or(Rigid3{});
   frame.durations.capture = steady_clock::now() - begin;
   if (description_.has_color && !pair->same_instant) ++counters_.depth_without_color;
   return frame;
@@ -309,7 +343,7 @@ Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri) {
 }
 
 Result<std::vector<DeviceListing>> list_devices() {
-  const OpenNiSession session;
+  const OpenNiSession session(drivers::kEveryDriver);
   if (!session.is_up()) {
     return fail(ErrorCode::kUnavailable,
                 fmt::format("OpenNI2 does not start: {}; install the package libopenni2-0 again",

@@ -1,9 +1,17 @@
 #include "capture_server/sensor/open_ni.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
+#include "capture_server/drivers/contract/driver_choice.h"
+
 namespace copresence::sensor {
+
+openni::Status OpenNiSession::initialize(std::string_view choice) {
+  ::setenv(drivers::kChoiceVariable, std::string(choice).c_str(), 1);
+  return openni::OpenNI::initialize();
+}
 
 std::string last_open_ni_error() {
   std::string text = openni::OpenNI::getExtendedError();

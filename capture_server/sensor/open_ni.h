@@ -6,16 +6,19 @@
 #include <OpenNI.h>
 
 #include <string>
+#include <string_view>
 
 #include "common/frame/camera_model.h"
 #include "common/frame/rgbd_frame.h"
 
 namespace copresence::sensor {
 
-/// OpenNI2 is up while one of these lives; it counts them itself.
+/// OpenNI2 is up while one of these lives; it counts them itself. The first one decides which camera drivers work
+/// (drivers/contract/driver_choice.h) until the last one goes.
+/// Thread: the first one is made while no other thread of the process reads or writes the environment.
 class OpenNiSession {
  public:
-  OpenNiSession() : status_(openni::OpenNI::initialize()) {}
+  explicit OpenNiSession(std::string_view drivers) : status_(initialize(drivers)) {}
   ~OpenNiSession() {
     if (status_ == openni::STATUS_OK) openni::OpenNI::shutdown();
   }
@@ -25,6 +28,8 @@ class OpenNiSession {
   bool is_up() const { return status_ == openni::STATUS_OK; }
 
  private:
+  static openni::Status initialize(std::string_view drivers);
+
   openni::Status status_;
 };
 

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <thread>
 
+#include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
 #include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/open_ni.h"
@@ -130,7 +131,7 @@ class RecordingSource final : public FrameSource {
 
   const CheckedRecording recording_;
   const SourceSettings settings_;
-  const OpenNiSession session_;
+  const OpenNiSession session_{drivers::kNoDriver};
   const FileDescriptor file_;
   const EndListener end_;
   openni::Device device_;

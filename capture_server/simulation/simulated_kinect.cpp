@@ -88,4 +88,15 @@ void SimulatedKinect::expose(double phase, std::uint64_t frame, DepthImage& dept
   response_.expose(truth_->color, frame, color);
 }
 
+void SimulatedKinect::expose_live(std::uint64_t frame, DepthImage& depth, ColorImage& color) {
+  constexpr std::size_t kViews = kPeriodFrames;
+  if (!remembered_) remembered_ = std::make_unique<RememberedViews>(kViews);
+  const auto index = static_cast<std::size_t>(frame % kViews);
+  if (!remembered_->knows(index))
+    remembered_->remember(index, camera_.look(phase_of_frame(index, kViews)), camera_.still());
+  truth_ = &remembered_->show(index, camera_.still());
+  noise_.expose(*truth_, frame, depth);
+  response_.expose(truth_->color, frame, color);
+}
+
 }  // namespace copresence::simulation

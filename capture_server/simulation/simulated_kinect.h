@@ -10,6 +10,7 @@
 
 #include "capture_server/simulation/color_response.h"
 #include "capture_server/simulation/kinect_noise.h"
+#include "capture_server/simulation/remembered_views.h"
 #include "capture_server/simulation/true_camera.h"
 #include "capture_server/simulation/world.h"
 #include "common/frame/camera_model.h"
@@ -44,6 +45,11 @@ class SimulatedKinect {
   /// frame number.
   void expose(double phase, std::uint64_t frame, DepthImage& depth, ColorImage& color);
 
+  /// The same at the pace of a live camera: the world is at the phase of frame `frame` of an endless motion of
+  /// kPeriodFrames. What was seen in one period is remembered (about 30 MB), so that from the second on a frame costs
+  /// little more than its noise.
+  void expose_live(std::uint64_t frame, DepthImage& depth, ColorImage& color);
+
   /// The truth behind the last exposure.
   const TrueView& truth() const { return *truth_; }
   const CameraModel& model() const { return camera_.model(); }
@@ -55,6 +61,7 @@ class SimulatedKinect {
   TrueCamera camera_;
   KinectNoise noise_;
   ColorResponse response_;
+  std::unique_ptr<RememberedViews> remembered_;  // made when first needed
   const TrueView* truth_ = nullptr;
 };
 

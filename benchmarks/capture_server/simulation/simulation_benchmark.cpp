@@ -72,5 +72,18 @@ void whole_frame(benchmark::State& state) {
 }
 BENCHMARK(whole_frame)->Unit(benchmark::kMillisecond);
 
+// What a simulated camera costs once it has seen one period.
+void live_frame(benchmark::State& state) {
+  auto kinect =
+      SimulatedKinect::make(room(), kinect_model(640, 480), kinect_poses(2), 0, DepthUnit::kMillimetre, 1)
+          .value();
+  DepthImage depth;
+  ColorImage color;
+  std::uint64_t frame = 0;
+  while (frame < kPeriodFrames) kinect.expose_live(frame++, depth, color);
+  for (auto _ : state) kinect.expose_live(frame++, depth, color);
+}
+BENCHMARK(live_frame)->Unit(benchmark::kMillisecond);
+
 }  // namespace
 }  // namespace copresence::simulation

@@ -31,6 +31,22 @@ TEST(SimulatedKinect, SeesTheRoomWithAsManyHolesAsARealOne) {
   }
 }
 
+TEST(SimulatedKinect, LivesThroughOnePeriodAsItWasAndRemembersIt) {
+  const auto poses = kinect_poses(2);
+  const auto make = [&] {
+    return SimulatedKinect::make(room(), kinect_model(160, 120), poses, 0, DepthUnit::kMillimetre, 1).value();
+  };
+  auto live = make(), traced = make();
+  DepthImage depth, expected_depth;
+  ColorImage color, expected_color;
+  for (const std::uint64_t frame : {7, 8, 30, 31, 67, 68, 127, 7}) {  // some for the second time
+    live.expose_live(frame, depth, color);
+    traced.expose(phase_of_frame(frame, kPeriodFrames), frame, expected_depth, expected_color);
+    EXPECT_TRUE(std::ranges::equal(depth.pixels(), expected_depth.pixels())) << frame;
+    EXPECT_TRUE(std::ranges::equal(color.pixels(), expected_color.pixels())) << frame;
+  }
+}
+
 TEST(SimulatedKinect, GivesTheSameFramesAgain) {
   const auto poses = kinect_poses(2);
   const auto frames = [&](std::uint32_t seed) {

@@ -1,0 +1,36 @@
+#pragma once
+
+// Which camera drivers a process needs. OpenNI2 loads every driver of its folder, and PS1080 alone takes up to 0.4 s
+// to leave again; the drivers of this project load cheaply and stay out of the way unless they are chosen.
+//
+// The choice travels in an environment variable, set before OpenNI2 starts: a driver is a library of its own and sees
+// nothing else of its process. Unset means all, so that other programs (NiViewer2) find every camera.
+//
+// Thread: values.
+
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+
+namespace copresence::drivers {
+
+inline constexpr const char* kChoiceVariable = "COPRESENCE_DRIVERS";
+inline constexpr std::string_view kPrimeSense = "primesense", kKinectV1 = "kinect_v1",
+                                  kSimulated = "simulated";
+inline constexpr std::string_view kNoDriver = "none";                     ///< recordings need none of these
+inline constexpr std::string_view kRealCameras = "primesense,kinect_v1";  ///< names, joined by commas
+inline constexpr std::string_view kEveryDriver = "primesense,kinect_v1,simulated";
+
+/// Whether the driver with this name is to work in this process.
+inline bool is_chosen(std::string_view driver) {
+  const char* const variable = std::getenv(kChoiceVariable);
+  if (!variable) return true;
+  for (std::string_view rest = variable; !rest.empty();) {
+    const auto comma = std::min(rest.find(','), rest.size());
+    if (rest.substr(0, comma) == driver) return true;
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  return false;
+}
+
+}  // namespace copresence::drivers

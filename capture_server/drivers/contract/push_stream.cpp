@@ -1,0 +1,166 @@
+#include "capture_server/drivers/contract/push_stream.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace copresence::drivers {
+namespace {
+
+int bytes_per_pixel(OniPixelFormat format) {
+  switch (format) {
+    case ONI_PIXEL_FORMAT_RGB888:
+      return 3;
+    case ONI_PIXEL_FORMAT_GRAY8:
+      return 1;
+    default:
+      return 2;
+  }
+}
+
+bool same(const OniVideoMode& a, const OniVideoMode& b) {
+  return a.pixelFormat == b.pixelFormat && a.resolutionX == b.resolutionX && a.resolutionY == b.resolutionY &&
+         a.fps == b.fps;
+}
+
+}  // namespace
+
+OniStatus answer(const void* value, int size, void* data, int* data_size) {
+  if (!data || !data_size || *data_size < size) return ONI_STATUS_BAD_PARAMETER;
+  std::memcpy(data, value, static_cast<std::size_t>(size));
+  *data_size = size;
+  return ONI_STATUS_OK;
+}
+
+PushStream::PushStream(StreamOwner& owner, OniSensorType type, std::vector<OniVideoMode> modes, int max_value)
+    : owner_(owner), type_(type), modes_(std::move(modes)), max_value_(max_value), mode_(modes_.front()) {}
+
+PushStream::~PushStream() {
+  PushStream::stop();
+}
+
+OniVideoMode PushStream::mode() const {
+  const std::lock_guard lock(mutex_);
+  return mode_;
+}
+
+void PushStream::set_lens(const Lens& lens) {
+  const std::lock_guard lock(mutex_);
+  lens_ = lens;
+}
+
+int PushStream::row_bytes() const {
+  const OniVideoMode now = mode();
+  return now.resolutionX * bytes_per_pixel(now.pixelFormat);
+}
+
+int PushStream::getRequiredFrameSize() {
+  return row_bytes() * mode().resolutionY;
+}
+
+bool PushStream::push(const void* picture, int bytes, std::uint64_t timestamp_us, int index) {
+  const std::lock_guard lock(pushing_);
+  if (!running_ || bytes != getRequiredFrameSize()) return false;
+  OniFrame* frame = getServices().acquireFrame();
+  if (!frame) return false;
+  const OniVideoMode now = mode();
+  frame->sensorType = type_;
+  frame->frameIndex = index;
+  frame->timestamp = timestamp_us;
+  frame->videoMode = now;
+  frame->width = now.resolutionX;
+  frame->height = now.resolutionY;
+  frame->stride = row_bytes();
+  frame->dataSize = bytes;
+  frame->croppingEnabled = FALSE;
+  frame->cropOriginX = frame->cropOriginY = 0;
+  std::memcpy(frame->data, picture, static_cast<std::size_t>(bytes));
+  raiseNewFrame(frame);
+  getServices().releaseFrame(frame);
+  return true;
+}
+
+OniStatus PushStream::start() {
+  {
+    const std::lock_guard lock(pushing_);
+    if (running_) return ONI_STATUS_OK;
+    running_ = true;
+  }
+  const OniStatus begun = owner_.begin(*this);
+  if (begun != ONI_STATUS_OK) {
+    const std::lock_guard lock(pushing_);
+    running_ = false;
+  }
+  return begun;
+}
+
+void PushStream::stop() {
+  {
+    const std::lock_guard lock(pushing_);
+    if (!running_) return;
+    running_ = false;
+  }
+  owner_.end(*this);
+}
+
+OniBool PushStream::isPropertySupported(int property) {
+  alignas(double) char room[64];
+  int size = sizeof(room);
+  return getProperty(property, room, &size) == ONI_STATUS_OK;
+}
+
+OniStatus PushStream::getProperty(int property, void* data, int* size) {
+  const auto give = [&](const auto& value) { return answer(&value, sizeof(value), data, size); };
+  const OniVideoMode now = mode();
+  Lens lens;
+  {
+    const std::lock_guard lock(mutex_);
+    lens = lens_;
+  }
+  switch (property) {
+    case ONI_STREAM_PROPERTY_VIDEO_MODE:
+      return give(now);
+    case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
+      return give(lens.horizontal_fov);
+    case ONI_STREAM_PROPERTY_VERTICAL_FOV:
+      return give(lens.vertical_fov);
+    case ONI_STREAM_PROPERTY_STRIDE:
+      return give(row_bytes());
+    case ONI_STREAM_PROPERTY_MIRRORING:
+      return give(OniBool{FALSE});
+    case ONI_STREAM_PROPERTY_CROPPING:  // without it OpenNI2's player drops every frame of a recording
+      return give(OniCropping{});
+    case ONI_STREAM_PROPERTY_MAX_VALUE:
+      return max_value_ > 0 ? give(max_value_) : ONI_STATUS_NOT_SUPPORTED;
+    case ONI_STREAM_PROPERTY_MIN_VALUE:
+      return max_value_ > 0 ? give(int{0}) : ONI_STATUS_NOT_SUPPORTED;
+    case kIntrinsics:
+      return lens.intrinsics ? give(*lens.intrinsics) : ONI_STATUS_NOT_SUPPORTED;
+    default:
+      return ONI_STATUS_NOT_SUPPORTED;
+  }
+}
+
+OniStatus PushStream::setProperty(int property, const void* data, int size) {
+  if (property == ONI_STREAM_PROPERTY_MIRRORING) {
+    OniBool wanted = TRUE;
+    if (!data || size != sizeof(wanted)) return ONI_STATUS_BAD_PARAMETER;
+    std::memcpy(&wanted, data, sizeof(wanted));
+    return wanted ? ONI_STATUS_NOT_SUPPORTED : ONI_STATUS_OK;
+  }
+  if (property != ONI_STREAM_PROPERTY_VIDEO_MODE) return ONI_STATUS_NOT_SUPPORTED;
+  OniVideoMode wanted;
+  if (!data || size != sizeof(wanted)) return ONI_STATUS_BAD_PARAMETER;
+  std::memcpy(&wanted, data, sizeof(wanted));
+  const bool offered =
+      std::any_of(modes_.begin(), modes_.end(), [&](const OniVideoMode& mode) { return same(mode, wanted); });
+  if (!offered) return ONI_STATUS_NOT_SUPPORTED;
+  {
+    const std::lock_guard lock(pushing_);
+    if (running_) return ONI_STATUS_OUT_OF_FLOW;
+    const std::lock_guard mode_lock(mutex_);
+    mode_ = wanted;
+  }
+  return ONI_STATUS_OK;
+}
+
+}  // namespace copresence::drivers

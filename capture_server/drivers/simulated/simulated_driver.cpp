@@ -1,0 +1,318 @@
+// Simulated Kinects as cameras of OpenNI2: simulated:WORLD?camera=N, see simulated_uri.h. 640x480 at 30 frames a second,
+// depth in 1 mm registered to colour, time from the system clock.
+//
+// One thread per started device makes its frames; one thread per driver watches control files, where there are any.
+
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "capture_server/drivers/contract/driver_choice.h"
+#include "capture_server/drivers/contract/push_stream.h"
+#include "capture_server/drivers/simulated/frame_clock.h"
+#include "capture_server/drivers/simulated/simulated_uri.h"
+#include "capture_server/simulation/frame_marker.h"
+#include "capture_server/simulation/simulated_kinect.h"
+
+namespace copresence::drivers {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::system_clock;
+
+constexpr int kWidth = 640, kHeight = 480;
+constexpr int kMaxDepth = 10000;  // greater than every pixel's
+constexpr milliseconds kWatchEvery(50);
+
+// A camera at its place with everything traced that never moves. Kept when its device is closed: plugging it in again
+// takes no second.
+using Camera = std::shared_ptr<simulation::SimulatedKinect>;
+
+std::int64_t now_us() {
+  return std::chrono::duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+Pose rows_of(const Rigid3& pose) {
+  Pose rows{};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      rows[static_cast<std::size_t>(4 * row + column)] = pose.rotation(row, column);
+    rows[static_cast<std::size_t>(4 * row + 3)] = pose.translation[row];
+  }
+  return rows;
+}
+
+Lens lens_of(const CameraModel& model) {
+  const auto angle = [](int size, double focal) {
+    return static_cast<float>(2 * std::atan(0.5 * size / focal));
+  };
+  return {angle(model.width, model.fx), angle(model.height, model.fy),
+          Intrinsics{model.fx, model.fy, model.cx, model.cy}};
+}
+
+class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner {
+ public:
+  /// `make_camera` is called when the first stream starts: it takes a second where it has not been called before.
+  SimulatedDevice(SimulatedUri uri, std::function<Camera()> make_camera)
+      : uri_(std::move(uri)), make_camera_(std::move(make_camera)) {
+    depth_mode_ = {ONI_PIXEL_FORMAT_DEPTH_1_MM, kWidth, kHeight, static_cast<int>(FrameClock::kPerSecond)};
+    color_mode_ = depth_mode_;
+    color_mode_.pixelFormat = ONI_PIXEL_FORMAT_RGB888;
+    sensors_[0] = {ONI_SENSOR_DEPTH, 1, &depth_mode_};
+    sensors_[1] = {ONI_SENSOR_COLOR, 1, &color_mode_};
+  }
+
+  OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override {
+    *sensors = sensors_;
+    *count = 2;
+    return ONI_STATUS_OK;
+  }
+
+  oni::driver::StreamBase* createStream(OniSensorType type) override {
+    if (type != ONI_SENSOR_DEPTH && type != ONI_SENSOR_COLOR) return nullptr;
+    const bool is_depth = type == ONI_SENSOR_DEPTH;
+    auto* stream =
+        new PushStream(*this, type, {is_depth ? depth_mode_ : color_mode_}, is_depth ? kMaxDepth : 0);
+    stream->set_lens(lens_of(simulation::kinect_model(kWidth, kHeight)));
+    return stream;
+  }
+  void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }
+
+  OniBool isPropertySupported(int property) override {
+    alignas(double) char room[ONI_MAX_STR];
+    int size = sizeof(room);
+    return getProperty(property, room, &size) == ONI_STATUS_OK;
+  }
+  OniStatus getProperty(int property, void* data, int* size) override {
+    if (property == ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION) {
+      const int mode = ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
+      return answer(&mode, sizeof(mode), data, size);
+    }
+    if (property == ONI_DEVICE_PROPERTY_SERIAL_NUMBER) {
+      const std::string serial = "SIM" + std::to_string(uri_.camera);
+      return answer(serial.c_str(), static_cast<int>(serial.size()) + 1, data, size);
+    }
+    if (property == kPose) {
+      const Pose pose =
+          rows_of(simulation::kinect_poses(uri_.cameras)[static_cast<std::size_t>(uri_.camera)]);
+      return answer(&pose, sizeof(pose), data, size);
+    }
+    return ONI_STATUS_NOT_SUPPORTED;
+  }
+  OniStatus setProperty(int property, const void* data, int size) override {
+    if (property != ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION) return ONI_STATUS_NOT_SUPPORTED;
+    int mode = 0;
+    if (!data || size != sizeof(mode)) return ONI_STATUS_BAD_PARAMETER;
+    std::memcpy(&mode, data, sizeof(mode));
+    return isImageRegistrationModeSupported(static_cast<OniImageRegistrationMode>(mode))
+               ? ONI_STATUS_OK
+               : ONI_STATUS_NOT_SUPPORTED;
+  }
+  OniBool isImageRegistrationModeSupported(OniImageRegistrationMode mode) override {
+    return mode == ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
+  }
+
+  OniStatus begin(PushStream& stream) override {
+    const std::lock_guard lock(mutex_);
+    if (!camera_) camera_ = make_camera_();
+    if (!camera_) return ONI_STATUS_ERROR;
+    streams_.push_back(&stream);
+    if (!thread_.joinable()) thread_ = std::jthread([this](std::stop_token stop) { take_frames(stop); });
+    return ONI_STATUS_OK;
+  }
+
+  void end(PushStream& stream) override {
+    std::jthread ending;
+    {
+      const std::lock_guard lock(mutex_);
+      streams_.remove(&stream);
+      if (streams_.empty()) ending = std::move(thread_);
+    }
+  }  // joins where it was the last
+
+ private:
+  // Frames end when the camera is unplugged; the driver's watch tells OpenNI2.
+  void take_frames(std::stop_token stop) {
+    FrameClock clock;
+    DepthImage depth;
+    ColorImage color;
+    std::mutex sleeping;
+    std::condition_variable_any never;
+    while (!stop.stop_requested()) {
+      const std::int64_t frame = clock.next(now_us());
+      const std::int64_t instant_us = FrameClock::instant_us(frame);
+      {
+        std::unique_lock lock(sleeping);
+        never.wait_for(lock, stop, microseconds(instant_us - now_us()), [] { return false; });
+      }
+      if (stop.stop_requested()) return;
+      const Control control = read_control(uri_.control);
+      if (control == Control::kCrash) std::abort();
+      while (control == Control::kHang) std::this_thread::sleep_for(std::chrono::hours(1));
+      if (control != Control::kWork) continue;
+      const auto number = static_cast<std::uint64_t>(frame);
+      camera_->expose_live(number, depth, color);
+      if (uri_.marker) simulation::draw_marker(static_cast<std::uint32_t>(number), color);
+      push_all(depth, color, static_cast<std::uint64_t>(instant_us), static_cast<int>(clock.index()));
+    }
+  }
+
+  void push_all(const DepthImage& depth, const ColorImage& color, std::uint64_t timestamp_us, int index) {
+    const std::lock_guard lock(mutex_);  // nobody leaves the list, and then memory, meanwhile
+    for (PushStream* stream : streams_) {
+      if (stream->type() == ONI_SENSOR_DEPTH) {
+        stream->push(depth.data(), static_cast<int>(depth.pixels().size_bytes()), timestamp_us, index);
+      } else {
+        stream->push(color.data(), static_cast<int>(color.pixels().size_bytes()), timestamp_us, index);
+      }
+    }
+  }
+
+  const SimulatedUri uri_;
+  const std::function<Camera()> make_camera_;
+  Camera camera_;
+  OniVideoMode depth_mode_{}, color_mode_{};
+  OniSensorInfo sensors_[2]{};
+  std::mutex mutex_;
+  std::list<PushStream*> streams_;  // started ones
+  std::jthread thread_;
+};
+
+class SimulatedDriver final : public oni::driver::DriverBase {
+ public:
+  using DriverBase::DriverBase;
+
+  OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
+                       oni::driver::DeviceDisconnectedCallback disconnected,
+                       oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
+    DriverBase::initialize(connected, disconnected, changed, cookie);
+    chosen_ = is_chosen(kSimulated);
+    if (chosen_) tryDevice("simulated:room?camera=0");  // so that lists show that there is one
+    return ONI_STATUS_OK;
+  }
+
+  OniStatus tryDevice(const char* uri) override {
+    if (!chosen_ || !uri || std::strlen(uri) >= ONI_MAX_STR) return ONI_STATUS_ERROR;
+    const auto parsed = parse_simulated_uri(uri);
+    if (!parsed || read_control(parsed->control) == Control::kUnplugged) return ONI_STATUS_ERROR;
+    {
+      const std::lock_guard lock(mutex_);
+      Known& known = known_[uri];
+      known.uri = *parsed;
+      if (known.announced) return ONI_STATUS_OK;
+      known.announced = true;
+      if (!parsed->control.empty() && !watch_.joinable())
+        watch_ = std::jthread([this](std::stop_token stop) { watch_controls(stop); });
+    }
+    const OniDeviceInfo info = info_of(uri);
+    deviceConnected(&info);
+    return ONI_STATUS_OK;
+  }
+
+  oni::driver::DeviceBase* deviceOpen(const char* uri, const char*) override {
+    const auto parsed = parse_simulated_uri(uri);
+    if (!parsed) return nullptr;
+    return new SimulatedDevice(*parsed, [this, text = std::string(uri), uri = *parsed]() -> Camera {
+      const auto camera = camera_of(text, uri);
+      if (camera) return *camera;
+      getServices().errorLoggerAppend("%s", camera.error().what.c_str());
+      return nullptr;
+    });
+  }
+  void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
+
+  void shutdown() override {
+    std::jthread ending;  // joins when the lock is gone
+    const std::lock_guard lock(mutex_);
+    ending.swap(watch_);
+  }
+
+ private:
+  struct Known {
+    SimulatedUri uri;
+    bool announced = false;
+    Camera camera;  // once it was opened
+  };
+
+  static OniDeviceInfo info_of(const std::string& uri) {
+    OniDeviceInfo info{};
+    std::snprintf(info.uri, sizeof(info.uri), "%s", uri.c_str());
+    std::snprintf(info.vendor, sizeof(info.vendor), "Copresence");
+    std::snprintf(info.name, sizeof(info.name), "simulated Kinect");
+    return info;
+  }
+
+  Result<Camera> camera_of(const std::string& text, const SimulatedUri& uri) {
+    const std::lock_guard lock(mutex_);
+    Known& known = known_[text];
+    if (known.camera) return known.camera;
+    auto& world = worlds_[uri.world];
+    if (!world) {
+      auto made = simulation::World::make(uri.world);
+      if (!made) return fail(made.error());
+      world = std::make_shared<const simulation::World>(std::move(*made));
+    }
+    const auto poses = simulation::kinect_poses(uri.cameras);
+    auto camera = simulation::SimulatedKinect::make(world, simulation::kinect_model(kWidth, kHeight), poses,
+                                                    static_cast<std::size_t>(uri.camera),
+                                                    DepthUnit::kMillimetre, uri.seed);
+    if (!camera) return fail(camera.error());
+    known.uri = uri;
+    known.camera = std::make_shared<simulation::SimulatedKinect>(std::move(*camera));
+    return known.camera;
+  }
+
+  // Tells OpenNI2 of cameras whose control file came or went. It is told without our lock, since it may be asking us
+  // something under its own.
+  void watch_controls(std::stop_token stop) {
+    std::mutex sleeping;
+    std::condition_variable_any never;
+    while (!stop.stop_requested()) {
+      {
+        std::unique_lock lock(sleeping);
+        never.wait_for(lock, stop, kWatchEvery, [] { return false; });
+      }
+      std::vector<std::string> came, went;
+      {
+        const std::lock_guard lock(mutex_);
+        for (auto& [text, known] : known_) {
+          const bool is_there = read_control(known.uri.control) != Control::kUnplugged;
+          if (is_there == known.announced) continue;
+          known.announced = is_there;
+          (is_there ? came : went).push_back(text);
+        }
+      }
+      for (const std::string& text : came) {
+        const OniDeviceInfo info = info_of(text);
+        deviceConnected(&info);
+      }
+      for (const std::string& text : went) {
+        const OniDeviceInfo info = info_of(text);
+        deviceDisconnected(&info);
+      }
+    }
+  }
+
+  bool chosen_ = false;
+  std::mutex mutex_;
+  std::map<std::string, Known> known_;
+  std::map<std::string, std::shared_ptr<const simulation::World>> worlds_;
+  std::jthread watch_;
+};
+
+}  // namespace
+}  // namespace copresence::drivers
+
+ONI_EXPORT_DRIVER(copresence::drivers::SimulatedDriver)

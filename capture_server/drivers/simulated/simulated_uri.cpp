@@ -1,0 +1,79 @@
+#include "capture_server/drivers/simulated/simulated_uri.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <fstream>
+
+#include "capture_server/simulation/simulated_kinect.h"
+
+namespace copresence::drivers {
+namespace {
+
+constexpr const char* kOptions = "camera=N, cameras=N, seed=N, marker=on or control=FILE";
+
+template <class Number>
+bool read_number(std::string_view text, Number& number) {
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return problem == std::errc() && end == text.data() + text.size();
+}
+
+bool read_option(std::string_view key, std::string_view value, SimulatedUri& into) {
+  if (key == "camera") return read_number(value, into.camera);
+  if (key == "cameras") return read_number(value, into.cameras);
+  if (key == "seed") return read_number(value, into.seed);
+  if (key == "control") into.control = value;
+  if (key == "control") return !value.empty();
+  into.marker = value == "on";
+  return key == "marker" && (value == "on" || value == "off");
+}
+
+}  // namespace
+
+Result<SimulatedUri> parse_simulated_uri(const std::string& uri) {
+  if (!uri.starts_with(kSimulatedPrefix)) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: a simulated camera is written simulated:WORLD?camera=N", uri));
+  }
+  SimulatedUri parsed;
+  std::string_view rest = std::string_view(uri).substr(std::string_view(kSimulatedPrefix).size());
+  const auto question = std::min(rest.find('?'), rest.size());
+  parsed.world = rest.substr(0, question);
+  const auto worlds = simulation::World::names();
+  if (std::find(worlds.begin(), worlds.end(), parsed.world) == worlds.end()) {
+    return fail(ErrorCode::kInvalid, fmt::format("{}: there is no world \"{}\"; there are {}", uri,
+                                                 parsed.world, fmt::join(worlds, ", ")));
+  }
+  rest.remove_prefix(std::min(question + 1, rest.size()));
+  while (!rest.empty()) {
+    const auto end = std::min(rest.find('&'), rest.size());
+    const std::string_view option = rest.substr(0, end);
+    const auto equals = std::min(option.find('='), option.size());
+    if (equals == option.size() ||
+        !read_option(option.substr(0, equals), option.substr(equals + 1), parsed)) {
+      return fail(ErrorCode::kInvalid, fmt::format("{}: \"{}\" is none of {}", uri, option, kOptions));
+    }
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  if (parsed.camera < 0 || parsed.camera >= simulation::kMostKinects || parsed.cameras < 1 ||
+      parsed.cameras > simulation::kMostKinects) {
+    return fail(ErrorCode::kInvalid, fmt::format("{}: camera goes from 0 to {}, cameras from 1 to {}", uri,
+                                                 simulation::kMostKinects - 1, simulation::kMostKinects));
+  }
+  parsed.cameras = std::max(parsed.cameras, parsed.camera + 1);
+  return parsed;
+}
+
+Control read_control(const std::string& path) {
+  if (path.empty()) return Control::kWork;
+  std::ifstream file(path);
+  if (!file) return Control::kUnplugged;
+  std::string word;
+  file >> word;
+  if (word == "stall") return Control::kStall;
+  if (word == "crash") return Control::kCrash;
+  if (word == "hang") return Control::kHang;
+  return Control::kWork;
+}
+
+}  // namespace copresence::drivers

@@ -1,0 +1,86 @@
+// The simulated camera as the server has it: through OpenNI2, from the private driver folder.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "capture_server/simulation/frame_marker.h"
+#include "capture_server/simulation/simulated_kinect.h"
+#include "capture_server/source.h"
+#include "tests/support/process.h"
+
+namespace copresence {
+namespace {
+
+using std::chrono::milliseconds;
+
+TEST(SimulatedCamera, IsALiveKinectThatKnowsItsPlace) {
+  const auto source = open_source("simulated:room?camera=1", {});
+  ASSERT_TRUE(source) << source.error().what;
+  const sensor::SensorDescription& description = (*source)->description();
+  const CameraModel model = simulation::kinect_model(640, 480);
+  EXPECT_DOUBLE_EQ(description.depth.fx, model.fx);
+  EXPECT_DOUBLE_EQ(description.depth.cx, model.cx);
+  EXPECT_TRUE(description.has_color);
+  EXPECT_TRUE(description.registered);
+  EXPECT_FALSE(description.is_recording);
+  ASSERT_TRUE(description.world_from_camera);
+  EXPECT_TRUE(description.world_from_camera->rotation.isApprox(simulation::kinect_poses(2)[1].rotation));
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::uint64_t i = 1; i <= 15; ++i) {
+    const auto frame = (*source)->next({});
+    ASSERT_TRUE(frame) << frame.error().what;
+    EXPECT_EQ(frame->stamp.sequence, i);
+    ASSERT_TRUE(frame->color);
+    EXPECT_GT(
+        std::count_if(frame->depth.pixels().begin(), frame->depth.pixels().end(), [](auto z) { return z; }),
+        640 * 480 / 2);
+  }
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, milliseconds(400));  // at its own pace
+}
+
+TEST(SimulatedCamera, ShowsItsFrameNumberByTheSystemClock) {
+  const auto source = open_source("simulated:empty-room?camera=0&marker=on", {});
+  ASSERT_TRUE(source) << source.error().what;
+  for (int i = 0; i < 5; ++i) {
+    const auto frame = (*source)->next({});
+    ASSERT_TRUE(frame && frame->color);
+    const auto number = simulation::read_marker(*frame->color);
+    ASSERT_TRUE(number);
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    const double due = std::fmod(std::chrono::duration<double>(now).count() * 30, 4294967296.0);
+    EXPECT_LT(*number, due + 1);
+    EXPECT_GT(*number, due - 10);  // a third of a second, for machines that are far too busy
+  }
+}
+
+TEST(SimulatedCamera, SaysWhenItIsUnpluggedAndOpensAgain) {
+  testing::TemporaryFolder folder;
+  const auto plug = folder / "plug";
+  const std::string uri = "simulated:empty-room?camera=0&control=" + plug.string();
+  EXPECT_EQ(open_source(uri, {}).error().code, ErrorCode::kNotFound);
+  for (int round = 0; round < 3; ++round) {
+    std::ofstream(plug).close();
+    auto source = open_source(uri, {});
+    ASSERT_TRUE(source) << source.error().what;
+    ASSERT_TRUE((*source)->next({}));
+    std::filesystem::remove(plug);
+    ErrorCode code = ErrorCode::kInvalid;
+    for (int i = 0; i < 60; ++i) {
+      const auto frame = (*source)->next({});
+      if (frame) continue;
+      code = frame.error().code;
+      break;
+    }
+    EXPECT_EQ(code, ErrorCode::kUnavailable);
+  }
+}
+
+TEST(SimulatedCamera, IsNoCameraWhereItCannotBe) {
+  EXPECT_EQ(open_source("simulated:moon", {}).error().code, ErrorCode::kInvalid);
+  EXPECT_EQ(open_source("simulated:room?camera=9", {}).error().code, ErrorCode::kInvalid);
+}
+
+}  // namespace
+}  // namespace copresence

@@ -7,6 +7,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <csignal>
+
 #include "capture_server/pipeline.h"
 #include "capture_server/settings.h"
 #include "capture_server/source.h"
@@ -39,6 +41,7 @@ int stream(const ServerSettings& settings, const wire::ListeningSocket& listenin
   spdlog::set_default_logger(spdlog::stderr_color_mt("capture_server"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   flow::StopOnSignal signals;
+  std::signal(SIGXFSZ, SIG_IGN);  // a recording that grows beyond a limit is a sentence, not a crash
   const auto ran = run_pipeline(settings, listening, signals.token(), [&] { heartbeat.beat(); });
   return ran ? 0 : say(ran.error());
 }

@@ -7,13 +7,17 @@
 #include <optional>
 #include <thread>
 
-#include "capture_server/source.h"
 #include "capture_server/frame_encoding.h"
+#include "capture_server/recording_thread.h"
+#include "capture_server/source.h"
 #include "common/flow/latest.h"
 #include "common/wire/frame_server.h"
 
 namespace copresence::server {
 namespace {
+
+// A stop must be over within a second, and the supervisor kills what is silent for five.
+constexpr std::chrono::milliseconds kDrainWhenStopped{400}, kDrainAtTheEnd{3000};
 
 /// A frame on its way from the capture to the encode thread, with the losses as they stood when it came.
 struct Captured {
@@ -38,12 +42,23 @@ Result<std::optional<scene::Camera>> camera_in_scene(const ServerSettings& setti
   return std::optional(*camera);
 }
 
+/// Nothing where none is asked for.
+Result<std::unique_ptr<RecordingThread>> begin_recording(const ServerSettings& settings,
+                                                         const sensor::SensorDescription& sensor) {
+  if (settings.record.empty()) return nullptr;
+  auto recording = FrameRecording::open(settings.record, sensor, settings.name);
+  if (!recording) return fail(recording.error());
+  return std::make_unique<RecordingThread>(std::move(*recording));
+}
+
 class Pipeline {
  public:
   Pipeline(const ServerSettings& settings, std::unique_ptr<sensor::FrameSource> source,
-           FrameEncoding encoding, std::unique_ptr<wire::FrameServer> server)
+           std::unique_ptr<RecordingThread> recording, FrameEncoding encoding,
+           std::unique_ptr<wire::FrameServer> server)
       : settings_(settings),
         source_(std::move(source)),
+        recording_(std::move(recording)),
         encoding_(std::move(encoding)),
         server_(std::move(server)) {}
 
@@ -63,6 +78,7 @@ class Pipeline {
     const Result<void> encoded = encode_frames();
     end_capture_.request_stop();
     capture.join();
+    if (recording_) recording_->end(stop.stop_requested() ? kDrainWhenStopped : kDrainAtTheEnd);
 
     const Result<void>& result = encoded ? captured : encoded;
     server_->end(result ? "the server has ended" : result.error().what);
@@ -82,6 +98,7 @@ class Pipeline {
         return fail(frame.error());
       }
       const std::uint64_t sequence = frame->stamp.sequence;
+      if (recording_) recording_->offer(*frame, waits_for_the_encoder, stop);
       if (waits_for_the_encoder) captured_.wait_until_taken(stop);
       captured_.put({std::move(*frame), captured_.overwritten()});
       if (settings_.frames && sequence >= *settings_.frames) return {};
@@ -116,6 +133,7 @@ class Pipeline {
 
   const ServerSettings& settings_;
   std::unique_ptr<sensor::FrameSource> source_;
+  std::unique_ptr<RecordingThread> recording_;  ///< where there is one
   FrameEncoding encoding_;
   std::unique_ptr<wire::FrameServer> server_;
   flow::Latest<Captured> captured_;
@@ -134,6 +152,8 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
   if (!encoding) return fail(encoding.error());
   auto server = wire::FrameServer::open(listening, encoding->description());
   if (!server) return fail(server.error());
+  auto recording = begin_recording(settings, (*source)->description());
+  if (!recording) return fail(recording.error());
   alive();
   spdlog::info("{}: {}x{} {}, depth {} at {}, on {}", settings.name, encoding->description().model.width,
                encoding->description().model.height,
@@ -141,7 +161,9 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
                settings.depth_kbps ? fmt::format("{} kbit/s", *settings.depth_kbps)
                                    : fmt::format("qp {}", settings.depth_qp),
                listening.address());
-  return Pipeline(settings, std::move(*source), std::move(*encoding), std::move(*server)).run(stop, alive);
+  return Pipeline(settings, std::move(*source), std::move(*recording), std::move(*encoding),
+                  std::move(*server))
+      .run(stop, alive);
 }
 
 }  // namespace copresence::server

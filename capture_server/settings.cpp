@@ -109,6 +109,10 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
   app.add_flag("--insecure", settings.insecure,
                "allow --listen beyond this machine: anyone who reaches the port sees the room, unencrypted");
   app.add_option("--scene", settings.scene, "scene file with this camera's pose and intrinsics, by --name");
+  app.add_option(
+      "--record", settings.record,
+      "also record what the sensor gives to this .oni file, lossless in depth; a file that is there "
+      "is not overwritten: FILE-2.oni is taken then");
   auto* list = app.add_flag("--list", settings.list, "list the devices that can be opened, and end");
   source->excludes(list);
 

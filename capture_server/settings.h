@@ -18,7 +18,7 @@ struct ServerSettings {
   std::string listen = "127.0.0.1:7001";
   std::string name;  ///< the camera's; the recording's file name without its ending by default
   std::string codec = "adaptive";
-  int depth_qp = 20;  ///< 0 (lossless) to 51
+  int depth_qp = 20;              ///< 0 (lossless) to 51
   std::optional<int> depth_kbps;  ///< everything depth costs; instead of depth_qp
   int color_kbps = 2500;
   hole_filling::Method hole_filling = hole_filling::Method::kJoint;
@@ -28,7 +28,8 @@ struct ServerSettings {
   sensor::SourceSettings::Pace pace = sensor::SourceSettings::Pace::kReal;
   std::optional<std::uint64_t> frames;  ///< end after so many captured frames
   bool insecure = false;
-  std::string scene;  ///< scene file; empty for none
+  std::string scene;   ///< scene file; empty for none
+  std::string record;  ///< .oni file to record to; empty for none
   bool list = false;
 };
 

@@ -49,6 +49,11 @@ sensor::CheckedRecording describe(const std::string& path, const recording::Reco
     description.color = description.registered
                             ? description.depth
                             : camera_of(*color, color->field_of_view.value_or(field_of_view));
+    if (!description.registered && note && note->color && note->color->model.width == color->width &&
+        note->color->model.height == color->height) {
+      description.color = note->color->model;
+      description.color_from_depth = note->color->color_from_depth;
+    }
   }
   return checked;
 }

@@ -43,29 +43,52 @@ bool read(const Json& rows, Rigid3& out) {
   return out.is_rigid();
 }
 
-tl::unexpected<Error> corrupt(const char* what) {
-  return fail(ErrorCode::kCorrupt, std::string("the recording's camera note is damaged: ") + what);
+// A camera model's members of an object. Returns what is wrong with it, or nothing.
+std::string read(const Json& object, CameraModel& m) {
+  if (!read(find(object, "width"), m.width) || !read(find(object, "height"), m.height) ||
+      !read(find(object, "fx"), m.fx) || !read(find(object, "fy"), m.fy) || !read(find(object, "cx"), m.cx) ||
+      !read(find(object, "cy"), m.cy)) {
+    return "width, height, fx, fy, cx and cy must all be there";
+  }
+  if (const Json* distortion = find(object, "distortion")) {
+    if (!distortion->is_array() || distortion->size() > m.distortion.size()) return "\"distortion\"";
+    for (std::size_t i = 0; i < distortion->size(); ++i) {
+      if (!read(&(*distortion)[i], m.distortion[i])) return "\"distortion\"";
+    }
+  }
+  const auto usable = check(m);
+  return usable ? std::string() : usable.error().what;
+}
+
+nlohmann::ordered_json model_json(const CameraModel& m) {
+  return {{"width", m.width}, {"height", m.height},        {"fx", m.fx}, {"fy", m.fy}, {"cx", m.cx},
+          {"cy", m.cy},       {"distortion", m.distortion}};
+}
+
+nlohmann::ordered_json transform_json(const Rigid3& transform) {
+  const Eigen::Matrix4d m = transform.matrix();
+  nlohmann::ordered_json rows;
+  for (int r = 0; r < 4; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2), m(r, 3)});
+  return rows;
+}
+
+tl::unexpected<Error> corrupt(const std::string& what) {
+  return fail(ErrorCode::kCorrupt, "the recording's camera note is damaged: " + what);
 }
 
 }  // namespace
 
 std::string to_json(const CameraNote& note) {
   assert(check(note.model));
-  const CameraModel& m = note.model;
-  nlohmann::ordered_json json = {{"name", note.name},
-                                 {"width", m.width},
-                                 {"height", m.height},
-                                 {"fx", m.fx},
-                                 {"fy", m.fy},
-                                 {"cx", m.cx},
-                                 {"cy", m.cy},
-                                 {"distortion", m.distortion},
-                                 {"registered", note.registered},
-                                 {"unit_um", static_cast<int>(note.unit)}};
-  if (note.world_from_camera) {
-    const Eigen::Matrix4d pose = note.world_from_camera->matrix();
-    auto& rows = json["world_from_camera"];
-    for (int r = 0; r < 4; ++r) rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
+  nlohmann::ordered_json json = {{"name", note.name}};
+  json.update(model_json(note.model));
+  json["registered"] = note.registered;
+  json["unit_um"] = static_cast<int>(note.unit);
+  if (note.world_from_camera) json["world_from_camera"] = transform_json(*note.world_from_camera);
+  if (note.color) {
+    assert(check(note.color->model));
+    json["color"] = model_json(note.color->model);
+    json["color"]["color_from_depth"] = transform_json(note.color->color_from_depth);
   }
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -76,23 +99,11 @@ Result<CameraNote> parse_camera_note(std::string_view text) {
   if (!json.is_object()) return corrupt("not a JSON object");
 
   CameraNote note;
-  CameraModel& m = note.model;
   if (const Json* name = find(json, "name")) {
     if (!name->is_string()) return corrupt("\"name\" is no text");
     note.name = name->get<std::string>();
   }
-  if (!read(find(json, "width"), m.width) || !read(find(json, "height"), m.height) ||
-      !read(find(json, "fx"), m.fx) || !read(find(json, "fy"), m.fy) || !read(find(json, "cx"), m.cx) ||
-      !read(find(json, "cy"), m.cy)) {
-    return corrupt("width, height, fx, fy, cx and cy must all be there");
-  }
-  if (const Json* distortion = find(json, "distortion")) {
-    if (!distortion->is_array() || distortion->size() > m.distortion.size()) return corrupt("\"distortion\"");
-    for (std::size_t i = 0; i < distortion->size(); ++i) {
-      if (!read(&(*distortion)[i], m.distortion[i])) return corrupt("\"distortion\"");
-    }
-  }
-  if (auto usable = check(m); !usable) return corrupt(usable.error().what.c_str());
+  if (const std::string wrong = read(json, note.model); !wrong.empty()) return corrupt(wrong);
 
   const Json* registered = find(json, "registered");
   if (!registered || !registered->is_boolean()) return corrupt("\"registered\" must be true or false");
@@ -108,6 +119,15 @@ Result<CameraNote> parse_camera_note(std::string_view text) {
     Rigid3 world_from_camera;
     if (!read(*pose, world_from_camera)) return corrupt("\"world_from_camera\" is no rigid transform");
     note.world_from_camera = world_from_camera;
+  }
+  if (const Json* color = find(json, "color")) {
+    if (!color->is_object()) return corrupt("\"color\" is no object");
+    ColorCameraNote& camera = note.color.emplace();
+    if (const std::string wrong = read(*color, camera.model); !wrong.empty()) return corrupt(wrong);
+    const Json* transform = find(*color, "color_from_depth");
+    if (!transform || !read(*transform, camera.color_from_depth)) {
+      return corrupt("\"color_from_depth\" is no rigid transform");
+    }
   }
   return note;
 }

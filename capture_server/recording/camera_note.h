@@ -6,7 +6,8 @@
 //
 //   {"name":"camera0","width":640,"height":480,"fx":585.5,"fy":585.5,"cx":319.5,"cy":239.5,
 //    "distortion":[k1,k2,p1,p2,k3,k4,k5,k6],"registered":true,"unit_um":1000,
-//    "world_from_camera":[[r,r,r,t],[r,r,r,t],[r,r,r,t],[0,0,0,1]]}
+//    "world_from_camera":[[r,r,r,t],[r,r,r,t],[r,r,r,t],[0,0,0,1]],
+//    "color":{"width":...,"color_from_depth":[[r,r,r,t],[r,r,r,t],[r,r,r,t],[0,0,0,1]]}}
 //
 // Thread: free functions on values, safe anywhere.
 
@@ -21,12 +22,21 @@
 
 namespace copresence::recording {
 
+/// The colour camera where it is not the depth camera.
+struct ColorCameraNote {
+  CameraModel model;
+  Rigid3 color_from_depth;  ///< metres
+  friend bool operator==(const ColorCameraNote&, const ColorCameraNote&) = default;
+};
+
 struct CameraNote {
   std::string name;         ///< of the camera; may be empty
   CameraModel model;        ///< of depth and, when registered, of colour
   bool registered = false;  ///< colour has depth's camera model
   DepthUnit unit = DepthUnit::kMillimetre;
   std::optional<Rigid3> world_from_camera;  ///< metres; absent when nobody told
+  /// Only where not registered; absent when nobody told.
+  std::optional<ColorCameraNote> color = std::nullopt;
 
   friend bool operator==(const CameraNote&, const CameraNote&) = default;
 };

@@ -35,6 +35,13 @@ struct RecordedStream {
     friend bool operator==(const FieldOfView&, const FieldOfView&) = default;
   };
 
+  /// Where a frame's coded picture lies in the file.
+  struct Payload {
+    std::uint64_t position = 0;
+    std::uint32_t bytes = 0;
+    friend bool operator==(const Payload&, const Payload&) = default;
+  };
+
   Kind kind = Kind::kDepth;
   std::string name;   ///< the node's, in the recorder's words
   std::string codec;  ///< four characters: NONE, 16zT, JPEG, ...
@@ -44,6 +51,7 @@ struct RecordedStream {
   DepthUnit unit = DepthUnit::kMillimetre;   ///< depth only
   std::optional<FieldOfView> field_of_view;  ///< depth, and colour where the recorder knew it
   std::vector<std::uint64_t> timestamps_us;  ///< of every frame in the file's order, from the recorder's zero
+  std::vector<Payload> payloads;             ///< of the same frames
   std::uint32_t last_frame = 0;              ///< number of the last one; frames() where none is missing
 
   std::size_t frames() const { return timestamps_us.size(); }

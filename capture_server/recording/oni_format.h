@@ -70,6 +70,11 @@ enum class OniPixelFormat : std::uint32_t {
 inline constexpr char kCameraNoteProperty[] =
     "copresence.camera";  ///< general: JSON, recording/camera_note.h
 
+inline constexpr char kFormerEndProperty[] =
+    "copresence.end";  ///< general, no meaning: where a recording once ended, recording/record_end.h
+
+inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< of one stream: 38 hours
+
 /// Largest depth value a recording of this unit may hold: what "xnDeviceMaxDepth" says, and viewers size
 /// tables by it.
 inline constexpr std::uint16_t kMaxDepthMillimetre = 10000;

@@ -14,7 +14,6 @@ constexpr std::size_t kMaxName = 79;
 // The player reads a record's fields into a buffer without asking for their size. The largest real ones are
 // tables of a device's depth levels, 20 kB.
 constexpr std::uint32_t kMaxFields = 1 << 20;
-constexpr std::uint32_t kMaxFrames = 1 << 22;  // 38 hours
 
 constexpr auto kNodeAddedOlder =
     static_cast<RecordType>(0x0C);  // of OpenNI 1.0.0.5; RecordType::kNodeAddedOld of 1.0.0.4
@@ -26,16 +25,17 @@ constexpr std::uint64_t kMaxTimestamp = std::uint64_t{1} << 56;
 }  // namespace
 
 tl::unexpected<Error> RecordWalk::damaged(std::uint64_t at, const std::string& what) const {
-  return fail(ErrorCode::kCorrupt,
-              fmt::format("{}: damaged at byte {}: {}; take another copy of the file or record it again",
-                          name_, at, what));
+  return fail(
+      ErrorCode::kCorrupt,
+      fmt::format("{}: damaged at byte {}: {}; take another copy of the file or run record repair on it",
+                  name_, at, what));
 }
 
 tl::unexpected<Error> RecordWalk::cut_off(std::uint64_t at) const {
   return fail(
       ErrorCode::kCorrupt,
       fmt::format("{}: cut off: the record at byte {} goes on beyond the file's end at {}, so its recorder "
-                  "was stopped or the copy is incomplete; copy the file or record it again",
+                  "was stopped or the copy is incomplete; copy it again, or run record repair on it",
                   name_, at, bytes_.size()));
 }
 
@@ -98,7 +98,7 @@ Result<RecordWalk::Record> RecordWalk::next_record() {
         ErrorCode::kCorrupt,
         fmt::format(
             "{}: cut off at byte {}: there is no end record, so its recorder was stopped or the copy is "
-            "incomplete; copy the file or record it again",
+            "incomplete; copy it again, or run record repair on it",
             name_, bytes_.size()));
   }
   FieldReader fields(*bytes);
@@ -188,7 +188,7 @@ Result<void> RecordWalk::node_added(const Record& record, FieldReader fields) {
     node.stream.kind = type == NodeType::kDepth   ? Kind::kDepth
                        : type == NodeType::kImage ? Kind::kColor
                                                   : Kind::kInfrared;
-    if (frames > kMaxFrames)
+    if (frames > kMostFrames)
       return damaged(record.at, fmt::format("stream {} claims {} frames", name, frames));
     if (data_begun_)
       return damaged(record.at, fmt::format("stream {} is defined after data has begun", name));
@@ -293,6 +293,7 @@ Result<void> RecordWalk::new_data(const Record& record, FieldReader fields) {
   }
   stream.last_frame = number;
   stream.timestamps_us.push_back(timestamp);
+  stream.payloads.push_back({record.at + record.fields_bytes, record.payload_bytes});
   return {};
 }
 

@@ -15,6 +15,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/frame/rgbd_frame.h"
+
 namespace copresence::sensor {
 
 /// Picture: anything movable and copyable cheaply (a reference-counted one).
@@ -25,8 +27,16 @@ class ColorPairing {
     std::int64_t timestamp_us = 0;  ///< the depth picture's
     Picture depth;
     std::optional<Picture> color;
+    std::int64_t color_timestamp_us = 0;
     bool same_instant = false;  ///< false: `color` is an older picture shown again, or there is none
+    bool color_again = false;   ///< an earlier pair had this picture too
   };
+
+  /// What a frame made of this pair says of its times.
+  static SensorTimes times_of(const Pair& pair) {
+    return {std::chrono::microseconds(pair.timestamp_us), std::chrono::microseconds(pair.color_timestamp_us),
+            pair.color_again};
+  }
 
   /// Half a depth period is what counts as one instant; colour up to `reuse_us` away is shown again.
   ColorPairing(std::int64_t half_period_us, std::int64_t reuse_us)
@@ -58,11 +68,12 @@ class ColorPairing {
     const bool same_instant = nearest && std::abs(nearest->timestamp_us - timestamp) <= half_period_us_;
     if (!same_instant && !passed_by && may_wait) return std::nullopt;
 
-    Pair pair{timestamp, std::move(depth_.front().picture), std::nullopt, same_instant};
+    Pair pair{timestamp, std::move(depth_.front().picture), std::nullopt, 0, same_instant, false};
     depth_.pop_front();
     if (nearest && std::abs(nearest->timestamp_us - timestamp) <= reuse_us_) {
       pair.color = nearest->picture;
-      nearest->used = true;
+      pair.color_timestamp_us = nearest->timestamp_us;
+      pair.color_again = std::exchange(nearest->used, true);
     }
     // The newest stays, in case the next depth picture finds none of its own.
     while (color_.size() > 1 && color_[1].timestamp_us <= timestamp + half_period_us_) drop_oldest_color();

@@ -326,6 +326,7 @@ Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
   RgbdFrame frame;
   copy_depth(pair->depth.picture, description_.depth, frame);
   if (pair->color) copy_color(pair->color->picture, description_.color, frame);
+  frame.sensor_times = Pairing::times_of(*pair);
   frame.stamp.sequence = ++counters_.frames;
   frame.stamp.captured_at = pair->depth.at;
   frame.stamp.world_from_camera = description_.world_from_camera.value_or(Rigid3{});

@@ -271,6 +271,7 @@ Result<RgbdFrame> RecordingSource::next(std::stop_token stop) {
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     frame.stamp.captured_at = steady_clock::now();
   }
+  frame.sensor_times = Pairing::times_of(*pair);
   frame.stamp.sequence = ++counters_.frames;
   frame.stamp.world_from_camera = recording_.description.world_from_camera.value_or(Rigid3{});
   if (recording_.description.has_color && !pair->same_instant) ++counters_.depth_without_color;

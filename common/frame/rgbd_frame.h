@@ -30,12 +30,21 @@ struct StageDurations {
   Duration capture{}, fill{}, depth_encode{}, video_encode{};
 };
 
+/// When the sensor took a frame's pictures, by its own clock: differences mean something, the zero does not. They
+/// stay in the capture process.
+struct SensorTimes {
+  std::chrono::microseconds depth{};
+  std::chrono::microseconds color{};  ///< meaningless without colour
+  bool color_is_repeated = false;     ///< an earlier frame had this very colour picture already
+};
+
 struct RgbdFrame {
   FrameStamp stamp;
   DepthImage depth;  ///< in the stream's DepthUnit, along the optical axis; 0 exactly where state is kHole
   StateImage state;  ///< same shape as depth
   std::optional<ColorImage> color;  ///< from registration on: same shape and camera model as depth
   StageDurations durations;
+  SensorTimes sensor_times;
 };
 
 }  // namespace copresence

@@ -37,6 +37,16 @@ TEST(CameraNote, ComesBackWithoutAPose) {
   EXPECT_EQ(*back, note);
 }
 
+TEST(CameraNote, ComesBackWithAColorCameraOfItsOwn) {
+  CameraNote note = left_camera();
+  note.registered = false;
+  note.color = ColorCameraNote{{1280, 960, 1050, 1051, 640, 480, {0.1}},
+                               Rigid3{Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.025, 0, 0)}};
+  const auto back = parse_camera_note(to_json(note));
+  ASSERT_TRUE(back) << back.error().what;
+  EXPECT_EQ(*back, note);
+}
+
 TEST(CameraNote, SkipsKeysOfLaterVersions) {
   std::string json = to_json(left_camera());
   json.insert(1, "\"serial\":\"A00366\",");

@@ -43,6 +43,7 @@ struct Case {
   DepthCoding depth;
   std::optional<ColorCoding> color;
   DepthUnit unit;
+  bool unfinished = false;  // its recorder died after a checkpoint and one more frame
 };
 
 class OniPlayback : public testing::TestWithParam<Case> {
@@ -81,8 +82,16 @@ TEST_P(OniPlayback, DeliversEveryFrameAsItWasWritten) {
       if (wanted.color) {
         ASSERT_TRUE(writer->write_color(microseconds(5'007'000 + 33'333 * i), color_of(i)));
       }
+      if (wanted.unfinished) {
+        ASSERT_TRUE(writer->checkpoint());
+      }
     }
-    ASSERT_TRUE(writer->finish());
+    if (wanted.unfinished) {
+      ASSERT_TRUE(writer->checkpoint());
+      ASSERT_TRUE(writer->write_depth(microseconds(6'000'000), depth_of(0, largest)));
+    } else {
+      ASSERT_TRUE(writer->finish());
+    }
   }
 
   openni::Device device;
@@ -144,6 +153,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"CodedDepthAndRawColor", DepthCoding::k16z, ColorCoding::kRaw,
                          DepthUnit::k100Micrometres},
                     Case{"RawDepthAndJpeg", DepthCoding::kNone, ColorCoding::kJpeg, DepthUnit::kMillimetre},
+                    Case{"Unfinished", DepthCoding::k16z, ColorCoding::kJpeg, DepthUnit::kMillimetre, true},
                     Case{"DepthAlone", DepthCoding::k16z, std::nullopt, DepthUnit::kMillimetre}),
     [](const auto& with) { return std::string(with.param.name); });
 

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "capture_server/recording/depth_16z.h"
+#include "capture_server/recording/oni_check.h"
 #include "capture_server/recording/oni_format.h"
 
 namespace copresence::recording {
@@ -181,6 +182,60 @@ TEST_F(OniWriterTest, EmbedsAnExistingJpegUnchanged) {
   }
 }
 
+TEST_F(OniWriterTest, IsWholeAfterEveryCheckpoint) {
+  auto writer = OniWriter::create(path("a.oni"), content_);
+  ASSERT_TRUE(writer);
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(writer->write_depth(microseconds(33'333 * i), depth(i)));
+    ASSERT_TRUE(writer->write_color(microseconds(33'333 * i + 7), color()));
+    if (i > 0) {  // what came after the last checkpoint is not seen yet, and does no harm
+      const auto so_far = check(path("a.oni"));
+      ASSERT_TRUE(so_far) << so_far.error().what;
+      EXPECT_EQ(so_far->find(RecordedStream::Kind::kDepth)->frames(), static_cast<std::size_t>(i));
+    }
+    ASSERT_TRUE(writer->checkpoint());
+    const auto now = check(path("a.oni"));
+    ASSERT_TRUE(now) << now.error().what;
+    EXPECT_EQ(now->find(RecordedStream::Kind::kDepth)->frames(), static_cast<std::size_t>(i + 1));
+    EXPECT_EQ(now->find(RecordedStream::Kind::kColor)->frames(), static_cast<std::size_t>(i + 1));
+  }
+  ASSERT_TRUE(writer->finish());
+  EXPECT_EQ(check(path("a.oni"))->find(RecordedStream::Kind::kDepth)->frames(), 4u);
+}
+
+TEST_F(OniWriterTest, ACheckpointCostsAHundredBytes) {
+  auto writer = OniWriter::create(path("a.oni"), content_);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->write_depth(microseconds(0), depth(0)));
+  const std::uint64_t before = writer->bytes();
+  ASSERT_TRUE(writer->checkpoint());
+  EXPECT_LE(writer->bytes(), before + 100);
+  ASSERT_TRUE(writer->checkpoint());  // nothing has come since
+  EXPECT_LE(writer->bytes(), before + 100);
+}
+
+TEST_F(OniWriterTest, AColorCameraOfItsOwnMayHaveAnotherSize) {
+  content_.camera.color = ColorCameraNote{{128, 96, 110, 110, 63.5, 47.5, {}},
+                                          Rigid3{Eigen::Matrix3d::Identity(), {0.025, 0, 0}}};
+  auto writer = OniWriter::create(path("a.oni"), content_);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->write_depth(microseconds(0), depth(0)));
+  EXPECT_FALSE(writer->write_color(microseconds(0), color()));
+  ASSERT_TRUE(writer->write_color(microseconds(0), ColorImage(128, 96)));
+  ASSERT_TRUE(writer->finish());
+  const auto summary = check(path("a.oni"));
+  ASSERT_TRUE(summary) << summary.error().what;
+  EXPECT_EQ(summary->find(RecordedStream::Kind::kColor)->width, 128);
+  EXPECT_EQ(summary->camera_note, content_.camera);
+}
+
+TEST_F(OniWriterTest, HoldsEveryDepthWhereItIsToldSo) {
+  content_.max_depth = 65535;
+  auto writer = OniWriter::create(path("a.oni"), content_);
+  ASSERT_TRUE(writer);
+  EXPECT_TRUE(writer->write_depth(microseconds(0), DepthImage(64, 48, 65535)));
+}
+
 TEST_F(OniWriterTest, RefusesWhatDoesNotBelong) {
   auto writer = OniWriter::create(path("a.oni"), content_);
   ASSERT_TRUE(writer);
@@ -206,7 +261,7 @@ TEST_F(OniWriterTest, AFullDiskIsAnErrorAndNotASilence) {
   const auto writer = OniWriter::create("/dev/full", content_);
   ASSERT_FALSE(writer);
   EXPECT_EQ(writer.error().code, ErrorCode::kUnavailable);
-  EXPECT_NE(writer.error().what.find("No space left"), std::string::npos) << writer.error().what;
+  EXPECT_NE(writer.error().what.find("disk is full"), std::string::npos) << writer.error().what;
 }
 
 }  // namespace

@@ -34,6 +34,20 @@ TEST(ColorPairing, TakesColorThatCameBeforeItsDepth) {
   EXPECT_TRUE(pair->same_instant);
 }
 
+TEST(ColorPairing, TellsThePicturesOwnTimesAndWhichColorComesAgain) {
+  Pairing pairing = at_30_fps();
+  pairing.add_color(1'007'000, 10);
+  pairing.add_depth(1'000'000, 1);
+  pairing.add_depth(1'033'333, 2);
+  const auto first = pairing.take(false), second = pairing.take(false);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(Pairing::times_of(*first).depth.count(), 1'000'000);
+  EXPECT_EQ(Pairing::times_of(*first).color.count(), 1'007'000);
+  EXPECT_FALSE(Pairing::times_of(*first).color_is_repeated);
+  EXPECT_EQ(Pairing::times_of(*second).color.count(), 1'007'000);
+  EXPECT_TRUE(Pairing::times_of(*second).color_is_repeated);
+}
+
 TEST(ColorPairing, WaitsForColorOnlyWhileAllowed) {
   Pairing pairing = at_30_fps();
   pairing.add_depth(1'000'000, 1);

@@ -1,0 +1,40 @@
+#pragma once
+
+// A file to read here and there from, however large.
+//
+// Thread: concurrent reads are safe.
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "capture_server/recording/record_bytes.h"
+#include "common/result.h"
+
+namespace copresence::recording {
+
+class InputFile {
+ public:
+  /// Fails  kNotFound: nothing there, not readable, not a file.
+  static Result<InputFile> open(const std::string& path);
+
+  InputFile(InputFile&& other) noexcept;
+  InputFile& operator=(InputFile&& other) noexcept;
+  ~InputFile();
+
+  std::uint64_t size() const { return size_; }
+
+  /// Fills `into` from `offset` on; false where that is not there or the medium fails.
+  bool read(std::uint64_t offset, std::span<std::uint8_t> into) const;
+
+  /// This file's bytes for a walk. Requires that this outlives it.
+  RecordBytes bytes() const;
+
+ private:
+  InputFile(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
+
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace copresence::recording

@@ -1,0 +1,81 @@
+#include "capture_server/recording/oni_reader.h"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cstring>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture_server/recording/depth_16z.h"
+#include "capture_server/recording/record_walk.h"
+
+namespace copresence::recording {
+namespace {
+
+tl::unexpected<Error> damaged(const RecordedStream& stream, std::size_t frame) {
+  return fail(ErrorCode::kCorrupt, fmt::format("frame {} of stream {} is damaged", frame + 1, stream.name));
+}
+
+tl::unexpected<Error> not_decoded(const RecordedStream& stream) {
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("stream {} is coded as {}, which only OpenNI2 decodes", stream.name, stream.codec));
+}
+
+}  // namespace
+
+Result<OniReader> OniReader::open(const std::string& path) {
+  auto file = InputFile::open(path);
+  if (!file) return fail(file.error());
+  RecordBytes bytes = file->bytes();
+  auto summary = RecordWalk(bytes, path).run();
+  if (!summary) return fail(summary.error());
+  return OniReader(std::move(*file), std::move(*summary));
+}
+
+Result<std::vector<std::uint8_t>> OniReader::payload(const RecordedStream& stream, std::size_t frame) const {
+  assert(frame < stream.payloads.size());
+  std::vector<std::uint8_t> bytes(stream.payloads[frame].bytes);
+  if (!file_.read(stream.payloads[frame].position, bytes)) return damaged(stream, frame);
+  return bytes;
+}
+
+Result<DepthImage> OniReader::depth(std::size_t frame) const {
+  const RecordedStream& stream = *summary_.find(RecordedStream::Kind::kDepth);
+  const auto bytes = payload(stream, frame);
+  if (!bytes) return fail(bytes.error());
+  DepthImage image(stream.width, stream.height);
+  if (stream.codec == "NONE") {
+    if (bytes->size() != image.pixels().size_bytes()) return damaged(stream, frame);
+    std::memcpy(image.data(), bytes->data(), bytes->size());
+  } else if (stream.codec == "16zT") {
+    if (!expand_depth_16z(*bytes, image)) return damaged(stream, frame);
+  } else {
+    return not_decoded(stream);
+  }
+  return image;
+}
+
+Result<ColorImage> OniReader::color(std::size_t frame) const {
+  const RecordedStream& stream = *summary_.find(RecordedStream::Kind::kColor);
+  const auto bytes = payload(stream, frame);
+  if (!bytes) return fail(bytes.error());
+  ColorImage image(stream.width, stream.height);
+  if (stream.codec == "NONE") {
+    if (bytes->size() != image.pixels().size_bytes()) return damaged(stream, frame);
+    std::memcpy(image.data(), bytes->data(), bytes->size());
+    return image;
+  }
+  if (stream.codec != "JPEG") return not_decoded(stream);
+  try {
+    const cv::Mat bgr = cv::imdecode(*bytes, cv::IMREAD_COLOR);
+    if (bgr.cols != stream.width || bgr.rows != stream.height) return damaged(stream, frame);
+    cv::Mat rgb(stream.height, stream.width, CV_8UC3, image.data());
+    cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  } catch (const cv::Exception&) {
+    return damaged(stream, frame);
+  }
+  return image;
+}
+
+}  // namespace copresence::recording

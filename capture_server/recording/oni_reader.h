@@ -1,0 +1,43 @@
+#pragma once
+
+// The frames of a recording by their numbers, without OpenNI: for tools that look into recordings. A server plays
+// them through OpenNI2 (capture_server/sensor), as it would a camera.
+//
+// Thread: one thread at a time.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "capture_server/recording/input_file.h"
+#include "capture_server/recording/oni_check.h"
+#include "common/frame/image.h"
+#include "common/result.h"
+
+namespace copresence::recording {
+
+class OniReader {
+ public:
+  /// Fails as check() does.
+  static Result<OniReader> open(const std::string& path);
+
+  const RecordingSummary& summary() const { return summary_; }
+  std::uint64_t file_bytes() const { return file_.size(); }
+
+  /// A frame's bytes as they are coded. Requires a stream of summary() and frame < stream.frames().
+  Result<std::vector<std::uint8_t>> payload(const RecordedStream& stream, std::size_t frame) const;
+
+  /// A picture. Requires a stream of that kind and frame < its frames().
+  /// Fails  kCorrupt (its bytes are damaged), kUnsupported (a codec or format that nothing here decodes).
+  Result<DepthImage> depth(std::size_t frame) const;
+  Result<ColorImage> color(std::size_t frame) const;
+
+ private:
+  OniReader(InputFile file, RecordingSummary summary)
+      : file_(std::move(file)), summary_(std::move(summary)) {}
+
+  InputFile file_;
+  RecordingSummary summary_;
+};
+
+}  // namespace copresence::recording

@@ -1,0 +1,232 @@
+#include "capture_server/recording/oni_repair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "capture_server/recording/input_file.h"
+#include "capture_server/recording/oni_check.h"
+#include "capture_server/recording/oni_format.h"
+#include "capture_server/recording/oni_salvage.h"
+#include "capture_server/recording/output_file.h"
+#include "capture_server/recording/record_end.h"
+
+namespace copresence::recording {
+namespace {
+
+using Bytes = RecordBytesOut;
+
+constexpr std::uint64_t kCopyStep = 1 << 20;
+constexpr std::uint64_t kLargestSkip = 16
+                                       << 10;  // of one property: players read it into a buffer of their own
+
+Result<void> copy_bytes(const InputFile& from, std::uint64_t begin, std::uint64_t end, OutputFile& to,
+                        const std::string& name, const ProgressReport& progress) {
+  Bytes chunk;
+  for (std::uint64_t at = begin; at < end; at += chunk.size()) {
+    chunk.resize(std::min(kCopyStep, end - at));
+    if (!from.read(at, chunk)) {
+      return fail(ErrorCode::kUnavailable,
+                  fmt::format("{}: cannot be read at byte {}; check the disk", name, at));
+    }
+    if (auto written = to.append(chunk); !written) return written;
+    progress(static_cast<double>(at + chunk.size()) / static_cast<double>(end));
+  }
+  return {};
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::equivalent(a, b, ignored);
+}
+
+Result<void> refuse_same(const std::string& path, const std::string& out) {
+  if (!is_same_file(path, out)) return {};
+  return fail(ErrorCode::kInvalid,
+              fmt::format("{}: --out names the recording itself; give another name", out));
+}
+
+std::uint64_t skip_overhead(std::uint32_t node) {
+  Bytes bytes;
+  append_general(bytes, node, kFormerEndProperty, {});
+  return bytes.size();
+}
+
+// Fills a gap with properties that every player skips.
+Result<void> pass_over(OutputFile& file, const Gap& gap, std::uint32_t node, const std::string& name) {
+  const std::uint64_t overhead = skip_overhead(node);
+  for (std::uint64_t at = gap.from; at < gap.to;) {
+    const std::uint64_t left = gap.to - at;
+    if (left < overhead) {
+      return fail(ErrorCode::kCorrupt,
+                  fmt::format("{}: the damage at byte {} is too small to be passed over", name, gap.from));
+    }
+    const std::uint64_t size = left <= kLargestSkip ? left : std::min(kLargestSkip, left - overhead);
+    Bytes bytes;
+    append_general(bytes, node, kFormerEndProperty, Bytes(size - overhead, 0));
+    if (auto written = file.write_at(at, bytes); !written) return written;
+    at += size;
+  }
+  return {};
+}
+
+// The check and the player want numbers without a frame missing.
+Result<void> renumber(OutputFile& file, const SalvagedStream& stream) {
+  for (std::size_t i = 0; i < stream.frames.size(); ++i) {
+    if (stream.frames[i].number == i + 1) continue;
+    Bytes number;
+    append_number(number, i + 1, 4);
+    if (auto written = file.write_at(stream.frames[i].position + kRecordBytes + 8, number); !written) {
+      return written;
+    }
+  }
+  return {};
+}
+
+Result<void> finish(OutputFile& file, const Salvage& found, const std::string& name) {
+  const bool end_stays = !found.has_end || !found.has_seek_tables;  // as a former end
+  const std::uint64_t keep = end_stays ? found.whole_until : found.end_position;
+  if (file.size() > keep) {
+    if (auto cut = file.truncate(keep); !cut) return cut;
+  }
+  for (const Gap& gap : found.gaps) {
+    if (auto passed = pass_over(file, gap, found.streams.front().node, name); !passed) return passed;
+  }
+  std::vector<EndedStream> ended;
+  std::vector<std::vector<FramePlace>> places;
+  for (const SalvagedStream& stream : found.streams) {
+    if (auto numbered = renumber(file, stream); !numbered) return numbered;
+    places.push_back(stream.places());
+  }
+  for (std::size_t i = 0; i < found.streams.size(); ++i) {
+    const SalvagedStream& stream = found.streams[i];
+    ended.push_back({stream.node, stream.added_position, stream.counts_position, places[i]});
+  }
+  Bytes largest_node;
+  append_number(largest_node, found.largest_node, 4);
+  if (auto written = file.write_at(kHeaderNodeAt, largest_node); !written) return written;
+  if (auto done = write_end(file, ended, SeekTables::kYes, found.ends); !done) return fail(done.error());
+  return file.close();
+}
+
+}  // namespace
+
+Result<RepairReport> repair(const std::string& path, const std::string& out, const ProgressReport& progress) {
+  const auto input = InputFile::open(path);
+  if (!input) return fail(input.error());
+  RecordBytes bytes = input->bytes();
+  const auto found = salvage(bytes, path);
+  if (!found) return fail(found.error());
+  RepairReport report;
+  report.frames = found->frames();
+  report.gaps = found->gaps.size();
+  report.dropped_bytes = found->has_end ? 0 : input->size() - found->whole_until;
+  report.was_whole =
+      found->has_end && found->has_seek_tables && found->gaps.empty() && check(path).has_value();
+  if (report.was_whole && out.empty()) return report;
+  if (out.empty() && !found->gaps.empty()) {
+    return fail(
+        ErrorCode::kCorrupt,
+        fmt::format("{}: damaged at byte {}, not only cut off; give --out FILE to write what is whole "
+                    "into another file",
+                    path, found->gaps.front().from));
+  }
+  if (!out.empty()) {
+    if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());
+    auto copy = OutputFile::create(out);
+    if (!copy) return fail(copy.error());
+    const std::uint64_t end = report.was_whole ? input->size() : found->whole_until;
+    if (auto copied = copy_bytes(*input, 0, end, *copy, path, progress); !copied) return fail(copied.error());
+    if (report.was_whole) {
+      if (auto closed = copy->close(); !closed) return fail(closed.error());
+      return report;
+    }
+  }
+  auto file = OutputFile::open(out.empty() ? path : out);
+  if (!file) return fail(file.error());
+  if (auto finished = finish(*file, *found, path); !finished) return fail(finished.error());
+  if (const auto plays = check(out.empty() ? path : out); !plays) return fail(plays.error());
+  return report;
+}
+
+Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out,
+                      const ProgressReport& progress) {
+  const auto whole = check(path);
+  if (!whole) return fail(whole.error());
+  if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());
+  const auto input = InputFile::open(path);
+  if (!input) return fail(input.error());
+  RecordBytes bytes = input->bytes();
+  const auto found = salvage(bytes, path);
+  if (!found) return fail(found.error());
+
+  struct Wanted {
+    const SalvagedFrame* frame;
+    std::size_t stream;
+  };
+  std::vector<Wanted> wanted;
+  std::uint64_t first_us = ~std::uint64_t{0};
+  for (const SalvagedStream& stream : found->streams) {
+    for (const SalvagedFrame& frame : stream.frames) first_us = std::min(first_us, frame.timestamp_us);
+  }
+  for (std::size_t i = 0; i < found->streams.size(); ++i) {
+    for (const SalvagedFrame& frame : found->streams[i].frames) {
+      const double at_s = static_cast<double>(frame.timestamp_us - first_us) * 1e-6;
+      if (at_s >= from_s && at_s < to_s) wanted.push_back({&frame, i});
+    }
+  }
+  std::sort(wanted.begin(), wanted.end(),
+            [](const Wanted& a, const Wanted& b) { return a.frame->position < b.frame->position; });
+
+  const auto& times = whole->find(RecordedStream::Kind::kDepth)->timestamps_us;
+  const bool has_depth = std::any_of(times.begin(), times.end(), [&](std::uint64_t time) {
+    const double at_s = static_cast<double>(time - first_us) * 1e-6;
+    return at_s >= from_s && at_s < to_s;
+  });
+  if (!has_depth) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: no depth frame lies from {} to {} s; the recording is {:.1f} s long", path,
+                            from_s, to_s, static_cast<double>(whole->duration.count()) * 1e-6));
+  }
+
+  auto file = OutputFile::create(out);
+  if (!file) return fail(file.error());
+  if (auto copied = copy_bytes(*input, 0, found->first_frame_position, *file, path, [](double) {}); !copied) {
+    return fail(copied.error());
+  }
+  std::vector<std::vector<FramePlace>> places(found->streams.size());
+  Bytes record;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const SalvagedFrame& frame = *wanted[i].frame;
+    auto& before = places[wanted[i].stream];
+    record.clear();
+    append_frame_head(record, found->streams[wanted[i].stream].node, frame.timestamp_us,
+                      static_cast<std::uint32_t>(before.size() + 1), frame.payload_bytes,
+                      before.empty() ? 0 : before.back().position);
+    const std::size_t head = record.size();
+    record.resize(head + frame.payload_bytes);
+    if (!input->read(frame.position + frame.fields_bytes, std::span(record).subspan(head))) {
+      return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be read; check the disk", path));
+    }
+    before.push_back({frame.timestamp_us, file->size()});
+    if (auto written = file->append(record); !written) return fail(written.error());
+    progress(static_cast<double>(i + 1) / static_cast<double>(wanted.size()));
+  }
+  std::vector<EndedStream> ended;
+  for (std::size_t i = 0; i < found->streams.size(); ++i) {
+    const SalvagedStream& stream = found->streams[i];
+    ended.push_back({stream.node, stream.added_position, stream.counts_position, places[i]});
+  }
+  if (auto done = write_end(*file, ended, SeekTables::kYes, {}); !done) return fail(done.error());
+  if (auto closed = file->close(); !closed) return fail(closed.error());
+
+  const auto summary = check(out);
+  if (!summary) return fail(summary.error());
+  const RecordedStream* color = summary->find(RecordedStream::Kind::kColor);
+  return CutReport{summary->find(RecordedStream::Kind::kDepth)->frames(), color ? color->frames() : 0};
+}
+
+}  // namespace copresence::recording

@@ -1,0 +1,196 @@
+#include "capture_server/recording/oni_salvage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "capture_server/recording/oni_format.h"
+#include "capture_server/recording/record_end.h"
+
+namespace copresence::recording {
+namespace {
+
+constexpr std::uint32_t kMaxFields = 1 << 20, kMaxPayload = 1 << 26;
+constexpr std::uint32_t kSearchStep = 1 << 16;
+constexpr std::uint32_t kFrameHeadBytes = kRecordBytes + kFrameFieldBytes;
+
+struct Record {
+  std::uint64_t at = 0, end = 0;
+  RecordType type{};
+  std::uint32_t node = 0, fields_bytes = 0, payload_bytes = 0;
+};
+
+bool has_payload(RecordType type) {
+  return type == RecordType::kNewData || type == RecordType::kSeekTable;
+}
+
+class Search {
+ public:
+  Search(RecordBytes& bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+
+  Result<Salvage> run() {
+    const auto header = bytes_.at(0, kHeaderBytes);
+    if (!header || !std::equal(std::begin(kFileMagic), std::end(kFileMagic), header->begin())) {
+      return fail(ErrorCode::kCorrupt, fmt::format("{}: not an OpenNI recording; give an .oni file", name_));
+    }
+    std::uint64_t at = kHeaderBytes;
+    while (at < bytes_.size()) {
+      const auto record = record_at(at);
+      if (record && take(*record)) {
+        at = record->end;
+        found_.whole_until = at;
+        if (record->type == RecordType::kEnd && !frame_at(at)) break;  // zeros may follow, or nothing
+        continue;
+      }
+      const auto next = next_frame(at + 1);
+      if (!next) break;
+      found_.gaps.push_back({at, *next});
+      at = *next;
+    }
+    if (found_.streams.empty()) {
+      return fail(
+          ErrorCode::kCorrupt,
+          fmt::format("{}: no stream's definition is whole in it, so nothing of it can be saved", name_));
+    }
+    if (found_.first_frame_position == 0) found_.first_frame_position = found_.whole_until;
+    return std::move(found_);
+  }
+
+ private:
+  std::optional<Record> record_at(std::uint64_t at) {
+    const auto bytes = bytes_.at(at, kRecordBytes);
+    if (!bytes) return std::nullopt;
+    FieldReader fields(*bytes);
+    Record record;
+    record.at = at;
+    if (fields.u32() != kRecordMagic) return std::nullopt;
+    record.type = static_cast<RecordType>(fields.u32());
+    record.node = fields.u32();
+    record.fields_bytes = fields.u32();
+    record.payload_bytes = fields.u32();
+    if (!has_payload(record.type)) record.payload_bytes = 0;
+    if (record.type < RecordType::kNodeAddedOld || record.type > RecordType::kSeekTable ||
+        record.fields_bytes < kRecordBytes || record.fields_bytes > kMaxFields ||
+        record.payload_bytes > kMaxPayload) {
+      return std::nullopt;
+    }
+    record.end = at + record.fields_bytes + record.payload_bytes;
+    if (record.end > bytes_.size()) return std::nullopt;
+    return record;
+  }
+
+  SalvagedStream* find(std::uint32_t node) {
+    const auto found = std::find_if(found_.streams.begin(), found_.streams.end(),
+                                    [&](const SalvagedStream& s) { return s.node == node; });
+    return found == found_.streams.end() ? nullptr : &*found;
+  }
+
+  // A frame that goes on where its stream stands.
+  std::optional<SalvagedFrame> frame_of(const Record& record) {
+    const SalvagedStream* stream = find(record.node);
+    if (record.type != RecordType::kNewData || !stream || record.fields_bytes != kFrameHeadBytes) {
+      return std::nullopt;
+    }
+    const auto bytes = bytes_.at(record.at, kFrameHeadBytes);
+    if (!bytes) return std::nullopt;
+    FieldReader fields(bytes->subspan(kRecordBytes));
+    const std::uint64_t timestamp = fields.u64();
+    const std::uint32_t number = fields.u32();
+    const std::uint32_t last = stream->frames.empty() ? 0 : stream->frames.back().number;
+    if (number <= last || number - last > kMostFrames) return std::nullopt;
+    return SalvagedFrame{timestamp, record.at, number, record.fields_bytes, record.payload_bytes};
+  }
+
+  bool frame_at(std::uint64_t at) {
+    const auto record = record_at(at);
+    return record && frame_of(*record);
+  }
+
+  // Where the next frame begins from `from` on.
+  std::optional<std::uint64_t> next_frame(std::uint64_t from) {
+    const std::uint8_t magic[] = {kRecordMagic & 0xff, kRecordMagic >> 8 & 0xff, kRecordMagic >> 16 & 0xff,
+                                  0};
+    while (from + kFrameHeadBytes <= bytes_.size()) {
+      const auto left = bytes_.size() - from;
+      const auto bytes =
+          bytes_.at(from, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, kSearchStep)));
+      if (!bytes) return std::nullopt;
+      const auto found = std::search(bytes->begin(), bytes->end(), std::begin(magic), std::end(magic));
+      if (found == bytes->end()) {
+        from += bytes->size() - (bytes->size() > sizeof(magic) ? sizeof(magic) - 1 : 0);
+        if (bytes->size() == left) return std::nullopt;
+        continue;
+      }
+      from += static_cast<std::uint64_t>(found - bytes->begin());
+      if (frame_at(from)) return from;
+      ++from;
+    }
+    return std::nullopt;
+  }
+
+  bool take(const Record& record) {
+    switch (record.type) {
+      case RecordType::kNewData: {
+        const auto frame = frame_of(record);
+        if (!frame) return false;
+        if (found_.first_frame_position == 0) found_.first_frame_position = record.at;
+        find(record.node)->frames.push_back(*frame);
+        found_.has_end = false;
+        end_begins_.reset();
+        return true;
+      }
+      case RecordType::kNodeAdded:
+        if (record.fields_bytes < kRecordBytes + kNodeCountsBytes || find(record.node)) return false;
+        found_.largest_node = std::max(found_.largest_node, record.node);
+        found_.streams.push_back(
+            {record.node, record.at, record.at + record.fields_bytes - kNodeCountsBytes, {}});
+        return true;
+      case RecordType::kNodeRemoved:
+        if (!end_begins_) {
+          end_begins_ = record.at;
+          found_.has_seek_tables = false;
+        }
+        return true;
+      case RecordType::kSeekTable:
+        found_.has_seek_tables = true;
+        return true;
+      case RecordType::kEnd:
+        found_.has_end = true;
+        found_.end_position = end_begins_.value_or(record.at);
+        if (end_begins_ && record.end - *end_begins_ == end_bytes(found_.streams.size())) {
+          found_.ends.push_back(*end_begins_);
+        }
+        end_begins_.reset();
+        return true;
+      default:
+        return true;
+    }
+  }
+
+  RecordBytes& bytes_;
+  const std::string& name_;
+  Salvage found_;
+  std::optional<std::uint64_t> end_begins_;  // the first kNodeRemoved after the last frame
+};
+
+}  // namespace
+
+std::vector<FramePlace> SalvagedStream::places() const {
+  std::vector<FramePlace> places;
+  places.reserve(frames.size());
+  for (const SalvagedFrame& frame : frames) places.push_back({frame.timestamp_us, frame.position});
+  return places;
+}
+
+std::uint64_t Salvage::frames() const {
+  std::uint64_t sum = 0;
+  for (const SalvagedStream& stream : streams) sum += stream.frames.size();
+  return sum;
+}
+
+Result<Salvage> salvage(RecordBytes& bytes, const std::string& name) {
+  return Search(bytes, name).run();
+}
+
+}  // namespace copresence::recording

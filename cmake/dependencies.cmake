@@ -13,6 +13,7 @@ find_package(embree 3 REQUIRED)                         # embree
 find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(OPENNI2 REQUIRED IMPORTED_TARGET libopenni2)
+pkg_check_modules(FREENECT REQUIRED IMPORTED_TARGET libfreenect)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavcodec libavutil)
 
 find_path(ASIO_INCLUDE_DIR asio.hpp REQUIRED)

@@ -109,6 +109,8 @@ OniBool PushStream::isPropertySupported(int property) {
 }
 
 OniStatus PushStream::getProperty(int property, void* data, int* size) {
+  const OniStatus special = owner_.get_of(*this, property, data, size);
+  if (special != ONI_STATUS_NOT_SUPPORTED) return special;
   const auto give = [&](const auto& value) { return answer(&value, sizeof(value), data, size); };
   const OniVideoMode now = mode();
   Lens lens;
@@ -141,6 +143,8 @@ OniStatus PushStream::getProperty(int property, void* data, int* size) {
 }
 
 OniStatus PushStream::setProperty(int property, const void* data, int size) {
+  const OniStatus special = owner_.set_of(*this, property, data, size);
+  if (special != ONI_STATUS_NOT_SUPPORTED) return special;
   if (property == ONI_STREAM_PROPERTY_MIRRORING) {
     OniBool wanted = TRUE;
     if (!data || size != sizeof(wanted)) return ONI_STATUS_BAD_PARAMETER;

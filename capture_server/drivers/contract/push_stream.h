@@ -33,6 +33,13 @@ class StreamOwner {
   virtual OniStatus begin(PushStream& stream) = 0;
   /// Only after a begin() that succeeded; never fails.
   virtual void end(PushStream& stream) = 0;
+  /// Properties that this camera's streams have beyond the common ones, or instead of them.
+  virtual OniStatus get_of(PushStream&, int /*property*/, void* /*data*/, int* /*size*/) {
+    return ONI_STATUS_NOT_SUPPORTED;
+  }
+  virtual OniStatus set_of(PushStream&, int /*property*/, const void* /*data*/, int /*size*/) {
+    return ONI_STATUS_NOT_SUPPORTED;
+  }
 
  protected:
   ~StreamOwner() = default;

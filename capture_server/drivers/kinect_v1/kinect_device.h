@@ -1,0 +1,74 @@
+#pragma once
+
+// One Kinect v1 as a device of OpenNI2: depth in 1 mm, registered to colour or not; colour RGB888 or infrared GRAY8 (one
+// of the two: they are one camera); all 640x480 at 30 frames a second; tilt, light, near mode, exposure and white
+// balance.
+//
+// Thread: OpenNI2 calls from its users' threads; pictures come from the device's own.
+
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "capture_server/drivers/contract/push_stream.h"
+#include "capture_server/drivers/kinect_v1/device_clock.h"
+#include "capture_server/drivers/kinect_v1/freenect_thread.h"
+#include "common/result.h"
+
+namespace copresence::drivers {
+
+class KinectDevice final : public oni::driver::DeviceBase, public StreamOwner {
+ public:
+  using Explain = std::function<void(const std::string&)>;  ///< one sentence into OpenNI2's last error
+
+  /// Fails  as FreenectThread::open().
+  static Result<std::unique_ptr<KinectDevice>> open(const std::string& serial, std::function<void()> on_lost,
+                                                    Explain explain);
+
+  OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override;
+  oni::driver::StreamBase* createStream(OniSensorType type) override;
+  void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }
+  OniBool isPropertySupported(int property) override;
+  OniStatus getProperty(int property, void* data, int* size) override;
+  OniStatus setProperty(int property, const void* data, int size) override;
+  OniBool isImageRegistrationModeSupported(OniImageRegistrationMode mode) override;
+
+  OniStatus begin(PushStream& stream) override;
+  void end(PushStream& stream) override;
+  OniStatus get_of(PushStream& stream, int property, void* data, int* size) override;
+  OniStatus set_of(PushStream& stream, int property, const void* data, int size) override;
+
+ private:
+  // A started stream and the count of its pictures.
+  struct Running {
+    PushStream* stream = nullptr;
+    int index = 0;
+    std::uint64_t last_us = 0;
+  };
+
+  KinectDevice(std::string serial, Explain explain);
+  bool start_depth();
+  bool start_video(bool infrared);
+  void deliver(bool is_depth, const void* picture, std::uint32_t ticks);
+  OniStatus set_registration(int mode);
+  OniStatus set_flag(freenect_flag flag, bool on, const char* what);
+  Lens depth_lens() const;
+
+  const std::string serial_;
+  const Explain explain_;
+  OniVideoMode depth_mode_{}, color_mode_{}, infrared_mode_{};
+  OniSensorInfo sensors_[3]{};
+
+  std::mutex settings_;  // of the next ones
+  bool registered_ = false;
+  bool near_mode_ = false, auto_exposure_ = true, auto_white_balance_ = true;
+
+  std::mutex running_mutex_;
+  Running depth_, video_;
+  DeviceClock clock_;
+  std::unique_ptr<FreenectThread> thread_;  // the first to go
+};
+
+}  // namespace copresence::drivers

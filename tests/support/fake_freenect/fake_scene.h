@@ -1,0 +1,39 @@
+#pragma once
+
+// What every fake Kinect sees: a wall that is farther away on the right, and a ball's flat disc that moves before it.
+//
+// Thread: pure.
+
+#include <cstdint>
+
+namespace copresence::fake_freenect {
+
+inline constexpr int kWidth = 640, kHeight = 480;
+inline constexpr int kRegisteredShift = 8;  ///< pixels to the left, where depth is registered to colour
+
+constexpr bool on_disc(int x, int y, std::uint64_t frame) {
+  const int dx = x - (160 + static_cast<int>(frame * 4 % 320)), dy = y - 240;
+  return dx * dx + dy * dy < 60 * 60;
+}
+
+/// Millimetres; 0 in the rightmost eight columns, as of a real one.
+constexpr std::uint16_t depth_at(int x, int y, std::uint64_t frame, bool registered) {
+  if (x >= kWidth - 8) return 0;
+  const int seen = registered ? x + kRegisteredShift : x;
+  return on_disc(seen, y, frame) ? std::uint16_t{1200} : static_cast<std::uint16_t>(2000 + seen);
+}
+
+struct Color {
+  std::uint8_t r, g, b;
+};
+constexpr Color color_at(int x, int y, std::uint64_t frame) {
+  if (on_disc(x, y, frame)) return {220, 60, 40};
+  return {static_cast<std::uint8_t>(x / 4), static_cast<std::uint8_t>(y / 2),
+          static_cast<std::uint8_t>(frame)};
+}
+
+constexpr std::uint8_t infrared_at(int x, int y, std::uint64_t frame) {
+  return on_disc(x, y, frame) ? std::uint8_t{200} : static_cast<std::uint8_t>((x ^ y) & 63);
+}
+
+}  // namespace copresence::fake_freenect

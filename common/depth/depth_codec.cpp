@@ -1,5 +1,6 @@
 #include "common/depth/depth_codec.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "common/depth/completion.h"
 #include "common/depth/edge_repair.h"
 #include "common/depth/plane_codec.h"
+#include "common/depth/sample_coder.h"
 #include "common/depth/side_data_seal.h"
 #include "common/depth/state_mask.h"
 
@@ -14,8 +16,13 @@ namespace copresence::depth {
 
 namespace {
 
-// The first byte before a state mask: whether the decoder gets the picture's samples as they were, or repairs edges.
-constexpr std::uint8_t kLossless = 0, kLossy = 1;
+// The first byte before a state mask: whether the decoder gets the picture's samples as they were, or repairs edges, or takes
+// the samples from bytes of their own.
+constexpr std::uint8_t kLossless = 0, kLossy = 1, kSamples = 2;
+
+bool is_monochrome(PixelFormat format) {
+  return format == PixelFormat::kGray8 || format == PixelFormat::kGray10;
+}
 
 }  // namespace
 
@@ -29,16 +36,19 @@ std::span<const std::string_view> codec_names() {
 }
 
 struct Encoder::Parts {
-  Parts(std::unique_ptr<PlaneEncoder> planes_, const DepthFormat& format)
+  Parts(std::unique_ptr<PlaneEncoder> planes_, const DepthFormat& format_)
       : planes(std::move(planes_)),
         description(planes->description()),
+        format(format_),
         completion(format.width, format.height, format.units(), format.unit),
         mask(format.width, format.height) {}
 
   std::unique_ptr<PlaneEncoder> planes;
   DepthCodecDescription description;
+  DepthFormat format;
   Completion completion;
   StateMaskEncoder mask;
+  std::optional<SampleEncoder> samples;  // where pictures are coded without loss and monochrome
   SideDataSeal seal;
   std::uint8_t coding = kLossy;
   bool keyframe_due = true;
@@ -61,8 +71,15 @@ const DepthCodecDescription& Encoder::description() const {
 }
 
 void Encoder::set_lossless(bool lossless) {
-  parts_->coding = lossless ? kLossless : kLossy;
-  parts_->planes->set_lossless(lossless);
+  Parts& parts = *parts_;
+  const bool exact = lossless && is_monochrome(parts.description.format);
+  const std::uint8_t coding = exact ? kSamples : lossless ? kLossless : kLossy;
+  if (coding == parts.coding) return;
+  parts.coding = coding;
+  parts.planes->set_lossless(lossless);
+  parts.keyframe_due = true;
+  parts.samples.reset();
+  if (exact) parts.samples.emplace(parts.description.format, parts.format.width, parts.format.height);
 }
 
 Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& states, bool keyframe) {
@@ -75,7 +92,11 @@ Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& s
   if (!encoded) return fail(encoded.error());
   out.state_mask.push_back(parts.coding);
   parts.mask.encode(parts.completion.states(), out.keyframe, out.state_mask);
-  parts.seal.close(out.keyframe, out.table, out.state_mask);
+  if (parts.samples) {
+    parts.samples->encode(out.picture, parts.completion.states(), out.keyframe, out.samples);
+    out.picture = Picture();
+  }
+  parts.seal.close(out.keyframe, out.table, out.samples, out.state_mask);
   parts.keyframe_due = false;
   return out;
 }
@@ -86,12 +107,19 @@ struct Decoder::Parts {
         format(format_),
         picture(picture_),
         mask(format.width, format.height),
+        samples(is_monochrome(picture) ? picture : PixelFormat::kGray8, format.width, format.height),
         repair(format.unit) {}
+
+  bool is_ours(const Picture& other) const {
+    return other.format() == picture && other.width() == format.width && other.height() == format.height;
+  }
 
   std::unique_ptr<PlaneDecoder> planes;
   DepthFormat format;
   PixelFormat picture;
   StateMaskDecoder mask;
+  SampleDecoder samples;
+  PlanarDepth exact;  // a frame whose picture came as samples, since the last keyframe
   EdgeRepair repair;
   SideDataSeal seal;
 };
@@ -118,25 +146,33 @@ Result<Decoder> Decoder::open(const DepthCodecDescription& description, const De
 
 Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, StateImage& states) {
   Parts& parts = *parts_;
-  const Picture& picture = planes.picture;
-  if (picture.format() != parts.picture || picture.width() != parts.format.width ||
-      picture.height() != parts.format.height) {
+  const auto damaged = [&](const char* why) {
     parts.seal.break_chain();
-    return fail(ErrorCode::kCorrupt, "a depth picture does not have the format of its stream");
-  }
-  const auto mask = parts.seal.open(planes.keyframe, planes.table, planes.state_mask);
-  if (!mask) {
-    return fail(ErrorCode::kCorrupt,
-                "state mask or level table are damaged, or a frame is missing before them");
-  }
+    return fail(ErrorCode::kCorrupt, why);
+  };
+  const auto mask = parts.seal.open(planes.keyframe, planes.table, planes.samples, planes.state_mask);
+  if (!mask)
+    return damaged("state mask, level table or samples are damaged, or a frame is missing before them");
   const std::uint8_t coding = mask->empty() ? std::uint8_t{255} : mask->front();
-  if (coding != kLossless && coding != kLossy) {
-    parts.seal.break_chain();
-    return fail(ErrorCode::kCorrupt, "a state mask does not say how its picture is coded");
+  const bool exact = coding == kSamples;
+  if (coding > kSamples || exact == planes.samples.empty() || (exact && !is_monochrome(parts.picture))) {
+    return damaged("a state mask does not say how its picture is coded");
+  }
+  if (!exact && !parts.is_ours(planes.picture)) {
+    return damaged("a depth picture does not have the format of its stream");
   }
   parts.mask.decode(mask->subspan(1), planes.keyframe, states);
+  if (exact) {
+    if (!planes.keyframe && parts.exact.picture.empty())
+      return damaged("samples build on frames that had none");
+    parts.exact.keyframe = planes.keyframe;
+    parts.exact.table = planes.table;
+    parts.samples.decode(planes.samples, states, planes.keyframe, parts.exact.picture);
+  } else {
+    parts.exact.picture = Picture();
+  }
   depth.resize(parts.format.width, parts.format.height);
-  if (const auto decoded = parts.planes->decode(planes, states, depth); !decoded) {
+  if (const auto decoded = parts.planes->decode(exact ? parts.exact : planes, states, depth); !decoded) {
     parts.seal.break_chain();
     return fail(decoded.error());
   }

@@ -36,8 +36,10 @@ class Encoder {
 
   const DepthCodecDescription& description() const;
 
-  /// Tells whether the pictures are coded without loss from the next frame on. It is off at first: the decoder then repairs
-  /// edges that video coding blurred (edge_repair.h), and may take a true point between two surfaces for such a blur.
+  /// Tells whether depth is coded without loss from the next frame on, which is a keyframe where that changes. Codecs with monochrome
+  /// pictures then give samples (sample_coder.h) instead; the others' pictures must come through video coding as they are. It is
+  /// off at first: the decoder then repairs edges that video coding blurred (edge_repair.h), and may take a true point between
+  /// two surfaces for such a blur.
   void set_lossless(bool lossless);
 
   /// Depth and states as pictures and side data. Depth outside the range, and depth 0, is a hole whatever its
@@ -62,7 +64,7 @@ class Decoder {
   Decoder& operator=(Decoder&&) noexcept;
 
   /// Depth and states back; depth is 0 exactly where the state is kHole.
-  /// Fails (kCorrupt) where mask or table are not what was sent, where frames are missing or in another
+  /// Fails (kCorrupt) where mask, table or samples are not what was sent, where frames are missing or in another
   /// order, and on a picture of another format or shape; every frame up to the next keyframe fails then, and
   /// `depth` and `states` mean nothing.
   Result<void> decode(const PlanarDepth& planes, DepthImage& depth, StateImage& states);

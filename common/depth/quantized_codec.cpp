@@ -86,7 +86,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     even_ = levels_.size() > LevelTable::kCodes;
     if (even_) {
       table_.assign_evenly(adaptive_ ? DepthRangeUnits{levels_.front(), levels_.back()} : range_);
-    } else if (adaptive_) {
+    } else if (adaptive_ && !lossless_) {
       std::vector<std::uint32_t> pixels;
       for (const std::uint16_t level : levels_) pixels.push_back(pixels_[level]);
       table_.assign(levels_, scene_spacing(levels_, pixels, range_, unit_));
@@ -107,7 +107,7 @@ class QuantizedEncoder final : public PlaneEncoder {
   // Whether a table laid out for this frame would be so much finer where its pixels are that it is worth a
   // keyframe. Looks seldom, so that tables change rarely.
   bool scene_left(const DepthImage& depth, const StateImage& states) {
-    if (even_ || frames_since_layout_ < kFramesBetweenLayouts ||
+    if (even_ || lossless_ || frames_since_layout_ < kFramesBetweenLayouts ||
         frames_since_layout_ % kFramesBetweenLooks != 0) {
       return false;
     }

@@ -9,7 +9,7 @@
 // so refused where the coding is lossless.
 //
 // They differ in how far levels lie apart (level_spacing.h): quantized gives every sensor step one code,
-// adaptive spends all codes on the depths that the scene has. Where the scene has left them, adaptive makes a
+// adaptive spends all codes on the depths that the scene has; without loss it does as quantized. Where the scene has left them, adaptive makes a
 // keyframe and lays its table out anew, at most once in two seconds.
 //
 // Parameters: none; the range and the unit come with the format. Source: thesis 3.3.3.2 and 3.3.3.3.

@@ -13,8 +13,9 @@ namespace copresence {
 
 /// Depth as pictures: what a depth codec makes of a DepthImage and its states.
 struct PlanarDepth {
-  bool keyframe = false;                 ///< needs nothing of earlier frames to be decoded
-  Picture picture;                       ///< lossy from here on; holes hold whatever is cheapest
+  bool keyframe = false;  ///< needs nothing of earlier frames to be decoded
+  Picture picture;  ///< lossy from here on; holes hold whatever is cheapest; empty where samples are not
+  std::vector<std::uint8_t> samples;     ///< coded without loss, instead of the picture
   std::vector<std::uint8_t> state_mask;  ///< coded states of all pixels, lossless
   std::vector<std::uint8_t> table;       ///< coded change of the level table; empty for codecs without one
 };

@@ -48,10 +48,14 @@ Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
     depth_.reset();
     if (color_) color_->reset();
   }
-  auto depth = depth_.decode(encoded.depth);
-  if (!depth) return fail(depth.error());
-
   PlanarFrame frame;
+  if (data->samples.empty()) {
+    auto depth = depth_.decode(encoded.depth);
+    if (!depth) return fail(depth.error());
+    frame.depth.picture = std::move(*depth);
+  } else {
+    depth_.reset();  // its picture shows nothing
+  }
   if (data->has_color) {
     auto color = color_->decode(encoded.color);
     if (!color) return fail(color.error());
@@ -63,7 +67,7 @@ Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
       Instant(std::chrono::duration_cast<Duration>(std::chrono::nanoseconds(data->captured_ns)));
   frame.stamp.world_from_camera = world_from_camera_;
   frame.depth.keyframe = keyframe;
-  frame.depth.picture = std::move(*depth);
+  frame.depth.samples = std::move(data->samples);
   frame.depth.state_mask = std::move(data->state_mask);
   frame.depth.table = std::move(data->table);
   frame.durations = encoded.durations;

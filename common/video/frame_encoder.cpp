@@ -66,10 +66,11 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   if (keyframe || previous_pose_ != frame.stamp.world_from_camera)
     data.world_from_camera = frame.stamp.world_from_camera;
   data.table = frame.depth.table;
+  data.samples = frame.depth.samples;
   data.state_mask = frame.depth.state_mask;
 
   if (budget_) depth_.set_rate(budget_->picture_rate(side_data_bytes(data)));
-  auto depth = depth_.encode(frame.depth.picture, keyframe);
+  auto depth = encode_depth(frame.depth);
   if (!depth) return fail(depth.error());
   std::vector<std::uint8_t> color;
   if (frame.color) {
@@ -89,6 +90,18 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   previous_ = frame.stamp.sequence;
   previous_pose_ = frame.stamp.world_from_camera;
   return encoded;
+}
+
+Result<std::vector<std::uint8_t>> FrameEncoder::encode_depth(const PlanarDepth& depth) {
+  const bool exact = !depth.samples.empty();
+  assert(exact == flat_.has_value() || depth.keyframe);
+  if (!exact) {
+    flat_.reset();
+    return depth_.encode(depth.picture, depth.keyframe);
+  }
+  const PictureSettings& settings = depth_.settings();
+  if (!flat_) flat_.emplace(settings.format, settings.width, settings.height);
+  return flat_->write(depth.keyframe);
 }
 
 void FrameEncoder::set_depth_kbps(int kbps) {

@@ -11,6 +11,7 @@
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 #include "common/video/depth_budget.h"
+#include "common/video/flat_picture.h"
 #include "common/video/picture_encoder.h"
 #include "common/video/video_settings.h"
 
@@ -22,7 +23,8 @@ class FrameEncoder {
   static Result<FrameEncoder> open(const StreamDescription& stream, const VideoSettings& settings);
 
   /// A keyframe exactly where frame.depth.keyframe is set. Durations are copied; the caller adds its own.
-  /// Requires pictures of the stream's format and size, a keyframe first, sequence numbers from 1 upward;
+  /// Requires pictures of the stream's format and size, or samples and no picture; a keyframe where one follows the other; a
+  /// keyframe first; sequence numbers from 1 upward;
   /// after a failure, a keyframe.
   Result<EncodedFrame> encode(const PlanarFrame& frame);
 
@@ -34,7 +36,10 @@ class FrameEncoder {
  private:
   FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budget, std::optional<PictureEncoder> color);
 
+  Result<std::vector<std::uint8_t>> encode_depth(const PlanarDepth& depth);
+
   PictureEncoder depth_;
+  std::optional<FlatPictureWriter> flat_;  // instead of depth_, since the last keyframe
   std::optional<DepthBudget> budget_;
   std::optional<PictureEncoder> color_;
   std::uint64_t previous_ = 0;  // sequence of the last frame, 0 before the first

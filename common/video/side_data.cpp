@@ -15,11 +15,11 @@ constexpr std::uint8_t kStopBit = 0x80;
 constexpr std::uint8_t kLayoutVersion = 1;
 constexpr std::array<std::uint8_t, 16> kUuid = {0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58,
                                                 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d, 0x80, 0x6a};
-constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 50, kPoseBytes = 96;
+constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 50, kPoseBytes = 96, kSizeBytes = 4;
 constexpr std::size_t kFramingBytes =
     8;  // start code, NAL unit header, payload type, last byte of its size, end
 
-enum Flag : std::uint8_t { kHasColor = 1, kHasPose = 2 };
+enum Flag : std::uint8_t { kHasColor = 1, kHasPose = 2, kHasSamples = 4 };
 
 class Writer {
  public:
@@ -125,8 +125,9 @@ std::uint32_t crc_of_all(std::span<const std::uint8_t> payload, const std::vecto
 }  // namespace
 
 std::size_t side_data_bytes(const SideData& data) {
-  const std::size_t payload =
-      kFixedBytes + (data.world_from_camera ? kPoseBytes : 0) + data.table.size() + data.state_mask.size();
+  const std::size_t payload = kFixedBytes + (data.world_from_camera ? kPoseBytes : 0) + data.table.size() +
+                              (data.samples.empty() ? 0 : kSizeBytes + data.samples.size()) +
+                              data.state_mask.size();
   return payload + payload / 255 + kFramingBytes;
 }
 
@@ -142,14 +143,19 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
   writer.append(kUuid);
   writer.number<std::uint32_t>(0);  // the CRC, below
   writer.number(kLayoutVersion);
-  writer.number(
-      static_cast<std::uint8_t>((data.has_color ? kHasColor : 0) | (data.world_from_camera ? kHasPose : 0)));
+  writer.number(static_cast<std::uint8_t>((data.has_color ? kHasColor : 0) |
+                                          (data.world_from_camera ? kHasPose : 0) |
+                                          (data.samples.empty() ? 0 : kHasSamples)));
   writer.number(data.sequence);
   writer.number(data.previous);
   writer.number(static_cast<std::uint64_t>(data.captured_ns));
   if (data.world_from_camera) write_pose(writer, *data.world_from_camera);
   writer.number(static_cast<std::uint32_t>(data.table.size()));
   writer.append(data.table);
+  if (!data.samples.empty()) {
+    writer.number(static_cast<std::uint32_t>(data.samples.size()));
+    writer.append(data.samples);
+  }
   writer.append(data.state_mask);
   const std::uint32_t crc = crc_of_all(writer.bytes, *depth_nals, *color_nals);
   for (std::size_t i = 0; i < 4; ++i) writer.bytes[kCrcAt + i] = static_cast<std::uint8_t>(crc >> (8 * i));
@@ -196,7 +202,7 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   // From here on the bytes are what an encoder wrote, though not necessarily a well-meaning one.
   const auto version = reader.number<std::uint8_t>();
   const auto flags = reader.number<std::uint8_t>();
-  if (version != kLayoutVersion || (flags & ~(kHasColor | kHasPose)) != 0) {
+  if (version != kLayoutVersion || (flags & ~(kHasColor | kHasPose | kHasSamples)) != 0) {
     return fail(ErrorCode::kCorrupt, "the side data of an access unit has a layout of another version");
   }
   SideData data;
@@ -211,6 +217,12 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   }
   const auto table = reader.take(reader.number<std::uint32_t>());
   data.table.assign(table.begin(), table.end());
+  if (flags & kHasSamples) {
+    const auto samples = reader.take(reader.number<std::uint32_t>());
+    data.samples.assign(samples.begin(), samples.end());
+    if (samples.empty())
+      return fail(ErrorCode::kCorrupt, "the side data of an access unit lacks its samples");
+  }
   const auto mask = reader.take(reader.left());
   data.state_mask.assign(mask.begin(), mask.end());
   if (reader.ended_early()) return fail(ErrorCode::kCorrupt, "the side data of an access unit ends early");

@@ -1,6 +1,6 @@
 #pragma once
 
-// What must arrive exactly, inside the depth access unit: stamp, state mask and level table, as one SEI
+// What must arrive exactly, inside the depth access unit: stamp, state mask, level table and samples, as one SEI
 // message of type user_data_unregistered with a UUID of our own, so that any copy of the stream (wire,
 // Matroska, MPEG-TS, a relay) keeps them with their picture. A CRC over them and over both coded pictures
 // makes damage, loss of a part and a wrong pair of pictures an error. The layout is drawn byte by byte in
@@ -25,6 +25,7 @@ struct SideData {
   bool has_color = false;        ///< a colour access unit belongs to this frame
   std::optional<Rigid3> world_from_camera;  ///< nothing: as in the frame before
   std::vector<std::uint8_t> table;
+  std::vector<std::uint8_t> samples;  ///< of depth coded without loss; then the picture shows nothing
   std::vector<std::uint8_t> state_mask;
 
   friend bool operator==(const SideData&, const SideData&) = default;

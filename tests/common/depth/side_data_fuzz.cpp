@@ -1,8 +1,8 @@
-// What a stranger may send as level table and state mask, with a seal that is right: the decoder must not
+// What a stranger may send as level table, samples and state mask, with a seal that is right: the decoder must not
 // crash, and what it accepts must keep the promises of depth_codec.h.
 //
-// An input is a stream of frames: u8 keyframe (lowest bit), u8 bytes of the table, u8 bytes of the mask,
-// table, mask.
+// An input is a stream of frames: u8 keyframe (lowest bit) and samples (next bit), u8 bytes of the table, u8 bytes of
+// the mask, u8 bytes of the samples where there are some, table, mask, samples.
 
 #include <cstdlib>
 #include <span>
@@ -29,13 +29,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (std::uint16_t& each : planes.picture.plane10())
       each = sample = static_cast<std::uint16_t>(sample * 5 + 3);
     const std::size_t table = rest[1], mask = rest[2];
+    const bool exact = (rest[0] & 2) != 0;
     rest = rest.subspan(3);
-    if (rest.size() < table + mask) break;
+    if (exact && rest.empty()) break;
+    const std::size_t samples = exact ? rest[0] : 0;
+    if (exact) rest = rest.subspan(1);
+    if (rest.size() < table + mask + samples) break;
     planes.table.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(table));
     rest = rest.subspan(table);
     planes.state_mask.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(mask));
     rest = rest.subspan(mask);
-    seal.close(planes.keyframe, planes.table, planes.state_mask);
+    planes.samples.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(samples));
+    rest = rest.subspan(samples);
+    seal.close(planes.keyframe, planes.table, planes.samples, planes.state_mask);
     if (!decoder.decode(planes, depth, states)) break;
     for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
       const bool hole = states.data()[i] == DepthState::kHole;

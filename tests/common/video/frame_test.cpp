@@ -43,6 +43,41 @@ TEST_F(Frames, ComeBackOneForOneWithEverythingThatMustBeExact) {
   }
 }
 
+TEST_F(Frames, CarrySamplesInsteadOfThePictureBetweenKeyframes) {
+  for (std::uint64_t sequence = 1; sequence <= 40; ++sequence) {
+    PlanarFrame frame = moving_frame(stream, sequence, sequence % 10 == 1);
+    const bool exact = (sequence - 1) / 10 % 2 == 0;
+    if (exact) {
+      frame.depth.picture = Picture();
+      frame.depth.samples.assign(100 + sequence, static_cast<std::uint8_t>(sequence));
+    }
+    const auto back = decoder.decode(encoder.encode(frame).value());
+    ASSERT_TRUE(back) << back.error().what;
+    EXPECT_EQ(back->depth.samples, frame.depth.samples);
+    EXPECT_EQ(back->depth.picture, frame.depth.picture);
+    EXPECT_TRUE(back->color);
+  }
+}
+
+TEST_F(Frames, WithSamplesAreRefusedDamagedOrAfterALoss) {
+  std::vector<EncodedFrame> frames;
+  for (std::uint64_t sequence = 1; sequence <= 4; ++sequence) {
+    PlanarFrame frame = moving_frame(stream, sequence, sequence == 1);
+    frame.depth.picture = Picture();
+    frame.depth.samples = {1, 2, 3};
+    frames.push_back(encoder.encode(frame).value());
+  }
+  ASSERT_TRUE(decoder.decode(frames[0]));
+  EXPECT_FALSE(decoder.decode(frames[2]));
+  EXPECT_FALSE(decoder.decode(frames[3]));
+  for (std::size_t byte = 0; byte < frames[1].depth.size(); ++byte) {
+    ASSERT_TRUE(decoder.decode(frames[0]));
+    EncodedFrame damaged = frames[1];
+    damaged.depth[byte] ^= 4;
+    EXPECT_FALSE(decoder.decode(damaged)) << byte;
+  }
+}
+
 TEST_F(Frames, MayLackColorNowAndThenEvenInAKeyframe) {
   for (std::uint64_t sequence = 1; sequence <= 12; ++sequence) {
     PlanarFrame frame = moving_frame(stream, sequence, sequence % 6 == 1);

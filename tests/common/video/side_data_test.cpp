@@ -57,6 +57,9 @@ TEST(SideData, ComesBackAsItWas) {
   data.table.clear();
   data.state_mask.clear();
   EXPECT_EQ(extract_side_data(add_side_data(kDepth, {}, data), {}).value(), data);
+  data.samples = {7};
+  EXPECT_EQ(extract_side_data(add_side_data(kDepth, {}, data), {}).value(), data);
+  data.samples.assign(40'000, 2);
   data.state_mask.assign(100'000, 0);
   EXPECT_EQ(extract_side_data(add_side_data(kDepth, {}, data), {}).value(), data);
 }
@@ -64,6 +67,7 @@ TEST(SideData, ComesBackAsItWas) {
 TEST(SideData, StandsEveryFlippedBitAndEveryCutOnlyAsAnError) {
   SideData data = example();
   data.world_from_camera = Rigid3{};
+  data.samples = {1, 2};
   const Bytes depth = add_side_data(kDepth, kColor, data);
   for (std::size_t bit = 0; bit < 8 * depth.size(); ++bit) {
     Bytes damaged = depth;

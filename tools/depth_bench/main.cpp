@@ -7,7 +7,7 @@
 #include "tools/depth_bench/codec_run.h"
 #include "tools/depth_bench/depth_recording.h"
 #include "tools/depth_bench/plots.h"
-#include "tools/depth_bench/progress.h"
+#include "tools/progress/progress.h"
 #include "tools/depth_bench/row.h"
 #include "tools/depth_bench/settings.h"
 #include "tools/depth_bench/tuning.h"
@@ -15,7 +15,7 @@
 namespace copresence::depth_bench {
 namespace {
 
-void print(Progress& progress, const std::string& line) {
+void print(tools::Progress& progress, const std::string& line) {
   progress.clear();
   fmt::print("{}\n", line);
   std::fflush(stdout);
@@ -34,7 +34,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
   int runs = 0;
   for (const std::string& codec : settings.codecs)
     runs += is_baseline(codec) ? 1 : static_cast<int>(list.size());
-  Progress progress(runs);
+  tools::Progress progress(runs);
   std::vector<Row> rows;
   print(progress, heading());
   for (const std::string& codec : settings.codecs) {
@@ -60,7 +60,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
 }
 
 Result<std::vector<Row>> tune_all(const Settings& settings, const DepthRecording& recording) {
-  Progress progress(static_cast<int>(settings.rates_kbps.size() * candidates().size()));
+  tools::Progress progress(static_cast<int>(settings.rates_kbps.size() * candidates().size()));
   std::vector<Row> all;
   for (const int kbps : settings.rates_kbps) {
     const auto rows = tune(recording, kbps, progress);

@@ -1,10 +1,12 @@
 // A recording that a stranger wrote. The check must not crash, and what it accepts must be what it promises
-// to those who play it.
+// to those who play it; nor must the search for whole frames in it.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
 #include "capture_server/recording/oni_check.h"
+#include "capture_server/recording/oni_salvage.h"
 
 namespace copresence::recording {
 namespace {
@@ -25,6 +27,24 @@ void require_promises(const RecordingSummary& summary) {
   if (summary.camera_note) require(check(summary.camera_note->model).has_value());
 }
 
+// What the repair would keep lies in the file, in order.
+void require_whole_frames(std::span<const std::uint8_t> data) {
+  RecordBytes bytes(data.size(), [&](std::uint64_t offset, std::span<std::uint8_t> into) {
+    std::copy_n(data.begin() + static_cast<std::ptrdiff_t>(offset), into.size(), into.begin());
+    return true;
+  });
+  const auto found = salvage(bytes, "fuzz.oni");
+  if (!found) return;
+  require(!found->streams.empty() && found->whole_until <= data.size());
+  for (const SalvagedStream& stream : found->streams) {
+    std::uint32_t last = 0;
+    for (const SalvagedFrame& frame : stream.frames) {
+      require(frame.number > last && frame.position + frame.bytes() <= found->whole_until);
+      last = frame.number;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace copresence::recording
 
@@ -35,5 +55,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else {
     copresence::recording::require(!summary.error().what.empty());
   }
+  copresence::recording::require_whole_frames(std::span(data, size));
   return 0;
 }

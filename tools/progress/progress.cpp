@@ -1,11 +1,11 @@
-#include "tools/depth_bench/progress.h"
+#include "tools/progress/progress.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdio>
 
-namespace copresence::depth_bench {
+namespace copresence::tools {
 
 Progress::Progress(int runs) : runs_(runs), watched_(isatty(STDERR_FILENO) != 0) {}
 Progress::~Progress() {
@@ -28,4 +28,4 @@ void Progress::clear() {
   std::fflush(stderr);
 }
 
-}  // namespace copresence::depth_bench
+}  // namespace copresence::tools

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace copresence::depth_bench {
+namespace copresence::tools {
 
 class Progress {
  public:
@@ -21,4 +21,4 @@ class Progress {
   bool watched_;
 };
 
-}  // namespace copresence::depth_bench
+}  // namespace copresence::tools

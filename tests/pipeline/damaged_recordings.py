@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+"""Plays damaged recordings to capture_server: cut off, with flipped bytes in the header, in the streams' definitions,
+in records and in payloads, with huge node ids. The server must neither crash nor hang nor spin: each ends within two
+seconds with a sentence, or plays on; damage in payloads alone never refuses a file.
+
+  tests/pipeline/damaged_recordings.py                 all 830, as docs/recording.md quotes them (about 3 minutes)
+  tests/pipeline/damaged_recordings.py --count 60      as the test does
+
+Exits 0 where all of this holds; prints what became of each kind of damage."""
+import argparse
+import collections
+import os
+import pathlib
+import random
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+RECORD_MAGIC, NEW_DATA, SEEK_TABLE, END = 0x0052494E, 0x0A, 0x0E, 0x0B
+NODE_ADDED, FIRST_PROPERTY, LAST_PROPERTY = 0x0D, 0x03, 0x06
+WITHIN_S, GIVE_UP_S = 2.0, 12.0
+
+
+def records(data):
+    """(at, type, bytes of head and fields, bytes of payload) of every record."""
+    at, found = 24, []
+    while at + 28 <= len(data):
+        magic, kind, _, fields, payload, _ = struct.unpack_from("<IIIIIQ", data, at)
+        if magic != RECORD_MAGIC:
+            break
+        payload = payload if kind in (NEW_DATA, SEEK_TABLE) else 0
+        found.append((at, kind, fields, payload))
+        if kind == END:
+            break
+        at += fields + payload
+    return found
+
+
+class Damage:
+    def __init__(self, whole, seed):
+        self.whole, self.random = whole, random.Random(seed)
+        self.records = records(whole)
+        self.frames = [r for r in self.records if r[1] == NEW_DATA and r[3] > 100]
+        self.definitions = [r for r in self.records if r[1] == NODE_ADDED or FIRST_PROPERTY <= r[1] <= LAST_PROPERTY]
+
+    def with_bytes(self, places, at_most=6):
+        data = bytearray(self.whole)
+        for _ in range(self.random.randint(1, at_most)):
+            begin, end = self.random.choice(places)
+            data[self.random.randrange(begin, end)] = self.random.randrange(256)
+        return bytes(data)
+
+    def truncated(self):
+        return self.whole[:self.random.randrange(len(self.whole))]
+
+    def header(self):
+        return self.with_bytes([(0, 24)], 3)
+
+    def first_bytes(self):
+        return self.with_bytes([(0, 2048)])
+
+    def definition(self):
+        return self.with_bytes([(at, at + fields) for at, _, fields, _ in self.definitions], 3)
+
+    def record_head(self):
+        return self.with_bytes([(at, at + fields) for at, _, fields, _ in self.records], 4)
+
+    def frame_head(self):
+        return self.with_bytes([(at, at + fields) for at, _, fields, _ in self.frames], 4)
+
+    def tables(self):
+        return self.with_bytes([(at, at + fields + payload) for at, kind, fields, payload in self.records
+                                if kind == SEEK_TABLE], 20)
+
+    def payload(self):
+        return self.with_bytes([(at + fields, at + fields + payload) for at, _, fields, payload in self.frames], 20)
+
+    def anywhere(self):
+        data = bytearray(self.whole)
+        for _ in range(50):
+            data[self.random.randrange(len(data))] ^= 1 << self.random.randrange(8)
+        return bytes(data)
+
+    def node_ids(self):
+        data = bytearray(self.whole)
+        huge = self.random.choice([0x7FFFFFFF, 0xFFFFFFFF, 1 << 24, 1_000_000, 33])
+        struct.pack_into("<I", data, 20, huge)
+        if self.random.random() < 0.5:
+            at = self.random.choice(self.records)[0]
+            struct.pack_into("<I", data, at + 8, huge)
+        return bytes(data)
+
+
+# Of 83: how many of each kind.
+KINDS = {"truncated": 13, "header": 8, "first_bytes": 10, "definition": 10, "record_head": 10, "frame_head": 10,
+         "tables": 3, "payload": 12, "anywhere": 4, "node_ids": 3}
+
+
+def play(server, path, port):
+    """What became of it: "played", "refused", or what is wrong; with seconds and CPU seconds."""
+    begin = time.monotonic()
+    # 8 GB of address space: a recording that makes the player allocate without bounds is found, not swapped.
+    process = subprocess.Popen(["bash", "-c", 'ulimit -v 8000000; exec "$@"', "-", str(server), "--source", str(path),
+                                "--listen", f"127.0.0.1:{port}", "--pace", "fast"],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
+    status = usage = None
+    while time.monotonic() - begin < GIVE_UP_S:
+        pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+        if pid:
+            break
+        status = None
+        time.sleep(0.002)
+    seconds = time.monotonic() - begin
+    if status is None:
+        os.killpg(process.pid, signal.SIGKILL)
+        os.wait4(process.pid, 0)
+        process.returncode = -9
+        return "HUNG", seconds, 0, ""
+    process.returncode = os.waitstatus_to_exitcode(status)
+    words = process.stderr.read().decode(errors="replace")
+    process.stderr.close()
+    cpu = usage.ru_utime + usage.ru_stime
+    sentences = [line for line in words.splitlines() if " info " not in line and " warn" not in line]
+    if process.returncode not in (0, 1):
+        verdict = f"EXIT {process.returncode}"
+    elif "crashed" in words:
+        verdict = "CRASHED, and its parent said so"
+    elif "hung" in words:
+        verdict = "HUNG, and its parent said so"
+    elif process.returncode == 1 and len(sentences) != 1:
+        verdict = "NO SENTENCE"
+    elif seconds > WITHIN_S:
+        verdict = "TOO LONG"
+    elif cpu > WITHIN_S:
+        verdict = "SPUN"
+    else:
+        verdict = "played" if process.returncode == 0 else "refused"
+    return verdict, seconds, cpu, words
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=830)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--port", type=int, default=7870)
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
+    parser.add_argument("--recording", type=pathlib.Path, default=ROOT / "data/recordings/camera0.oni")
+    parser.add_argument("--keep", type=pathlib.Path, help="a folder for the files that something was wrong with")
+    options = parser.parse_args()
+
+    with tempfile.TemporaryDirectory() as folder:
+        short = pathlib.Path(folder) / "short.oni"
+        subprocess.run([options.bin / "record", "cut", options.recording, "--to", "0.4", "--out", short], check=True,
+                       stdout=subprocess.DEVNULL)
+        damage = Damage(short.read_bytes(), options.seed)
+        # Round robin in proportion, so that every count has a bit of everything.
+        plan = [kind for kind, count in KINDS.items() for _ in range(count)]
+        damage.random.shuffle(plan)
+        results = collections.defaultdict(collections.Counter)
+        worst_s = worst_cpu = 0.0
+        faults = []
+        path = pathlib.Path(folder) / "damaged.oni"
+        for index in range(options.count):
+            kind = plan[index % len(plan)]
+            data = getattr(damage, kind)()
+            path.write_bytes(data)
+            verdict, seconds, cpu, words = play(options.bin / "capture_server", path, options.port + index % 50)
+            if kind == "payload" and verdict == "refused":
+                verdict = "REFUSED FOR ITS PAYLOADS"
+            results[kind][verdict] += 1
+            worst_s, worst_cpu = max(worst_s, seconds), max(worst_cpu, cpu)
+            if verdict not in ("played", "refused"):
+                faults.append(f"{index} {kind}: {verdict}, {seconds:.2f} s, {cpu:.2f} s of CPU: {words.strip()[-300:]}")
+                if options.keep:
+                    options.keep.mkdir(parents=True, exist_ok=True)
+                    (options.keep / f"{index:03}_{kind}.oni").write_bytes(data)
+    for kind in KINDS:
+        print(f"{kind:<12} " + ", ".join(f"{n} {verdict}" for verdict, n in sorted(results[kind].items())))
+    for fault in faults:
+        print(fault)
+    print(f"{options.count} damaged recordings: {len(faults)} faults; the longest took {worst_s:.2f} s and "
+          f"{worst_cpu:.2f} s of CPU")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,125 @@
+#include "tools/record/from_images.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "capture_server/recording/oni_reader.h"
+#include "tests/support/recording_scene.h"
+
+namespace copresence::record {
+namespace {
+
+using recording::OniReader;
+using testing::HasSubstr;
+using Kind = recording::RecordedStream::Kind;
+
+const recording::ProgressReport kNobodyWatches = [](double) {};
+
+class FromImages : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(folder_.file("depth"));
+    std::filesystem::create_directories(folder_.file("rgb"));
+    settings_.folder = folder_.file("");
+    settings_.out = folder_.file("made.oni");
+    settings_.name = "set";
+  }
+
+  void depth(const std::string& name, int value, int width = 64, int height = 48, int type = CV_16UC1) const {
+    cv::imwrite(folder_.file("depth/" + name), cv::Mat(height, width, type, cv::Scalar::all(value)));
+  }
+  void color(const std::string& name, int width = 64, int height = 48) const {
+    cv::imwrite(folder_.file("rgb/" + name), cv::Mat(height, width, CV_8UC3, cv::Scalar(10, 100, 200)));
+  }
+  void lists() const {
+    std::ofstream(folder_.file("depth.txt")) << "100.000000 depth/1.png\n100.033333 depth/2.png\n";
+    std::ofstream(folder_.file("rgb.txt")) << "100.010000 rgb/1.png\n100.040000 rgb/2.png\n";
+  }
+  std::string refusal() const {
+    const auto made = make_from_images(settings_, kNobodyWatches);
+    EXPECT_FALSE(std::filesystem::exists(settings_.out));
+    return made ? "made" : made.error().what;
+  }
+
+  FromImagesSettings settings_;
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(FromImages, MakesARecordingOfATumSet) {
+  lists();
+  depth("1.png", 5000);
+  depth("2.png", 7500);
+  color("1.png");
+  color("2.png");
+  settings_.intrinsics = Intrinsics{52.5, 52.6, 31, 23, {0.1, -0.2}};
+  const auto report = make_from_images(settings_, kNobodyWatches);
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_EQ(report->depth_per_metre, 5000);
+  const auto reader = OniReader::open(settings_.out);
+  ASSERT_TRUE(reader) << reader.error().what;
+  const auto& depth = *reader->summary().find(Kind::kDepth);
+  ASSERT_EQ(depth.frames(), 2u);
+  EXPECT_EQ(depth.timestamps_us[0], 100'000'000u);
+  EXPECT_EQ(depth.timestamps_us[1], 100'033'333u);
+  EXPECT_EQ(reader->summary().find(Kind::kColor)->timestamps_us[0], 100'010'000u);
+  EXPECT_EQ(*reader->depth(0), DepthImage(64, 48, 1000));
+  EXPECT_EQ(*reader->depth(1), DepthImage(64, 48, 1500));
+  const Rgb8 pixel = (*reader->color(0))(5, 5);
+  EXPECT_NEAR(pixel.r, 200, 8);
+  EXPECT_NEAR(pixel.b, 10, 8);
+  const auto& note = reader->summary().camera_note;
+  ASSERT_TRUE(note);
+  EXPECT_EQ(note->model.fy, 52.6);
+  EXPECT_EQ(note->model.distortion[1], -0.2);
+  EXPECT_TRUE(note->registered);
+}
+
+TEST_F(FromImages, KeepsMillimetresOfPlainFoldersAndJpegsAsTheyAre) {
+  depth("0001.png", 1234);
+  color("0001.jpg");
+  ASSERT_TRUE(make_from_images(settings_, kNobodyWatches));
+  const auto reader = OniReader::open(settings_.out);
+  ASSERT_TRUE(reader) << reader.error().what;
+  EXPECT_EQ(*reader->depth(0), DepthImage(64, 48, 1234));
+  const auto payload = reader->payload(*reader->summary().find(Kind::kColor), 0);
+  EXPECT_EQ(*payload, test::bytes_of(folder_.file("rgb/0001.jpg")));
+}
+
+TEST_F(FromImages, CountsDepthThatTheUnitDoesNotHold) {
+  depth("1.png", 60000);
+  settings_.unit = DepthUnit::k100Micrometres;
+  const auto report = make_from_images(settings_, kNobodyWatches);
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_EQ(report->too_far, 64u * 48u);
+  EXPECT_EQ(*OniReader::open(settings_.out)->depth(0), DepthImage(64, 48, 0));
+}
+
+TEST_F(FromImages, TakesColorOfAnotherSizeAsAnotherCameras) {
+  depth("1.png", 1000);
+  color("1.png", 128, 96);
+  ASSERT_TRUE(make_from_images(settings_, kNobodyWatches));
+  const auto summary = recording::check(settings_.out);
+  ASSERT_TRUE(summary) << summary.error().what;
+  EXPECT_FALSE(summary->camera_note->registered);
+  ASSERT_TRUE(summary->camera_note->color);
+  EXPECT_EQ(summary->camera_note->color->model.width, 128);
+  EXPECT_NEAR(summary->camera_note->color->model.fx, 2 * summary->camera_note->model.fx, 1e-9);
+}
+
+TEST_F(FromImages, NamesTheImageThatIsWrong) {
+  depth("1.png", 100, 64, 48, CV_8UC3);
+  EXPECT_THAT(refusal(), HasSubstr("3 channels of 8 bits"));
+  depth("1.png", 100, 63, 48);
+  EXPECT_THAT(refusal(), HasSubstr("63x48"));
+  depth("1.png", 100);
+  depth("2.png", 100, 32, 24);
+  EXPECT_THAT(refusal(), testing::AllOf(HasSubstr("2.png"), HasSubstr("32x24")));
+  std::ofstream(folder_.file("depth/2.png")) << "no image";
+  EXPECT_THAT(refusal(), HasSubstr("depth/2.png"));
+}
+
+}  // namespace
+}  // namespace copresence::record

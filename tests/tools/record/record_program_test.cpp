@@ -1,0 +1,88 @@
+// The program record as a person calls it: sentences and exit codes.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace copresence::testing {
+namespace {
+
+using std::chrono::seconds;
+using ::testing::HasSubstr;
+
+struct Ended {
+  std::optional<int> code;
+  std::string words;
+};
+
+Ended record(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), program("record"));
+  Process process(arguments);
+  const auto code = process.wait(seconds(20));
+  return {code, process.output()};
+}
+
+std::string read_all(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+const std::string kWhole = recordings() / "camera0.oni";
+
+TEST(RecordProgram, TellsWhatARecordingHolds) {
+  const Ended table = record({"info", kWhole});
+  EXPECT_EQ(table.code, 0) << table.words;
+  EXPECT_THAT(table.words, HasSubstr("16zT"));
+  const Ended json = record({"info", kWhole, "--json"});
+  EXPECT_EQ(json.code, 0);
+  EXPECT_EQ(nlohmann::json::parse(json.words)["streams"][0]["kind"], "depth");
+}
+
+TEST(RecordProgram, RepairsAndCuts) {
+  TemporaryFolder folder;
+  const std::string bytes = read_all(kWhole);
+  std::ofstream(folder / "cut_off.oni", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  const Ended before = record({"info", folder / "cut_off.oni"});
+  EXPECT_EQ(before.code, 1);
+  EXPECT_THAT(before.words, HasSubstr("record repair"));
+  const Ended repaired = record({"repair", folder / "cut_off.oni"});
+  EXPECT_EQ(repaired.code, 0) << repaired.words;
+  EXPECT_THAT(repaired.words, HasSubstr("finished with"));
+  EXPECT_EQ(record({"info", folder / "cut_off.oni"}).code, 0);
+  const Ended cut = record({"cut", kWhole, "--from", "0.2", "--to", "0.5", "--out", folder / "part.oni"});
+  EXPECT_EQ(cut.code, 0) << cut.words;
+  const auto part = nlohmann::json::parse(record({"info", folder / "part.oni", "--json"}).words);
+  EXPECT_NEAR(part["streams"][0]["frames"].get<int>(), 9, 1);
+}
+
+TEST(RecordProgram, AWrongCommandLineExitsWithTwo) {
+  EXPECT_EQ(record({}).code, 2);
+  EXPECT_EQ(record({"play", kWhole}).code, 2);
+  EXPECT_EQ(record({"cut", kWhole}).code, 2);
+  EXPECT_EQ(record({"cut", kWhole, "--from", "2", "--to", "1", "--out", "x.oni"}).code, 2);
+  EXPECT_EQ(record({"from-images", "/tmp", "--out", "x.oni", "--fx", "525"}).code, 2);
+  EXPECT_EQ(record({"--help"}).code, 0);
+  EXPECT_EQ(record({"from-images", "--help"}).code, 0);
+  EXPECT_EQ(record({"--version"}).code, 0);
+}
+
+TEST(RecordProgram, WhatFailsIsOneSentenceAndOne) {
+  TemporaryFolder folder;
+  for (const Ended& ended :
+       {record({"info", folder / "missing.oni"}), record({"repair", folder / "missing.oni"}),
+        record({"cut", kWhole, "--from", "1000", "--out", folder / "x.oni"}),
+        record({"cut", kWhole, "--out", "/nonexistent/x.oni"}),
+        record({"from-images", folder / "missing", "--out", folder / "x.oni"})}) {
+    EXPECT_EQ(ended.code, 1) << ended.words;
+    EXPECT_EQ(std::count(ended.words.begin(), ended.words.end(), '\n'), 1) << ended.words;
+    EXPECT_THAT(ended.words, ::testing::StartsWith("record: "));
+  }
+}
+
+}  // namespace
+}  // namespace copresence::testing

@@ -1,0 +1,25 @@
+#pragma once
+
+// A recording made of a folder of images.
+
+#include <cstdint>
+
+#include "capture_server/recording/oni_repair.h"
+#include "common/result.h"
+#include "tools/record/settings.h"
+
+namespace copresence::record {
+
+struct FromImagesReport {
+  std::size_t depth_frames = 0, color_frames = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t too_far = 0;  ///< depth pixels beyond what the unit holds, which are holes now
+  double depth_per_metre = 0;
+};
+
+/// Reads the images in the order of their times and writes them. JPEGs go in unchanged. A failed recording is removed.
+/// Fails  as find_images(); kCorrupt, kInvalid: an image that is not what it should be; kUnavailable: disk.
+Result<FromImagesReport> make_from_images(const FromImagesSettings& settings,
+                                          const recording::ProgressReport& progress);
+
+}  // namespace copresence::record

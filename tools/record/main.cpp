@@ -1,0 +1,96 @@
+// record: looks into recordings, repairs, cuts and makes them. See settings.cpp for its command line.
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <optional>
+
+#include "capture_server/recording/oni_repair.h"
+#include "tools/progress/progress.h"
+#include "tools/record/from_images.h"
+#include "tools/record/recording_info.h"
+#include "tools/record/settings.h"
+
+namespace copresence::record {
+namespace {
+
+constexpr int kSteps = 100;
+
+/// A bar in hundredths.
+class Bar {
+ public:
+  explicit Bar(std::string what) : what_(std::move(what)), progress_(kSteps) {}
+
+  recording::ProgressReport report() {
+    return [this](double share) {
+      for (; done_ < static_cast<int>(share * kSteps); ++done_) progress_.begin(what_);
+    };
+  }
+
+ private:
+  std::string what_;
+  tools::Progress progress_;
+  int done_ = 0;
+};
+
+Result<std::string> run(const InfoSettings& settings) {
+  std::optional<Bar> bar(std::in_place, settings.recording);
+  const auto info = look_into(settings.recording, bar->report());
+  bar.reset();
+  if (!info) return fail(info.error());
+  return settings.json ? to_json(*info) : to_table(*info);
+}
+
+Result<std::string> run(const RepairSettings& settings) {
+  Bar bar(settings.recording);
+  const auto done = recording::repair(settings.recording, settings.out, bar.report());
+  if (!done) return fail(done.error());
+  const std::string& file = settings.out.empty() ? settings.recording : settings.out;
+  if (done->was_whole)
+    return fmt::format("{}: whole, with {} frames; nothing to repair\n", file, done->frames);
+  std::string text = fmt::format("{}: finished with {} frames", file, done->frames);
+  if (done->dropped_bytes)
+    text += fmt::format("; {} bytes of an incomplete one dropped", done->dropped_bytes);
+  if (done->gaps) text += fmt::format("; damage in {} places passed over", done->gaps);
+  return text + '\n';
+}
+
+Result<std::string> run(const CutSettings& settings) {
+  Bar bar(settings.out);
+  const auto done =
+      recording::cut(settings.recording, settings.from_s, settings.to_s, settings.out, bar.report());
+  if (!done) return fail(done.error());
+  return fmt::format("{}: {} frames of depth, {} of colour\n", settings.out, done->depth_frames,
+                     done->color_frames);
+}
+
+Result<std::string> run(const FromImagesSettings& settings) {
+  Bar bar(settings.out);
+  const auto done = make_from_images(settings, bar.report());
+  if (!done) return fail(done.error());
+  std::string text = fmt::format(
+      "{}: {} frames of depth ({:g} to a metre in the images), {} of colour, {:.1f} MB\n", settings.out,
+      done->depth_frames, done->depth_per_metre, done->color_frames, static_cast<double>(done->bytes) * 1e-6);
+  if (done->too_far) {
+    text += fmt::format(
+        "{} depth pixels lie beyond what the unit holds and are holes now; --unit mm holds more\n",
+        done->too_far);
+  }
+  return text;
+}
+
+}  // namespace
+}  // namespace copresence::record
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond a limit is a sentence, not a crash
+  const auto settings = copresence::record::read_command_line(argc, argv);
+  if (!settings) return settings.error();
+  const auto done = std::visit([](const auto& asked) { return copresence::record::run(asked); }, *settings);
+  if (!done) {
+    fmt::print(stderr, "record: {}\n", done.error().what);
+    return 1;
+  }
+  fmt::print("{}", *done);
+  return 0;
+}

@@ -8,8 +8,10 @@
 #include <spdlog/spdlog.h>
 
 #include <csignal>
+#include <thread>
 
 #include "capture_server/pipeline.h"
+#include "capture_server/sensor/lasting_source.h"
 #include "capture_server/settings.h"
 #include "capture_server/source.h"
 #include "capture_server/supervisor.h"
@@ -27,12 +29,17 @@ int say(const Error& error) {
 int list_devices() {
   const auto devices = sensor::list_devices();
   if (!devices) return say(devices.error());
+  bool any_real = false;
   for (const sensor::DeviceListing& device : *devices) {
-    fmt::print("openni:{}  {} {}  {}\n", device.uri, device.vendor, device.name,
-               device.problem.empty() ? "ready" : device.problem);
+    any_real = any_real || !device.source.starts_with("simulated:");
+    fmt::print("{}\n  {}{}, driver {}, {}\n", device.source.empty() ? "(cannot be opened)" : device.source,
+               device.name, device.serial.empty() ? "" : ", serial " + device.serial, device.driver,
+               device.ready ? "ready" : "not ready");
+    for (const std::string& mode : device.modes) fmt::print("  {}\n", mode);
+    for (const std::string& problem : device.problems) fmt::print("  problem: {}\n", problem);
   }
-  if (devices->empty()) {
-    fmt::print("No camera found. A Kinect v1 needs a driver that Debian does not ship; see the README.\n");
+  if (!any_real) {
+    fmt::print("No camera is plugged in. What cameras there are and what they need: docs/cameras.md\n");
   }
   return 0;
 }
@@ -42,8 +49,17 @@ int stream(const ServerSettings& settings, const wire::ListeningSocket& listenin
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   flow::StopOnSignal signals;
   std::signal(SIGXFSZ, SIG_IGN);  // a recording that grows beyond a limit is a sentence, not a crash
-  const auto ran = run_pipeline(settings, listening, signals.token(), [&] { heartbeat.beat(); });
-  return ran ? 0 : say(ran.error());
+  while (true) {
+    const auto ran = run_pipeline(settings, listening, signals.token(), [&] { heartbeat.beat(); });
+    if (ran) return 0;
+    // What crashed was a camera being unplugged, perhaps: it was there once, so it is waited for.
+    const bool may_come = heartbeat.replaces_another() && (ran.error().code == ErrorCode::kNotFound ||
+                                                           ran.error().code == ErrorCode::kUnavailable);
+    if (!may_come) return say(ran.error());
+    heartbeat.beat();
+    std::this_thread::sleep_for(sensor::LastingSource::kBetweenTries);
+    if (signals.token().stop_requested()) return 0;
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "capture_server/frame_encoding.h"
 #include "capture_server/recording_thread.h"
@@ -95,8 +96,11 @@ class Pipeline {
       alive();
       if (!frame) {
         if (frame.error().code == ErrorCode::kEndOfStream) return {};
-        return fail(frame.error());
+        if (!comes_back(frame.error())) return fail(frame.error());
+        say_camera_is_away(frame.error().what);
+        continue;
       }
+      say_camera_is_here();
       const std::uint64_t sequence = frame->stamp.sequence;
       if (recording_) recording_->offer(*frame, waits_for_the_encoder, stop);
       if (waits_for_the_encoder) captured_.wait_until_taken(stop);
@@ -104,6 +108,24 @@ class Pipeline {
       if (settings_.frames && sequence >= *settings_.frames) return {};
     }
     return {};
+  }
+
+  // A camera may be plugged in again; a recording that fails stays so.
+  bool comes_back(const Error& error) const {
+    return !is_recording(settings_.source) &&
+           (error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kTimeout);
+  }
+
+  void say_camera_is_away(const std::string& why) {
+    if (std::exchange(camera_is_away_, true)) return;
+    spdlog::warn("{}; waiting for it", why);
+    server_->tell(why);
+  }
+
+  void say_camera_is_here() {
+    if (!std::exchange(camera_is_away_, false)) return;
+    spdlog::info("{}: the camera is back", settings_.name);
+    server_->tell({});
   }
 
   /// Until the capture ends and its last frame is encoded. Fails with what no later frame can mend.
@@ -138,6 +160,7 @@ class Pipeline {
   std::unique_ptr<wire::FrameServer> server_;
   flow::Latest<Captured> captured_;
   std::stop_source end_capture_;
+  bool camera_is_away_ = false;  ///< the capture thread's
 };
 
 }  // namespace
@@ -146,7 +169,7 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
                           std::stop_token stop, const std::function<void()>& alive) {
   const auto camera = camera_in_scene(settings);
   if (!camera) return fail(camera.error());
-  auto source = open_source(settings.source, {settings.pace, settings.loop});
+  auto source = open_source(settings.source, {settings.pace, settings.loop, settings.controls});
   if (!source) return fail(source.error());
   auto encoding = FrameEncoding::open((*source)->description(), *camera ? &**camera : nullptr, settings);
   if (!encoding) return fail(encoding.error());

@@ -46,6 +46,11 @@ std::map<std::string, hole_filling::Method> methods_by_name() {
   return methods;
 }
 
+std::map<std::string, sensor::CameraControls::Mode> modes_by_name() {
+  using Mode = sensor::CameraControls::Mode;
+  return {{"auto", Mode::kAutomatic}, {"fixed", Mode::kFixed}};
+}
+
 std::string default_name(const ServerSettings& settings) {
   if (is_recording(settings.source)) return std::filesystem::path(settings.source).stem().string();
   const auto simulated = drivers::parse_simulated_uri(settings.source);
@@ -101,6 +106,12 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
           CLI::Transformer(std::map<std::string, Compute>{
                                {"auto", Compute::kAuto}, {"gl", Compute::kGl}, {"cpu", Compute::kCpu}})
               .description(""));
+  app.add_option(
+         "--exposure", settings.controls.exposure,
+         "of a camera's colour: auto, or fixed at what auto found after two seconds [the camera's own way]")
+      ->transform(CLI::Transformer(modes_by_name()).description(""));
+  app.add_option("--white-balance", settings.controls.white_balance, "likewise: auto or fixed")
+      ->transform(CLI::Transformer(modes_by_name()).description(""));
   app.add_flag("--loop", settings.loop, "start a recording again at its end");
   app.add_option("--pace", settings.pace, "real: as recorded; fast: as fast as frames can be sent [real]")
       ->transform(CLI::Transformer(std::map<std::string, Pace>{{"real", Pace::kReal}, {"fast", Pace::kFast}})

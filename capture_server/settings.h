@@ -25,6 +25,7 @@ struct ServerSettings {
   DepthRange range;
   hole_filling::Compute compute = hole_filling::Compute::kAuto;
   bool loop = false;
+  sensor::CameraControls controls;
   sensor::SourceSettings::Pace pace = sensor::SourceSettings::Pace::kReal;
   std::optional<std::uint64_t> frames;  ///< end after so many captured frames
   bool insecure = false;

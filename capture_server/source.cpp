@@ -68,9 +68,10 @@ Result<std::unique_ptr<sensor::FrameSource>> open_source(const std::string& sour
                                                          const sensor::SourceSettings& settings) {
   if (source.starts_with(drivers::kSimulatedPrefix)) {
     if (const auto uri = drivers::parse_simulated_uri(source); !uri) return fail(uri.error());
-    return sensor::open_device(source);
+    return sensor::open_lasting_device(source, settings.controls);
   }
-  if (!is_recording(source)) return sensor::open_device(source.substr(kDevicePrefix.size()));
+  if (!is_recording(source))
+    return sensor::open_lasting_device(source.substr(kDevicePrefix.size()), settings.controls);
   const auto summary = recording::check(source);
   if (!summary) return fail(summary.error());
   return sensor::open_recording(describe(source, *summary), settings);

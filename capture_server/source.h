@@ -14,6 +14,7 @@ namespace copresence {
 ///         path of an .oni recording, which is checked before OpenNI2 sees it. Intrinsics are the recording's own note where it has one, else from its field of view, else a
 ///         Kinect's. Without a note, colour of depth's size counts as registered to it: nothing else says so in the
 ///         format, and recorders' default is to register.
+///         A camera may go and come back (sensor/lasting_source.h).
 /// Fails   kInvalid (a simulated camera that cannot be), and as recording::check(), sensor::open_recording() and sensor::open_device() do.
 Result<std::unique_ptr<sensor::FrameSource>> open_source(const std::string& source,
                                                          const sensor::SourceSettings& settings);

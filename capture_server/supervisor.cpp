@@ -76,7 +76,7 @@ class BlockedSignals {
 struct End {
   enum class Kind { kExited, kStopped, kCrashed, kHung, kWouldNotStop };
   Kind kind = Kind::kExited;
-  int code = 0;  // exit status, or signal
+  int code = 0;  // exit status, or signal, or milliseconds of silence
 };
 
 int poll_ms(Clock::time_point until) {
@@ -87,7 +87,7 @@ int poll_ms(Clock::time_point until) {
 class Child {
  public:
   Child(const SupervisorPolicy& policy, const BlockedSignals& signals,
-        const std::function<int(Heartbeat&)>& child_main)
+        const std::function<int(Heartbeat&)>& child_main, bool replaces_another)
       : policy_(policy), signals_(signals) {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) return;
@@ -101,14 +101,15 @@ class Child {
     if (::getppid() != parent) std::_Exit(1);  // it died before the line above
     read_end_->close();
     signals_.restore();
-    Heartbeat heartbeat(write_end.number());
+    Heartbeat heartbeat(write_end.number(), replaces_another);
     std::exit(child_main(heartbeat));
   }
 
   bool began() const { return id_ > 0; }
 
   End wait() {
-    auto deadline = Clock::now() + policy_.silence;
+    const auto patience = [&] { return heard_ ? policy_.silence : policy_.first_silence; };
+    auto deadline = Clock::now() + patience();
     bool stopping = false;
     while (true) {
       pollfd watched[] = {{read_end_->number(), POLLIN, 0}, {signals_.descriptor(), POLLIN, 0}};
@@ -120,11 +121,15 @@ class Child {
       }
       int status = 0;
       if (::waitpid(id_, &status, WNOHANG) == id_) return ended(status, stopping);
-      if (drain() && !stopping) deadline = Clock::now() + policy_.silence;
+      if (drain() && !stopping) {
+        heard_ = true;
+        deadline = Clock::now() + patience();
+      }
       if (Clock::now() >= deadline) {
         ::kill(id_, SIGKILL);
         ::waitpid(id_, &status, 0);
-        return {stopping ? End::Kind::kWouldNotStop : End::Kind::kHung, SIGKILL};
+        return stopping ? End{End::Kind::kWouldNotStop, SIGKILL}
+                        : End{End::Kind::kHung, static_cast<int>(patience().count())};
       }
     }
   }
@@ -150,13 +155,14 @@ class Child {
   const BlockedSignals& signals_;
   std::optional<Descriptor> read_end_;
   pid_t id_ = -1;
+  bool heard_ = false;
 };
 
 std::string what_happened(const SupervisorPolicy& policy, const End& end) {
   switch (end.kind) {
     case End::Kind::kHung:
       return fmt::format("{}: capturing hung, no sign of life for {:.1f} s", policy.subject,
-                         static_cast<double>(policy.silence.count()) / 1000);
+                         static_cast<double>(end.code) / 1000);
     case End::Kind::kWouldNotStop:
       return fmt::format("{}: capturing did not stop within {:.1f} s and was killed", policy.subject,
                          static_cast<double>(policy.stop_within.count()) / 1000);
@@ -194,9 +200,11 @@ int supervise(const SupervisorPolicy& policy, const std::function<int(Heartbeat&
   const BlockedSignals signals;
   milliseconds next_pause = policy.first_pause;
   int in_a_row = 0;
+  bool replaces_another = false;
   while (true) {
     const auto begin = Clock::now();
-    Child child(policy, signals, child_main);
+    Child child(policy, signals, child_main, replaces_another);
+    replaces_another = true;
     if (!child.began()) {
       say(fmt::format("{}: no process for capturing: {}; end other programs", policy.subject,
                       std::strerror(errno)));

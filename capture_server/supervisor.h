@@ -18,20 +18,26 @@ namespace copresence {
 class Heartbeat {
  public:
   /// `pipe` is written to, never blocking; stays its owner's.
-  explicit Heartbeat(int pipe) : pipe_(pipe) {}
+  explicit Heartbeat(int pipe, bool replaces_another = false)
+      : pipe_(pipe), replaces_another_(replaces_another) {}
 
   /// Cheap enough for every frame: one system call.
   void beat();
 
+  /// Whether this child takes the place of one that crashed or hung.
+  bool replaces_another() const { return replaces_another_; }
+
  private:
   int pipe_;
+  bool replaces_another_;
 };
 
 struct SupervisorPolicy {
   std::string subject;   ///< what the child works on, for sentences: a file, a camera
   bool restart = false;  ///< a camera: a crashed or hanging child is replaced; a recording: it is the end
-  std::chrono::milliseconds silence{5000};     ///< without a heartbeat a child hangs and is killed
-  std::chrono::milliseconds stop_within{800};  ///< after SIGTERM or SIGINT; then it is killed
+  std::chrono::milliseconds silence{5000};         ///< without a heartbeat a child hangs and is killed
+  std::chrono::milliseconds first_silence{20000};  ///< before the first one: opening a camera takes its time
+  std::chrono::milliseconds stop_within{800};      ///< after SIGTERM or SIGINT; then it is killed
   std::chrono::milliseconds first_pause{
       100};  ///< before a new child; doubles with every one in a row, up to:
   std::chrono::milliseconds longest_pause{2000};

@@ -21,11 +21,11 @@ function(add_room name)
 endfunction()
 
 # One test program for one room. LABEL is unit (below a second, no hardware, no GL, no network), gl (headless EGL) or
-# pipeline (real processes over loopback).
+# pipeline (real processes over loopback). SERIAL ones run beside no other: they measure time.
 #
 #   add_room_test(depth LABEL unit SOURCES depth_codec_test.cpp USES copresence::depth)
 function(add_room_test name)
-  cmake_parse_arguments(TEST "" "LABEL;TIMEOUT" "SOURCES;USES;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(TEST "SERIAL" "LABEL;TIMEOUT" "SOURCES;USES;ENVIRONMENT" ${ARGN})
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 120)
   endif()
@@ -40,7 +40,7 @@ function(add_room_test name)
     set(environment ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)  # Mesa and LLVM keep theirs
   endif()
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
-    PROPERTIES LABELS ${TEST_LABEL} TIMEOUT ${TEST_TIMEOUT} ${environment})
+    PROPERTIES LABELS ${TEST_LABEL} TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} ${environment})
 endfunction()
 
 # One benchmark program for one room: numbers only, never a verdict.

@@ -41,6 +41,13 @@ Result<void> CameraReceiver::run(std::stop_token stop) {
       spdlog::info("{}: connected to camera \"{}\"", address_, client->description().camera);
       said_waiting = false;
       backoff = kFirstBackoff;
+      client->on_notice([&, camera = client->description().camera](const std::string& notice) {
+        if (notice.empty()) {
+          spdlog::info("{}: camera \"{}\" is back", address_, camera);
+        } else {
+          spdlog::warn("{}: {}", address_, notice);
+        }
+      });
       const auto ended = receive_from(*client, stop);
       if (!ended && is_final(ended.error())) return ended;
       if (!ended && !stop.stop_requested()) spdlog::warn("{}: {}", address_, ended.error().what);

@@ -10,6 +10,7 @@
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
 #include "capture_server/sensor/frame_source.h"
+#include "capture_server/sensor/lasting_source.h"
 #include "capture_server/sensor/open_ni.h"
 
 namespace copresence::sensor {
@@ -23,6 +24,7 @@ constexpr Duration kStallAfter = std::chrono::seconds(1);
 constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
 constexpr std::int64_t kReuseColorUs = 100'000;
+constexpr std::uint64_t kSettledAfter = 60;  // frames
 constexpr Duration kDriverLeaves =
     milliseconds(50);  // a driver's thread may still be inside a stopped stream
 
@@ -122,7 +124,8 @@ std::optional<Rigid3> pose_of(const openni::Device& device) {
 
 class DeviceSource final : public FrameSource {
  public:
-  explicit DeviceSource(std::string uri) : uri_(std::move(uri)), session_(drivers_for(uri_)) {}
+  DeviceSource(std::string uri, const CameraControls& controls)
+      : uri_(std::move(uri)), controls_(controls), session_(drivers_for(uri_)) {}
 
   ~DeviceSource() override {
     if (depth_.isValid()) depth_.stop();
@@ -152,8 +155,11 @@ class DeviceSource final : public FrameSource {
   Result<void> open_stream(openni::VideoStream& stream, openni::SensorType type, int width, int height);
   Result<Pairing::Pair> next_pair(const std::stop_token& stop);
   void read(openni::VideoStream& stream);
+  Result<void> begin_controls();
+  void fix_controls();
 
   const std::string uri_;
+  const CameraControls controls_;
   const OpenNiSession session_;
   openni::Device device_;
   openni::VideoStream depth_;
@@ -236,6 +242,7 @@ Result<void> DeviceSource::start() {
     device_.setDepthColorSyncEnabled(true);  // where a device cannot, pairing by time does
     description_.color = camera_of(color_);
   }
+  if (auto taken = begin_controls(); !taken) return taken;
   description_.depth = camera_of(depth_);
   description_.world_from_camera = pose_of(device_);
   if (description_.registered) description_.registered = description_.color.width == description_.depth.width;
@@ -255,6 +262,29 @@ Result<void> DeviceSource::start() {
   }
   color_is_up_by_ = steady_clock::now() + kStallAfter;
   return {};
+}
+
+Result<void> DeviceSource::begin_controls() {
+  if (!controls_.exposure && !controls_.white_balance) return {};
+  openni::CameraSettings* settings = description_.has_color ? color_.getCameraSettings() : nullptr;
+  // Fixed later, when the automatic has found something worth keeping.
+  if (!settings || (controls_.exposure && settings->setAutoExposureEnabled(true) != openni::STATUS_OK) ||
+      (controls_.white_balance && settings->setAutoWhiteBalanceEnabled(true) != openni::STATUS_OK)) {
+    return fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: it offers no control of its exposure or white balance; start without --exposure and "
+                    "--white-balance",
+                    description_.name));
+  }
+  return {};
+}
+
+void DeviceSource::fix_controls() {
+  constexpr auto kFixed = CameraControls::Mode::kFixed;
+  openni::CameraSettings* settings = description_.has_color ? color_.getCameraSettings() : nullptr;
+  if (!settings) return;
+  if (controls_.exposure == kFixed) settings->setAutoExposureEnabled(false);
+  if (controls_.white_balance == kFixed) settings->setAutoWhiteBalanceEnabled(false);
 }
 
 SourceCounters DeviceSource::counters() const {
@@ -328,6 +358,7 @@ Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
   if (pair->color) copy_color(pair->color->picture, description_.color, frame);
   frame.sensor_times = Pairing::times_of(*pair);
   frame.stamp.sequence = ++counters_.frames;
+  if (counters_.frames == kSettledAfter) fix_controls();
   frame.stamp.captured_at = pair->depth.at;
   frame.stamp.world_from_camera = description_.world_from_camera.value_or(Rigid3{});
   frame.durations.capture = steady_clock::now() - begin;
@@ -337,38 +368,17 @@ Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
 
 }  // namespace
 
-Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri) {
-  auto source = std::make_unique<DeviceSource>(uri);
+Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const CameraControls& controls) {
+  auto source = std::make_unique<DeviceSource>(uri, controls);
   if (auto started = source->start(); !started) return fail(started.error());
   return source;
 }
 
-Result<std::vector<DeviceListing>> list_devices() {
-  const OpenNiSession session(drivers::kEveryDriver);
-  if (!session.is_up()) {
-    return fail(ErrorCode::kUnavailable,
-                fmt::format("OpenNI2 does not start: {}; install the package libopenni2-0 again",
-                            last_open_ni_error()));
-  }
-  openni::Array<openni::DeviceInfo> devices;
-  openni::OpenNI::enumerateDevices(&devices);
-  std::vector<DeviceListing> listing;
-  for (int i = 0; i < devices.getSize(); ++i) {
-    const openni::DeviceInfo& found = devices[i];
-    DeviceListing entry{found.getUri(), found.getName(), found.getVendor(), {}};
-    openni::Device device;
-    if (device.open(found.getUri()) != openni::STATUS_OK) {
-      entry.problem = fmt::format(
-          "it does not open ({}); another program may hold it, or the udev rule that lets you use it is "
-          "missing",
-          last_open_ni_error());
-    } else if (!device.hasSensor(openni::SENSOR_DEPTH)) {
-      entry.problem = "it has no depth sensor";
-    }
-    device.close();
-    listing.push_back(std::move(entry));
-  }
-  return listing;
+Result<std::unique_ptr<FrameSource>> open_lasting_device(const std::string& uri,
+                                                         const CameraControls& controls) {
+  // OpenNI2 and its drivers stay up over the camera's absence: they are told of its return.
+  const auto session = std::make_shared<const OpenNiSession>(drivers_for(uri));
+  return LastingSource::open([session, uri, controls] { return open_device(uri, controls); });
 }
 
 }  // namespace copresence::sensor

@@ -38,6 +38,15 @@ struct SensorDescription {
   std::optional<std::uint64_t> frames;  ///< depth frames of one pass of a recording
 };
 
+/// How a camera exposes its colour pictures; the device's own way where nothing is said.
+struct CameraControls {
+  enum class Mode {
+    kAutomatic,  ///< follows the light
+    kFixed,  ///< keeps what the automatic has found by the 60th frame: several cameras stop disagreeing over time
+  };
+  std::optional<Mode> exposure, white_balance;
+};
+
 /// How a recording is played. A camera has its own pace and no end.
 struct SourceSettings {
   enum class Pace {
@@ -45,7 +54,8 @@ struct SourceSettings {
     kFast,  ///< every frame as soon as it is asked for
   };
   Pace pace = Pace::kReal;
-  bool loop = false;  ///< begin again after the last frame, one mean period later
+  bool loop = false;        ///< begin again after the last frame, one mean period later
+  CameraControls controls = {};  ///< of a camera
 };
 
 /// What happened to the pictures a source got. Every one is in a frame or counted here, but for a camera's
@@ -95,18 +105,26 @@ Result<std::unique_ptr<FrameSource>> open_recording(const CheckedRecording& reco
 /// and 30 frames a second or what comes nearest, RGB8 of the same size where there is colour, depth registered to
 /// colour and both taken at once where the device can.
 /// Fails  kNotFound (no such camera), kUnavailable (held by another program, no permission), kUnsupported (no
-///        depth).
-Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri);
+///        depth, or controls that the camera does not offer).
+Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const CameraControls& controls = {});
 
-/// A camera that OpenNI2 sees, for people to choose from.
+/// The same for a camera that may be unplugged and plugged in again: see lasting_source.h.
+Result<std::unique_ptr<FrameSource>> open_lasting_device(const std::string& uri,
+                                                         const CameraControls& controls = {});
+
+/// A camera that is there, for people to choose from.
 struct DeviceListing {
-  std::string uri;  ///< what to give to open_device()
-  std::string name;
-  std::string vendor;
-  std::string problem;  ///< empty where it can be opened, else a sentence about what is in the way
+  std::string source;  ///< what --source takes; empty where it cannot be opened at all
+  std::string name;    ///< vendor and model
+  std::string serial;  ///< empty where it tells none
+  std::string driver;
+  std::vector<std::string> modes;     ///< "depth 640x480 at 30, 1 mm"
+  std::vector<std::string> problems;  ///< one sentence each, with its mend
+  bool ready = false;                 ///< whether it could be opened just now
 };
 
-/// Every camera that OpenNI2 sees; each is opened for a moment to learn whether it can be.
+/// Every camera that OpenNI2 sees, each opened for a moment to learn whether it can be, and those that only the USB bus
+/// shows (usb_cameras.h).
 /// Fails  kUnavailable (OpenNI2 does not start).
 Result<std::vector<DeviceListing>> list_devices();
 

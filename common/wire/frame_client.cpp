@@ -48,6 +48,8 @@ class FrameClient::Connection {
     asio::post(io_, [this] { say(encode_keyframe_request()); });
   }
 
+  void on_notice(std::function<void(const std::string&)> heard) { on_notice_ = std::move(heard); }
+
   ClockOffset clock() const { return same_clock_ ? ClockOffset{} : estimate_.at(Clock::now()); }
   const StreamDescription& description() const { return description_; }
   std::uint64_t bytes_received() const { return bytes_received_; }
@@ -157,6 +159,13 @@ class FrameClient::Connection {
         if (!end) return fail_with(end.error());
         return fail_with(ErrorCode::kEndOfStream, std::move(end->reason));
       }
+      case MessageType::kNotice: {
+        const auto notice = decode_notice(body_);
+        if (!notice) return fail_with(notice.error());
+        if (!welcomed_) return confused();
+        if (on_notice_) on_notice_(notice->text);
+        return read_message();
+      }
       case MessageType::kPong: {
         const auto pong = decode_pong(body_);
         if (!pong) return fail_with(pong.error());
@@ -245,6 +254,7 @@ class FrameClient::Connection {
   }
 
   std::string address_;
+  std::function<void(const std::string&)> on_notice_;
   asio::io_context io_{1};
   tcp::resolver resolver_{io_};
   tcp::socket socket_{io_};
@@ -286,6 +296,10 @@ const StreamDescription& FrameClient::description() const {
 
 Result<ReceivedFrame> FrameClient::receive(std::stop_token stop) {
   return connection_->receive(stop);
+}
+
+void FrameClient::on_notice(std::function<void(const std::string&)> heard) {
+  connection_->on_notice(std::move(heard));
 }
 
 void FrameClient::request_keyframe() {

@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -39,6 +40,10 @@ class FrameClient {
   ~FrameClient();
 
   const StreamDescription& description() const;
+
+  /// Calls `heard` from within receive() whenever the server says what keeps its camera from sending frames, and with an
+  /// empty text when nothing does any more.
+  void on_notice(std::function<void(const std::string&)> heard);
 
   /// Waits for the next frame and acknowledges it: call again when ready for one more, that is what keeps the
   /// latency bounded. Returns kUnavailable when asked to stop, kTimeout when the server has been silent for 5

@@ -88,6 +88,14 @@ class FrameServer::Loop {
     return true;
   }
 
+  void tell(std::string notice) {
+    asio::post(io_, [this, notice = std::move(notice)]() mutable {
+      stream_.notice = std::move(notice);
+      const Bytes message = encode(Notice{stream_.notice});
+      for (const auto& session : sessions_) session->tell(message);
+    });
+  }
+
   void end(std::string reason) {
     asio::post(io_, [this, reason = std::move(reason)] { say_goodbye(reason); });
   }
@@ -236,6 +244,10 @@ bool FrameServer::wants_frames() const {
 
 bool FrameServer::take_keyframe_request() {
   return loop_->take_keyframe_request();
+}
+
+void FrameServer::tell(std::string notice) {
+  loop_->tell(std::move(notice));
 }
 
 void FrameServer::end(std::string reason) {

@@ -21,7 +21,7 @@
 namespace copresence::wire {
 
 /// Both ends must have the same: there is no compatibility code. Raise it with every change of the format.
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
 inline constexpr std::size_t kHeaderBytes = 8;
@@ -41,6 +41,7 @@ enum class MessageType : std::uint8_t {
   kFrame = 19,           ///< server: one EncodedFrame
   kEndOfStream = 20,     ///< server: nothing follows
   kPong = 21,            ///< server: answer to Ping
+  kNotice = 22,          ///< server: how its camera is, when that changes
 };
 
 struct MessageHeader {
@@ -95,6 +96,12 @@ struct FrameHead {
 struct EndOfStream {
   std::string reason;  ///< one sentence
   friend bool operator==(const EndOfStream&, const EndOfStream&) = default;
+};
+
+/// What keeps the server's camera from sending frames; it goes on by itself. Empty: nothing does any more.
+struct Notice {
+  std::string text;  ///< one sentence
+  friend bool operator==(const Notice&, const Notice&) = default;
 };
 
 struct FrameAck {

@@ -54,6 +54,7 @@ bool size_range(std::uint8_t type, SizeRange& range) {
       range = {kFrameHeadBytes + 1, kMaxMessageBytes};
       return true;
     case MessageType::kEndOfStream:
+    case MessageType::kNotice:
       range = {2, 2 + kMaxTextBytes};
       return true;
     case MessageType::kPong:
@@ -181,6 +182,11 @@ Bytes encode(const EndOfStream& end) {
                  [&](ByteWriter& to) { to.text(made_printable(end.reason, kMaxTextBytes)); });
 }
 
+Bytes encode(const Notice& notice) {
+  return message(MessageType::kNotice,
+                 [&](ByteWriter& to) { to.text(made_printable(notice.text, kMaxTextBytes)); });
+}
+
 Bytes encode(const FrameAck& ack) {
   return message(MessageType::kFrameAck, [&](ByteWriter& to) { to.number(ack.sequence); });
 }
@@ -303,6 +309,15 @@ Result<EndOfStream> decode_end_of_stream(std::span<const std::uint8_t> body) {
     return corrupt("an end of stream that cannot be read");
   }
   return end;
+}
+
+Result<Notice> decode_notice(std::span<const std::uint8_t> body) {
+  ByteReader from(body);
+  Notice notice{from.text()};
+  if (!from.complete() || notice.text.size() > kMaxTextBytes || !is_printable(notice.text)) {
+    return corrupt("a notice that cannot be read");
+  }
+  return notice;
 }
 
 Result<FrameAck> decode_frame_ack(std::span<const std::uint8_t> body) {

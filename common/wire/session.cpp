@@ -108,6 +108,7 @@ bool Session::take_hello(std::span<const std::uint8_t> body) {
   } else {
     queue(
         {encode(Welcome{stream_.clock_id, std::chrono::steady_clock::now(), stream_.description}), nullptr});
+    if (!stream_.notice.empty()) queue({encode(Notice{stream_.notice}), nullptr});
     enter(Phase::kStreaming);
     overdue_at_ = std::chrono::steady_clock::now() + kSilence;
   }
@@ -136,6 +137,11 @@ void Session::offer(const Departure& departure) {
 
 void Session::skip(std::uint64_t frames) {
   if (is_streaming()) window_.skip(frames);
+}
+
+void Session::tell(const Bytes& notice) {
+  // Who reads nothing needs no news either.
+  if (is_streaming() && out_.size() < kMaxQueued) queue({notice, nullptr});
 }
 
 void Session::say_goodbye(const Bytes& last) {

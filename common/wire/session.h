@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/frame/encoded_frame.h"
@@ -35,6 +36,7 @@ class Session : public std::enable_shared_from_this<Session> {
     std::size_t clients = 0;          ///< sessions past their handshake
     bool keyframe_requested = false;  ///< by a client in words, since the last keyframe
     std::uint64_t bytes_sent = 0;     ///< to all clients
+    std::string notice;               ///< what keeps the camera from sending frames; empty: nothing
     std::function<void()> on_change;  ///< a client joined, left, has room again, or wants a keyframe
   };
 
@@ -43,6 +45,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void start();
   void offer(const Departure& departure);  ///< queues the frame if the window allows, counts it otherwise
   void skip(std::uint64_t frames);
+  void tell(const Bytes& notice);
   void say_goodbye(
       const Bytes& last);  ///< nothing follows; closes when the client has read it, or after a second
   void close();

@@ -37,6 +37,7 @@ SupervisorPolicy quick(bool restart = false) {
   return {.subject = "x.oni",
           .restart = restart,
           .silence = milliseconds(300),
+          .first_silence = milliseconds(300),
           .stop_within = milliseconds(300),
           .first_pause = milliseconds(5),
           .longest_pause = milliseconds(20),

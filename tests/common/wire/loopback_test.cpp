@@ -44,6 +44,24 @@ TEST(Loopback, CarriesFramesWithoutColourAndOfEverySize) {
   }
 }
 
+TEST(Loopback, TellsWhatKeepsTheCameraFromSendingAndThatItIsBack) {
+  Served served;
+  auto client = served.client();
+  ASSERT_TRUE(client);
+  std::vector<std::string> heard, heard_late;
+  client->on_notice([&](const std::string& notice) { heard.push_back(notice); });
+  served.server().tell("unplugged");
+  auto late = served.client();
+  ASSERT_TRUE(late);
+  late->on_notice([&](const std::string& notice) { heard_late.push_back(notice); });
+  served.server().tell("");
+  ASSERT_NE(served.capture_when_wanted(), 0u);
+  EXPECT_TRUE(client->receive({}));
+  EXPECT_TRUE(late->receive({}));
+  EXPECT_EQ(heard, (std::vector<std::string>{"unplugged", ""}));
+  EXPECT_EQ(heard_late, heard);
+}
+
 TEST(Loopback, TellsWhyAStreamEnds) {
   Served served;
   auto client = served.client();
@@ -155,7 +173,7 @@ TEST(Loopback, RefusesAnotherVersionAndSaysWhatToDo) {
   const auto refusal = decode_refusal(body_of(*answer));
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->reason, RefusalReason::kVersion);
-  EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 1, this client 2"));
+  EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 2, this client 3"));
   EXPECT_THAT(refusal->text, HasSubstr("same release"));
   EXPECT_FALSE(stranger.hear());
 }

@@ -33,6 +33,8 @@ Result<void> decoded(MessageType type, std::span<const std::uint8_t> body) {
       return outcome(decode_welcome(body));
     case MessageType::kEndOfStream:
       return outcome(decode_end_of_stream(body));
+    case MessageType::kNotice:
+      return outcome(decode_notice(body));
     case MessageType::kFrameAck:
       return outcome(decode_frame_ack(body));
     case MessageType::kPing:
@@ -60,6 +62,8 @@ TEST(MessageCodec, GivesBackWhatWasSaid) {
   EXPECT_EQ(*decode_refusal(body_of(encode(refusal))), refusal);
   EXPECT_EQ(*decode_welcome(body_of(encode(sample_welcome()))), sample_welcome());
   EXPECT_EQ(*decode_end_of_stream(body_of(encode(EndOfStream{"Ende: Küche"}))), EndOfStream{"Ende: Küche"});
+  EXPECT_EQ(*decode_notice(body_of(encode(Notice{"unplugged"}))), Notice{"unplugged"});
+  EXPECT_EQ(*decode_notice(body_of(encode(Notice{}))), Notice{});
   EXPECT_EQ(decode_frame_ack(body_of(encode(FrameAck{9})))->sequence, 9u);
   EXPECT_EQ(*decode_ping(body_of(encode(Ping{at_ns(77)}))), Ping{at_ns(77)});
   EXPECT_EQ(*decode_pong(body_of(encode(Pong{at_ns(77), at_ns(78)}))), (Pong{at_ns(77), at_ns(78)}));

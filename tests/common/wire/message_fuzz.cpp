@@ -39,6 +39,8 @@ void decode_whole(MessageHeader header, Input whole) {
                                  whole.first(kHeaderBytes + kFrameHeadBytes));
     case MessageType::kEndOfStream:
       return expect_one_spelling(decode_end_of_stream(body), whole);
+    case MessageType::kNotice:
+      return expect_one_spelling(decode_notice(body), whole);
     case MessageType::kPong:
       return expect_one_spelling(decode_pong(body), whole);
   }

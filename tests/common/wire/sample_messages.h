@@ -57,6 +57,7 @@ inline std::vector<std::pair<std::string, Bytes>> sample_messages() {
       {"welcome", encode(sample_welcome())},
       {"frame", Bytes(frame.begin(), frame.end())},
       {"end of stream", encode(EndOfStream{"the end"})},
+      {"notice", encode(Notice{"unplugged"})},
       {"keyframe request", encode_keyframe_request()},
       {"frame ack", encode(FrameAck{300})},
       {"ping", encode(Ping{at_ns(1'000'000'000)})},

@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "capture_server/drivers/contract/driver_choice.h"
+#include "capture_server/sensor/frame_source.h"
+#include "capture_server/sensor/open_ni.h"
+#include "capture_server/sensor/usb_cameras.h"
+
+namespace copresence::sensor {
+namespace {
+
+std::string_view driver_of(std::string_view uri) {
+  if (uri.starts_with("simulated:")) return drivers::kSimulated;
+  if (uri.starts_with("freenect:")) return drivers::kKinectV1;
+  return drivers::kPrimeSense;
+}
+
+std::string_view name_of(openni::PixelFormat format) {
+  switch (format) {
+    case openni::PIXEL_FORMAT_DEPTH_1_MM:
+      return "1 mm";
+    case openni::PIXEL_FORMAT_DEPTH_100_UM:
+      return "0.1 mm";
+    case openni::PIXEL_FORMAT_RGB888:
+      return "RGB";
+    case openni::PIXEL_FORMAT_GRAY8:
+      return "8 bits";
+    case openni::PIXEL_FORMAT_GRAY16:
+      return "16 bits";
+    default:
+      return "";  // packed and shifted ones, which we do not use
+  }
+}
+
+void add_modes(openni::Device& device, openni::SensorType type, std::string_view name,
+               std::vector<std::string>& into) {
+  const openni::SensorInfo* sensor = device.getSensorInfo(type);
+  if (!sensor) return;
+  const auto& modes = sensor->getSupportedVideoModes();
+  for (int i = 0; i < modes.getSize(); ++i) {
+    const openni::VideoMode& mode = modes[i];
+    const std::string_view format = name_of(mode.getPixelFormat());
+    if (format.empty()) continue;
+    into.push_back(fmt::format("{} {}x{} at {}, {}", name, mode.getResolutionX(), mode.getResolutionY(),
+                               mode.getFps(), format));
+  }
+}
+
+DeviceListing look_at(const openni::DeviceInfo& found) {
+  const std::string uri = found.getUri();
+  DeviceListing entry;
+  entry.driver = driver_of(uri);
+  entry.source = entry.driver == drivers::kSimulated ? uri : "openni:" + uri;
+  entry.name = fmt::format("{} {}", found.getVendor(), found.getName());
+  openni::Device device;
+  if (device.open(uri.c_str()) != openni::STATUS_OK) {
+    entry.problems.push_back(fmt::format("it does not open: {}", last_open_ni_error()));
+    return entry;
+  }
+  char serial[ONI_MAX_STR] = {};
+  int size = sizeof(serial) - 1;
+  if (device.getProperty(ONI_DEVICE_PROPERTY_SERIAL_NUMBER, serial, &size) == openni::STATUS_OK)
+    entry.serial = serial;
+  add_modes(device, openni::SENSOR_DEPTH, "depth", entry.modes);
+  add_modes(device, openni::SENSOR_COLOR, "colour", entry.modes);
+  add_modes(device, openni::SENSOR_IR, "infrared", entry.modes);
+  entry.ready = device.hasSensor(openni::SENSOR_DEPTH);
+  if (!entry.ready) entry.problems.emplace_back("it has no depth sensor: use a depth camera");
+  device.close();
+  return entry;
+}
+
+// What the bus knows of the camera behind a listing: by serial number, which every Kinect tells, or the only one of its
+// kind.
+DeviceListing* find(std::vector<DeviceListing>& listing, const UsbCamera& camera) {
+  const auto same = [&](const DeviceListing& entry) {
+    return !camera.serial.empty() && entry.driver == camera.kind &&
+           entry.source.ends_with("//" + camera.serial);
+  };
+  const auto by_serial = std::find_if(listing.begin(), listing.end(), same);
+  if (by_serial != listing.end()) return &*by_serial;
+  const auto of_kind = [&](const DeviceListing& entry) { return entry.driver == camera.kind; };
+  if (std::count_if(listing.begin(), listing.end(), of_kind) != 1 || camera.kind != drivers::kPrimeSense)
+    return nullptr;
+  return &*std::find_if(listing.begin(), listing.end(), of_kind);
+}
+
+}  // namespace
+
+Result<std::vector<DeviceListing>> list_devices() {
+  const std::vector<UsbCamera> bus = find_usb_cameras();  // before we ourselves hold any
+  const OpenNiSession session(drivers::kEveryDriver);
+  if (!session.is_up()) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("OpenNI2 does not start: {}; install the package libopenni2-0 again",
+                            last_open_ni_error()));
+  }
+  openni::Array<openni::DeviceInfo> devices;
+  openni::OpenNI::enumerateDevices(&devices);
+  std::vector<DeviceListing> listing;
+  for (int i = 0; i < devices.getSize(); ++i) listing.push_back(look_at(devices[i]));
+  for (const UsbCamera& camera : bus) {
+    DeviceListing* entry = find(listing, camera);
+    if (!entry && camera.problems.empty()) continue;  // OpenNI2 calls it otherwise
+    if (!entry)
+      entry =
+          &listing.emplace_back(DeviceListing{{}, camera.model, camera.serial, camera.kind, {}, {}, false});
+    if (camera.blocked) entry->problems.clear();  // the bus knows better why it does not open
+    entry->problems.insert(entry->problems.end(), camera.problems.begin(), camera.problems.end());
+  }
+  return listing;
+}
+
+}  // namespace copresence::sensor

@@ -1,0 +1,82 @@
+#include "capture_server/sensor/lasting_source.h"
+
+#include <fmt/format.h>
+
+#include <condition_variable>
+#include <mutex>
+
+namespace copresence::sensor {
+namespace {
+
+SourceCounters sum(const SourceCounters& a, const SourceCounters& b) {
+  return {a.frames + b.frames, a.depth_without_color + b.depth_without_color,
+          a.color_without_depth + b.color_without_depth, a.damaged + b.damaged};
+}
+
+bool may_pass(const Error& error) {
+  return error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kTimeout ||
+         error.code == ErrorCode::kNotFound;
+}
+
+// Whether frames of one can follow those of the other in a stream that was described once.
+bool same_stream(const SensorDescription& a, const SensorDescription& b) {
+  const auto same_size = [](const CameraModel& x, const CameraModel& y) {
+    return x.width == y.width && x.height == y.height;
+  };
+  return same_size(a.depth, b.depth) && a.unit == b.unit && a.has_color == b.has_color &&
+         a.registered == b.registered && (!a.has_color || same_size(a.color, b.color));
+}
+
+void sleep_for(const std::stop_token& stop, Duration duration) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any().wait_for(lock, stop, duration, [] { return false; });
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> LastingSource::open(Open open, std::chrono::milliseconds between_tries) {
+  auto first = open();
+  if (!first) return fail(first.error());
+  return std::unique_ptr<FrameSource>(new LastingSource(std::move(*first), std::move(open), between_tries));
+}
+
+LastingSource::LastingSource(std::unique_ptr<FrameSource> first, Open open,
+                             std::chrono::milliseconds between_tries)
+    : open_(std::move(open)),
+      between_tries_(between_tries),
+      description_(first->description()),
+      source_(std::move(first)) {}
+
+SourceCounters LastingSource::counters() const {
+  return source_ ? sum(before_, source_->counters()) : before_;
+}
+
+Result<RgbdFrame> LastingSource::next(std::stop_token stop) {
+  if (!source_) {
+    sleep_for(stop, between_tries_);
+    if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
+    auto again = open_();
+    if (!again)
+      return fail(may_pass(again.error()) ? ErrorCode::kUnavailable : again.error().code, again.error().what);
+    if (!same_stream((*again)->description(), description_)) {
+      return fail(
+          ErrorCode::kUnsupported,
+          fmt::format("{}: what was plugged in is another kind of camera ({}); start the server again",
+                      description_.name, (*again)->description().name));
+    }
+    source_ = std::move(*again);
+  }
+  auto frame = source_->next(stop);
+  if (frame) {
+    frame->stamp.sequence += before_.frames;
+    return frame;
+  }
+  if (may_pass(frame.error())) {
+    before_ = sum(before_, source_->counters());
+    source_.reset();
+  }
+  return frame;
+}
+
+}  // namespace copresence::sensor

@@ -1,6 +1,7 @@
 #include "render_client/renderer/band_merge.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 
 #include "render_client/renderer/lanes.h"
@@ -16,12 +17,24 @@ constexpr float kPerAlpha = 1.0F / 255;
 struct Group {
   Ints shown;             // all bits set where there is anything
   bool is_shown = false;  // anywhere
-  bool is_mixed = false;  // some colour has several cameras' share; then the weights count, else best
+  bool is_weighed =
+      false;              // several cameras' fragments may count; then quality, texels and weights are known
+  bool is_mixed = false;  // some colour has several cameras' share; else best's counts alone
   Ints best;              // camera
   Floats depth;           // its, inverse
-  Floats quality;         // its quality index; only where asked for or where cameras overlap
+  Floats quality;         // its quality index; only where asked for
   Floats sum;             // of the weights
+  Texels texels[kMostCameras];
   Floats weight[kMostCameras];
+};
+
+// One camera's fragments in a group.
+struct Candidate {
+  Floats w, z;      // inverse depth and depth, m, from the eye
+  Floats source_z;  // m, in its own camera
+  Floats range;     // m, that it may lie behind the nearest fragment
+  Floats room;      // m, that are left of it
+  Ints counts;
 };
 
 Floats clamped(const Floats& v) {
@@ -57,40 +70,60 @@ class RowMerge {
     }
     group.shown = shown;
     group.is_shown = bits(shown) != 0;
-    group.is_mixed = false;
+    group.is_weighed = group.is_mixed = false;
     group.best = first;
     group.depth = nearest;
-    if (bits(overlap) || (quality_wanted_ && group.is_shown)) weigh(x, first, nearest, group);
+    if (bits(overlap) || (quality_wanted_ && group.is_shown)) find_rivals(x, first, group);
   }
 
   // r, g, b, a of the eight pixels. Requires that something is shown.
   Ints color(int x, const Group& group) const {
     const Ints opaque = all(static_cast<std::int32_t>(0xFF000000U)) & group.shown;
-    return (group.is_mixed ? mixture(x, group) : best_colors(x, group)) | opaque;
+    return (group.is_mixed ? mixture(group) : best_colors(x, group)) | opaque;
   }
 
  private:
+  // The texels of one camera's fragments. Only the lanes that count matter: the others take one of theirs, so that all
+  // lie close together.
+  Texels fetch_counting(std::size_t i, int x, const Ints& counts) const {
+    const Ints texels = load<Ints>(texels_[i] + x);
+    const int lane = std::countr_zero(bits(counts));
+    return fetch(*sources_[i].texture, counts ? texels : all(texels[lane]));
+  }
+
   Ints best_colors(int x, const Group& group) const {
     Ints colors{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       const Ints won = (group.best == static_cast<std::int32_t>(i)) & group.shown;
-      if (bits(won)) colors |= won & sample(*sources_[i].texture, won & load<Ints>(texels_[i] + x));
+      if (bits(won)) {
+        colors |= won & bilinear(group.is_weighed ? group.texels[i] : fetch_counting(i, x, won));
+      }
     }
     return colors & 0x00FFFFFF;
   }
 
-  Ints mixture(int x, const Group& group) const {
-    Floats r{}, g{}, b{};
+  Ints mixture(const Group& group) const {
+    // Shares in 256ths that add up to 1: what rounding leaves is the best one's. Two channels are added up side
+    // by side, 16 bits each.
+    const Floats per_sum = 256.0F / group.sum;
+    Ints red_blue{}, green{}, left = all(256);
+    const auto add = [&](const Ints& colors, const Ints& share) {
+      red_blue += (colors & 0x00FF00FF) * share;
+      green += (colors >> 8 & 0xFF) * share;
+    };
+    Ints best_colors{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       const Ints counts = (group.weight[i] > 0) & group.shown;
       if (!bits(counts)) continue;
-      const Ints colors = sample(*sources_[i].texture, counts & load<Ints>(texels_[i] + x));
-      const Floats share = counts ? group.weight[i] / group.sum : Floats{};
-      r += share * as_floats(colors & 0xFF);
-      g += share * as_floats(colors >> 8 & 0xFF);
-      b += share * as_floats(colors >> 16 & 0xFF);
+      const Ints colors = bilinear(group.texels[i]);
+      const Ints is_best = group.best == static_cast<std::int32_t>(i);
+      best_colors = is_best ? colors : best_colors;
+      const Ints share = counts & ~is_best & truncated(group.weight[i] * per_sum);
+      left -= share;
+      add(colors, share);
     }
-    return truncated(r + 0.5F) | truncated(g + 0.5F) << 8 | truncated(b + 0.5F) << 16;
+    add(best_colors, left);
+    return ((red_blue + 0x00800080) >> 8 & 0x00FF00FF) | ((green + 0x80) & 0xFF00);
   }
 
   Floats source_depth(std::size_t i, const Floats& x, const Floats& z) const {
@@ -98,44 +131,59 @@ class RowMerge {
     return z * (d[0] * x + (d[1] * y_ + d[2])) + d[3];
   }
 
-  // The rules of merge_rules.h, for eight pixels: fragment_worth() of every camera, then blend_weight().
-  void weigh(int x, const Ints& first, const Floats& nearest, Group& group) const {
+  // Where another camera's fragment lies within the uncertainty range of the nearest, they are weighed;
+  // elsewhere the nearest is all that counts.
+  void find_rivals(int x, const Ints& first, Group& group) const {
     const Floats pixel_x = ramp() + static_cast<float>(x);
-    const Floats nearest_z = 1.0F / nearest;
-    Floats first_z{}, first_error{};
+    Candidate candidates[kMostCameras];
+    Floats nearest_z = all(1.0F / empty_), first_z{}, first_error{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
+      Candidate& c = candidates[i];
+      c.w = load<Floats>(depths_[i] + x);
+      c.z = 1.0F / c.w;
+      c.source_z = source_depth(i, pixel_x, c.z);
       const Ints is_first = first == static_cast<std::int32_t>(i);
-      first_z = is_first ? source_depth(i, pixel_x, nearest_z) : first_z;
+      nearest_z = smaller(c.z, nearest_z);
+      first_z = is_first ? c.source_z : first_z;
       first_error = is_first ? all(sources_[i].calibration_error_m) : first_error;
     }
+    Ints rivals{};
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      Candidate& c = candidates[i];
+      c.range = kRangeSigmas * 0.5F * kStepInverse * (c.source_z * c.source_z + first_z * first_z) +
+                first_error + sources_[i].calibration_error_m;
+      c.room = c.range - (c.z - nearest_z);
+      c.counts = (c.w > empty_) & (c.room > 0);
+      rivals |= c.counts & (first != static_cast<std::int32_t>(i));
+    }
+    if (bits(rivals) || quality_wanted_) weigh(x, candidates, group);
+  }
+
+  // The rules of merge_rules.h, for eight pixels: fragment_worth() of every camera, then blend_weight().
+  void weigh(int x, const Candidate* candidates, Group& group) const {
+    group.is_weighed = true;
     Floats best_worth{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const Candidate& c = candidates[i];
       group.weight[i] = Floats{};
-      const Floats w = load<Floats>(depths_[i] + x);
-      const Ints there = w > empty_;
-      if (!bits(there)) continue;
-      const Floats z = 1.0F / w;
-      const Floats source_z = source_depth(i, pixel_x, z);
-      const Floats range = kRangeSigmas * 0.5F * kStepInverse * (source_z * source_z + first_z * first_z) +
-                           first_error + sources_[i].calibration_error_m;
-      const Floats fade = clamped(2.0F - 2.0F * (z - nearest_z) / range);
-      const Ints counts = there & (fade > 0);
-      if (!bits(counts)) continue;
-      const Ints alpha =
-          nearest_texels(*sources_[i].texture, counts & load<Ints>(texels_[i] + x)) >> 24 & 0xFF;
-      const Floats quality = as_floats(alpha) * kPerAlpha / (source_z * source_z);
-      const Floats worth = counts ? quality * fade : Floats{};
+      if (!bits(c.counts)) continue;
+      group.texels[i] = fetch_counting(i, x, c.counts);
+      const Ints alpha = nearest(group.texels[i]) >> 24 & 0xFF;
+      const Floats cosine = as_floats(alpha) * kPerAlpha;
+      const Floats squared = c.source_z * c.source_z;
+      const Floats fading = smaller(c.room + c.room, c.range);  // times the range
+      const Floats worth = c.counts ? cosine * fading / (squared * c.range) : Floats{};
       const Ints better = worth > best_worth;
       best_worth = larger(worth, best_worth);
       group.best = better ? all(static_cast<std::int32_t>(i)) : group.best;
-      group.quality = better ? quality : group.quality;
-      group.depth = better ? w : group.depth;
+      if (quality_wanted_) group.quality = better ? cosine / squared : group.quality;
+      group.depth = better ? c.w : group.depth;
       group.weight[i] = worth;
     }
     group.sum = Floats{};
+    const Floats per_worth = 1.0F / ((1.0F - kTieRatio) * best_worth);
     for (std::size_t i = 0; i < sources_.size(); ++i) {
-      group.weight[i] =
-          clamped((group.weight[i] - kTieRatio * best_worth) / ((1.0F - kTieRatio) * best_worth));
+      group.weight[i] = clamped((group.weight[i] - kTieRatio * best_worth) * per_worth);
       group.sum += group.weight[i];
     }
     group.is_mixed = bits((group.sum > 1.0F) & group.shown) != 0;

@@ -4,6 +4,7 @@
 // AVX2's. Private to the CPU renderer. Thread: pure.
 
 #include <cstdint>
+#include <cstring>
 
 #include "render_client/renderer/lanes.h"
 #include "render_client/renderer/projection.h"
@@ -17,84 +18,69 @@ namespace copresence::renderer {
 inline constexpr int kTexelBits = 4;
 static_assert(1 << kTexelBits == kTexelSteps);
 
-/// The texel nearest to each texture coordinate (Band::texels).
-inline Ints nearest_texels(const Texture& texture, const Ints& texel) {
-  const Ints u = ((texel & 0xFFFF) + kTexelSteps / 2) >> kTexelBits;
-  const Ints v = ((texel >> 16 & 0xFFFF) + kTexelSteps / 2) >> kTexelBits;
-  return gather(texture.data(), v * texture.width() + u);
-}
+/// The four texels around each of eight texture coordinates, and where between them each lies.
+struct Texels {
+  Ints upper_left, upper_right, lower_left, lower_right;
+  Ints right, lower;  // of the upper left one, in 1/kTexelSteps, 0 <= right, lower < kTexelSteps
+};
 
-#if defined(__AVX2__)
-
-/// What a texture shows at eight texture coordinates, in Texture's layout, rounded.
-inline Ints sample(const Texture& texture, const Ints& texel) {
+/// The texels at eight texture coordinates (Band::texels).
+inline Texels fetch(const Texture& texture, const Ints& texel) {
+  Texels t;
   const Ints u = texel & 0xFFFF;
   const Ints v = texel >> 16 & 0xFFFF;
-  const auto at = reinterpret_cast<__m256i>((v >> kTexelBits) * texture.width() + (u >> kTexelBits));
-  const Ints right = u & (kTexelSteps - 1), lower = v & (kTexelSteps - 1);
-  // Weights of left and right, upper and lower texels, as two bytes and as two words in each lane.
-  const auto down = reinterpret_cast<__m256i>((kTexelSteps - lower) | lower << 8);
-  const auto across = reinterpret_cast<__m256i>((kTexelSteps - right) | right << 16);
-
-  // Colours of four pixels, a channel in 16 bits. `index` are their first texels; `first` tells which of a
-  // half's four lanes have their weights.
-  const auto four = [&](__m128i index, int first) {
-    const auto* const upper_row = reinterpret_cast<const long long*>(texture.data());
-    const auto* const lower_row = reinterpret_cast<const long long*>(texture.data() + texture.width());
-    const __m256i above = _mm256_i32gather_epi64(upper_row, index, 4);
-    const __m256i below = _mm256_i32gather_epi64(lower_row, index, 4);
-    // The first and third pixel, then the second and fourth: left and right texel, a channel of both rows in
-    // two bytes.
-    const __m256i even = _mm256_unpacklo_epi8(above, below), odd = _mm256_unpackhi_epi8(above, below);
-    const auto half = [&](const __m256i& weights) {
-      return first == 0 ? _mm256_permute4x64_epi64(weights, 0x50) : _mm256_permute4x64_epi64(weights, 0xFA);
+  t.right = u & (kTexelSteps - 1);
+  t.lower = v & (kTexelSteps - 1);
+  const Ints at = (v >> kTexelBits) * texture.width() + (u >> kTexelBits);
+  const std::uint32_t* const upper = texture.data();
+  const std::uint32_t* const lower = texture.data() + texture.width();
+#if defined(__AVX2__)
+  // Two neighbouring texels at once, since a gather of single ones takes longer: of lanes 0, 1, 4, 5 and of 2, 3, 6, 7.
+  const auto pairs = [&](const std::uint32_t* row, Ints& left, Ints& right) {
+    const auto pair = [&](int i) {
+      long long two;
+      std::memcpy(&two, row + at[i], sizeof two);
+      return two;
     };
-    // Each half now has its two pixels' weights in lanes 0 and 1.
-    const __m256i down_here = half(down), across_here = half(across);
-    const auto bytes = [&](int lane) {
-      return _mm256_shuffle_epi8(down_here, _mm256_set1_epi16(static_cast<short>(0x0100 + 0x0404 * lane)));
-    };
-    const auto words = [&](int lane) {
-      const auto left = static_cast<long long>(0x0100010001000100 + 0x0404040404040404 * lane);
-      const long long right_of_it = left + 0x0202020202020202;
-      return _mm256_shuffle_epi8(across_here, _mm256_set_epi64x(right_of_it, left, right_of_it, left));
-    };
-    // At most 255 * 16, then 255 * 16 * 16, which 16 bits hold without a sign.
-    const __m256i e = _mm256_mullo_epi16(_mm256_maddubs_epi16(even, bytes(0)), words(0));
-    const __m256i o = _mm256_mullo_epi16(_mm256_maddubs_epi16(odd, bytes(1)), words(1));
-    const __m256i sum = _mm256_add_epi16(_mm256_unpacklo_epi64(e, o), _mm256_unpackhi_epi64(e, o));
-    return _mm256_srli_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(128)), 8);
+    const __m256 some = _mm256_castsi256_ps(_mm256_set_epi64x(pair(5), pair(4), pair(1), pair(0)));
+    const __m256 others = _mm256_castsi256_ps(_mm256_set_epi64x(pair(7), pair(6), pair(3), pair(2)));
+    left = reinterpret_cast<Ints>(_mm256_shuffle_ps(some, others, 0x88));
+    right = reinterpret_cast<Ints>(_mm256_shuffle_ps(some, others, 0xDD));
   };
-  const __m256i packed =
-      _mm256_packus_epi16(four(_mm256_castsi256_si128(at), 0), four(_mm256_extracti128_si256(at, 1), 1));
-  return reinterpret_cast<Ints>(_mm256_permute4x64_epi64(packed, 0xD8));
-}
-
+  pairs(upper, t.upper_left, t.upper_right);
+  pairs(lower, t.lower_left, t.lower_right);
 #else
-
-inline Ints sample(const Texture& texture, const Ints& texel) {
-  Ints result{};
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const std::uint32_t u = static_cast<std::uint32_t>(texel[lane]) & 0xFFFF;
-    const std::uint32_t v = static_cast<std::uint32_t>(texel[lane]) >> 16;
-    const std::uint32_t right = u % kTexelSteps, lower = v % kTexelSteps;
-    const std::uint32_t* const above =
-        texture.data() + static_cast<std::ptrdiff_t>(v / kTexelSteps) * texture.width() + u / kTexelSteps;
-    const std::uint32_t* const below = above + texture.width();
-    std::uint32_t color = 0;
-    for (int shift = 0; shift < 32; shift += 8) {
-      const auto channel = [shift](std::uint32_t c) { return c >> shift & 0xFF; };
-      const std::uint32_t left_column = channel(above[0]) * (kTexelSteps - lower) + channel(below[0]) * lower;
-      const std::uint32_t right_column =
-          channel(above[1]) * (kTexelSteps - lower) + channel(below[1]) * lower;
-      color |= (left_column * (kTexelSteps - right) + right_column * right + 128) >> 8 << shift;
-    }
-    result[lane] = static_cast<std::int32_t>(color);
-  }
-  return result;
+  t.upper_left = gather(upper, at);
+  t.upper_right = gather(upper + 1, at);
+  t.lower_left = gather(lower, at);
+  t.lower_right = gather(lower + 1, at);
+#endif
+  return t;
 }
 
-#endif
+/// The texel nearest to each texture coordinate.
+inline Ints nearest(const Texels& t) {
+  const Ints is_right = t.right >= kTexelSteps / 2;
+  const Ints upper = is_right ? t.upper_right : t.upper_left;
+  const Ints lower = is_right ? t.lower_right : t.lower_left;
+  return t.lower >= kTexelSteps / 2 ? lower : upper;
+}
+
+/// What the texture shows, in Texture's layout, rounded.
+inline Ints bilinear(const Texels& t) {
+  using Words = std::uint16_t __attribute__((vector_size(sizeof(Ints))));
+  const auto words = [](const Ints& i) { return reinterpret_cast<Words>(i); };
+  const Words right = words(t.right | t.right << 16), lower = words(t.lower | t.lower << 16);
+  const Words left = kTexelSteps - right, upper = kTexelSteps - lower;
+  // Two channels of each texel side by side. At most 255 * 16, then 255 * 16 * 16, which a word holds.
+  const auto two_channels = [&](int shift) {
+    const auto channels = [&](const Ints& texels) { return words(texels >> shift & 0x00FF00FF); };
+    const Words left_column = channels(t.upper_left) * upper + channels(t.lower_left) * lower;
+    const Words right_column = channels(t.upper_right) * upper + channels(t.lower_right) * lower;
+    return reinterpret_cast<Ints>((left_column * left + right_column * right + 128) >> 2 * kTexelBits);
+  };
+  return two_channels(0) | two_channels(8) << 8;
+}
 
 }  // namespace copresence::renderer
 

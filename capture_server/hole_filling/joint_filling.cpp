@@ -14,8 +14,7 @@ namespace {
 
 constexpr int kTilePx = kCellPx + 2 * kWindowPx;  // a cell and what its pixels' windows reach
 static_assert(kWindowPx <= Cells::kMarginPx && kWindowPx == 2 && kCellPx == 4);
-constexpr std::array<float, 5> kKernel{0.37f, 0.78f, 1, 0.78f,
-                                       0.37f};  // exp(-d^2 / 4), the window's weights each way
+constexpr std::array<float, 3> kKernel{0.37f, 0.78f, 1};  // exp(-d^2 / 4), the window's weights to its middle
 
 // A tile's row and a cell's row, as GCC and clang compute side by side.
 using TileRow = float __attribute__((vector_size(kTilePx * sizeof(float))));
@@ -33,6 +32,23 @@ struct Support {
   std::array<CellRow, kCellPx> rest;    ///< weighted sum of their steps above it
   std::array<CellRow, kCellPx> x, y;    ///< weighted sum of where they are, pixels from the window's middle
 };
+
+/// Numbers k to k + 3 of a tile's row: a pixel's neighbour, for the four pixels of a cell's row.
+template <int k>
+CellRow from(const TileRow& row) {
+  return __builtin_shufflevector(row, row, k, k + 1, k + 2, k + 3);
+}
+
+/// Weighted sums over the five neighbours of each pixel.
+CellRow across(const TileRow& row) {
+  return kKernel[0] * (from<0>(row) + from<4>(row)) + kKernel[1] * (from<1>(row) + from<3>(row)) +
+         from<2>(row);
+}
+
+/// The same, times their offsets.
+CellRow first_moment_across(const TileRow& row) {
+  return 2 * kKernel[0] * (from<4>(row) - from<0>(row)) + kKernel[1] * (from<3>(row) - from<1>(row));
+}
 
 /// Windows are separable, and what a pixel says does not depend on the window it is seen through: sums along columns,
 /// then rows. `corner` is the top left of the cell's tile. Without `places`, x and y stay unset.
@@ -52,28 +68,16 @@ void find_support(const float* corner, int stride, const Plane& plane, bool plac
     rest[v] = on_it ? above : kNone;
   }
   for (int y = 0; y < kCellPx; ++y) {
-    TileRow weights = kNone, rests = kNone, places_y = kNone;
-    for (int k = 0; k < 5; ++k) {
-      weights += kKernel[k] * member[y + k];
-      rests += kKernel[k] * rest[y + k];
-      if (places) places_y += kKernel[k] * static_cast<float>(k - kWindowPx) * member[y + k];
-    }
-    std::array<float, kTilePx> weight_row, rest_row, place_row;
-    std::memcpy(&weight_row, &weights, sizeof(weights));
-    std::memcpy(&rest_row, &rests, sizeof(rests));
-    std::memcpy(&place_row, &places_y, sizeof(places_y));
-    support.weight[y] = support.rest[y] = support.x[y] = support.y[y] = CellRow{};
-    for (int k = 0; k < 5; ++k) {
-      CellRow part;
-      load(weight_row.data() + k, part);
-      support.weight[y] += kKernel[k] * part;
-      if (places) support.x[y] += kKernel[k] * static_cast<float>(k - kWindowPx) * part;
-      load(rest_row.data() + k, part);
-      support.rest[y] += kKernel[k] * part;
-      if (!places) continue;
-      load(place_row.data() + k, part);
-      support.y[y] += kKernel[k] * part;
-    }
+    const auto down = [y](const std::array<TileRow, kTilePx>& rows) {
+      return kKernel[0] * (rows[y] + rows[y + 4]) + kKernel[1] * (rows[y + 1] + rows[y + 3]) + rows[y + 2];
+    };
+    const TileRow weights = down(member), rests = down(rest);
+    support.weight[y] = across(weights);
+    support.rest[y] = across(rests);
+    if (!places) continue;
+    support.x[y] = first_moment_across(weights);
+    support.y[y] =
+        across(2 * kKernel[0] * (member[y + 4] - member[y]) + kKernel[1] * (member[y + 3] - member[y + 1]));
   }
 }
 

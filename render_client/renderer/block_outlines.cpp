@@ -10,7 +10,6 @@ void BlockOutlines::draw(const FlatBlocks& blocks, int largest_block, InverseDep
   assert(largest_block == 1 || largest_block >= 4);
   drawn_.resize(inverse.w.width(), inverse.w.height());
   std::fill(drawn_.pixels().begin(), drawn_.pixels().end(), std::uint8_t{0});
-  corners_.resize(inverse.w.width(), inverse.w.height());
   for (auto& level : listed_) level.clear();
   if (largest_block == 1) return;
   for (int j = 0; j < inverse.patches_y(); ++j) {
@@ -44,24 +43,26 @@ void BlockOutlines::draw_level(const Image<Plane>& planes, int level, InverseDep
   const int last_x = inverse.width - 1, last_y = inverse.height - 1;
   const auto x_of = [&](int i) { return std::min(i * size, last_x); };
   const auto y_of = [&](int j) { return std::min(j * size, last_y); };
+  Image<Corner>& corners = corners_[level];
+  corners.resize(planes.width() + 1, planes.height() + 1);
   const auto for_each_corner = [&](const Block& block, auto&& visit) {
     for (int dj = 0; dj < 2; ++dj) {
-      for (int di = 0; di < 2; ++di) visit(x_of(block.i + di), y_of(block.j + dj));
+      for (int di = 0; di < 2; ++di) {
+        visit(corners(block.i + di, block.j + dj), x_of(block.i + di), y_of(block.j + dj));
+      }
     }
   };
 
   for (const Block& block : listed_[level]) {
     const Plane& plane = planes(block.i, block.j);
-    for_each_corner(block, [&](int x, int y) {
-      Corner& corner = corners_(x, y);
+    for_each_corner(block, [&](Corner& corner, int x, int y) {
       corner.sum += plane.w + (static_cast<float>(x - block.i * size) - middle) * plane.dx +
                     (static_cast<float>(y - block.j * size) - middle) * plane.dy;
       ++corner.count;
     });
   }
   for (const Block& block : listed_[level]) {
-    for_each_corner(block, [&](int x, int y) {
-      Corner& corner = corners_(x, y);
+    for_each_corner(block, [&](Corner& corner, int x, int y) {
       if (corner.count > 0 && !drawn_(x, y)) {
         inverse.w(x, y) = corner.sum / static_cast<float>(corner.count);
         drawn_(x, y) = 1;

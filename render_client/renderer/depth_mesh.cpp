@@ -16,7 +16,9 @@ class PatchBuilder {
       : inverse_(inverse),
         blocks_(blocks),
         largest_block_(largest_block),
-        rays_(rays),
+        rays_(rays.data()),
+        w_from_(inverse.w.data()),
+        w_row_(inverse.w.width()),
         pixel_angle_(pixel_angle) {}
 
   void build(int i, int j) {
@@ -72,8 +74,8 @@ class PatchBuilder {
 
   // The quad between four neighbouring pixels, as far as they are joined.
   void add_pixel(int x, int y) {
-    const float* const upper = &inverse_.w(x, y);
-    const float* const lower = &inverse_.w(x, y + 1);
+    const float* const upper = w_from_ + static_cast<std::ptrdiff_t>(y) * w_row_ + x;
+    const float* const lower = upper + w_row_;
     const float a = upper[0], b = upper[1], c = lower[1], d = lower[0];
     const float nearest = std::max(std::max(a, b), std::max(c, d));
     const float farthest = std::min(std::min(a, b), std::min(c, d));
@@ -112,10 +114,10 @@ class PatchBuilder {
     std::uint16_t& number = numbers_[(y - top_) * kSide + (x - left_)];
     if (number == kUnused) {
       number = static_cast<std::uint16_t>(vertices_);
-      const Eigen::Vector2f& ray = rays_[static_cast<std::size_t>(y) * inverse_.width + x];
+      const Eigen::Vector2f& ray = rays_[static_cast<std::ptrdiff_t>(y) * inverse_.width + x];
       x_[vertices_] = ray.x();
       y_[vertices_] = ray.y();
-      w_[vertices_] = inverse_.w(x, y);
+      w_[vertices_] = w_from_[static_cast<std::ptrdiff_t>(y) * w_row_ + x];
       u_[vertices_] = static_cast<float>(x);
       v_[vertices_] = static_cast<float>(y);
       ++vertices_;
@@ -126,7 +128,10 @@ class PatchBuilder {
   const InverseDepth& inverse_;
   const FlatBlocks& blocks_;
   const int largest_block_;
-  const std::vector<Eigen::Vector2f>& rays_;
+  // Without a check of every pixel: build_mesh() has checked the shapes.
+  const Eigen::Vector2f* const rays_;
+  const float* const w_from_;
+  const int w_row_;
   const float pixel_angle_;
 
   int left_ = 0, top_ = 0;

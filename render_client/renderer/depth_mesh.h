@@ -62,7 +62,7 @@ class BlockOutlines {
 
   std::array<std::vector<Block>, kLevels> listed_;  // flat blocks that lie in no larger flat one
   Image<std::uint8_t> drawn_;  // pixels on a larger block's outline: smaller blocks take them as they are
-  Image<Corner> corners_;      // by pixel; zero but while a level is drawn
+  std::array<Image<Corner>, kLevels> corners_;  // of the level's blocks; zero but while it is drawn
 };
 
 /// The mesh of an image whose outlines are drawn. `rays` are (x, y) at z = 1 by pixel

@@ -12,6 +12,7 @@
 #include "capture_server/recording_thread.h"
 #include "capture_server/source.h"
 #include "common/flow/latest.h"
+#include "common/flow/thread_priority.h"
 #include "common/wire/frame_server.h"
 
 namespace copresence::server {
@@ -25,6 +26,9 @@ struct Captured {
   RgbdFrame frame;
   std::uint64_t encoder_busy = 0;
 };
+
+/// A viewer on this machine goes before new frames for it: a frame more waits, and no view stutters.
+constexpr int kStepsBehindTheView = 5;
 
 void name_this_thread(const char* name) {
   pthread_setname_np(pthread_self(), name);
@@ -130,6 +134,7 @@ class Pipeline {
 
   /// Until the capture ends and its last frame is encoded. Fails with what no later frame can mend.
   Result<void> encode_frames() {
+    flow::give_way(kStepsBehindTheView);
     bool keyframe_owed = false;      // a frame that was to be one failed
     std::uint64_t without_room = 0;  // frames left out since nobody was there, or nobody had room
     while (auto captured = captured_.take({})) {

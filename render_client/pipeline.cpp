@@ -10,10 +10,12 @@
 #include <thread>
 
 #include "common/flow/latest_of_each.h"
+#include "common/flow/thread_priority.h"
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
 #include "render_client/camera_receiver.h"
 #include "render_client/eye.h"
+#include "render_client/live_color_matching.h"
 #include "render_client/pacing/render_pacer.h"
 #include "render_client/screenshot.h"
 #include "render_client/statistics.h"
@@ -38,15 +40,26 @@ Result<std::vector<std::string>> addresses(const ClientSettings& settings, const
   return out;
 }
 
+/// Matching colours is in no hurry.
+constexpr int kStepsBehindTheView = 10;
+
 /// The render thread's side of one camera: its newest frame and what is known of it.
 struct Shown {
-  std::optional<Received> newest;
+  std::shared_ptr<const Received> newest;
   std::uint64_t version = 0;  ///< of `newest`; 0 while there is none
   bool is_fresh = false;      ///< not yet in any view
   bool said_no_pose = false;
 };
 
-renderer::CameraView camera_view(const Shown& shown, const scene::Scene* scene) {
+/// Whether anybody has said where the camera stands: its server or the scene file.
+bool has_place(const Shown& shown, const scene::Scene* scene) {
+  const StreamDescription& stream = *shown.newest->stream;
+  const scene::Camera* known = scene ? scene->find(stream.camera) : nullptr;
+  return stream.has_pose || (known && known->world_from_camera);
+}
+
+renderer::CameraView camera_view(const Shown& shown, const scene::Scene* scene,
+                                 const color_matching::ColorMap& found_matching) {
   const StreamDescription& stream = *shown.newest->stream;
   renderer::CameraView view;
   view.frame = &shown.newest->frame;
@@ -54,6 +67,7 @@ renderer::CameraView camera_view(const Shown& shown, const scene::Scene* scene) 
   view.model = stream.model;
   view.unit = stream.unit;
   view.world_from_camera = shown.newest->frame.stamp.world_from_camera;
+  view.color_matching = found_matching;
   if (const scene::Camera* known = scene ? scene->find(stream.camera) : nullptr) {
     if (known->model.width == stream.model.width && known->model.height == stream.model.height) {
       view.model = known->model;
@@ -76,6 +90,7 @@ class Pipeline {
         eye_(std::move(eye)),
         stop_(std::move(stop)),
         board_(servers_.size()),
+        colors_(servers_.size()),
         statistics_(servers_.size()),
         shown_(servers_.size()) {}
 
@@ -83,6 +98,14 @@ class Pipeline {
     std::vector<std::jthread> receivers;
     for (std::size_t i = 0; i < servers_.size(); ++i) {
       receivers.emplace_back([this, i] { receive(i); });
+    }
+    std::jthread matcher;
+    if (settings_.match_colors && servers_.size() > 1) {
+      matcher = std::jthread([this](const std::stop_token& stop) {
+        pthread_setname_np(pthread_self(), "colors");
+        flow::give_way(kStepsBehindTheView);
+        colors_.run(stop);
+      });
     }
     Result<void> rendered = output_.window() ? render_in_window() : render_headless();
     Result<void> written = write_results();
@@ -168,16 +191,20 @@ class Pipeline {
       if (!received) continue;
       Shown& shown = shown_[i];
       if (shown.is_fresh) statistics_[i].unshown();
-      if (!shown.said_no_pose && !received->stream->has_pose &&
-          !(scene_ && scene_->find(received->stream->camera))) {
+      shown.newest = std::make_shared<const Received>(std::move(*received));
+      if (!shown.said_no_pose && !has_place(shown, scene_)) {
         spdlog::info("{}: camera \"{}\" has no pose; it stands at the world's origin", servers_[i],
-                     received->stream->camera);
+                     shown.newest->stream->camera);
         shown.said_no_pose = true;
       }
-      shown.newest = std::move(received);
       shown.is_fresh = true;
       ++shown.version;
-      eye_.see_camera(i, camera_view(shown, scene_).world_from_camera);
+      const renderer::CameraView view = camera_view(shown, scene_, color_matching::ColorMap::Identity());
+      eye_.see_camera(i, view.world_from_camera);
+      if (settings_.match_colors && has_place(shown, scene_)) {
+        colors_.show(i, shown.newest,
+                     {view.frame, view.model, view.unit, view.world_from_camera, view.calibration_error_m});
+      }
       arrived.push_back(i);
     }
     return arrived;
@@ -185,8 +212,8 @@ class Pipeline {
 
   std::vector<renderer::CameraView> camera_views() const {
     std::vector<renderer::CameraView> views;
-    for (const Shown& shown : shown_) {
-      if (shown.newest) views.push_back(camera_view(shown, scene_));
+    for (std::size_t i = 0; i < shown_.size(); ++i) {
+      if (shown_[i].newest) views.push_back(camera_view(shown_[i], scene_, colors_.map(i)));
     }
     return views;
   }
@@ -232,6 +259,7 @@ class Pipeline {
   Eye eye_;
   std::stop_source stop_;
   flow::LatestOfEach<Received> board_;
+  LiveColorMatching colors_;
   std::deque<CameraStatistics> statistics_;  // a deque, since they cannot move
   std::vector<Shown> shown_;
   ViewStatistics view_statistics_;

@@ -64,6 +64,12 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
          "mouse (default in a window), path:FILE (lines \"view x y z look_x look_y look_z\", metres) or "
          "opentrack (UDP, port 4242); without a window the default is the first camera's pose")
       ->check(CLI::Validator(check_view, ""));
+  app.add_option_function<std::string>(
+         "--color-matching", [&](const std::string& choice) { settings.match_colors = choice == "live"; },
+         "live: the colours of cameras whose pose is known are matched to the first one's where they "
+         "overlap, unless "
+         "the scene file gives a camera's color_matching; off: as they come [live]")
+      ->check(CLI::IsMember({"live", "off"}));
   app.add_option("--frames", settings.frames,
                  "end after N views, counted from the first that shows every camera")
       ->check(CLI::PositiveNumber);

@@ -20,6 +20,7 @@ struct ClientSettings {
   double fps = 30;                 ///< views a second at most, headless
   double fov_degrees = 50;         ///< vertical
   std::string view;                ///< mouse, path:FILE or opentrack; empty for the default
+  bool match_colors = true;        ///< the cameras' colours to the first one's
   std::optional<std::uint64_t> frames;
   std::string screenshot;  ///< PNG of the last view; empty for none
   std::string stats;       ///< JSON; empty for none

@@ -77,15 +77,17 @@ std::uint32_t pack(std::uint32_t r, std::uint32_t g, std::uint32_t b) {
   return r | g << 8 | b << 16;
 }
 
-void match_row(std::span<const Rgb8> from, const Eigen::Matrix<float, 3, 4>& m, std::span<std::uint32_t> to) {
-  const auto byte = [](float value) {
-    return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F));
+// Eight pixels at a time; `row` has whole groups of kLanes, of which the last may be padding.
+void match_row(const Eigen::Matrix<float, 3, 4>& m, std::span<std::uint32_t> row) {
+  const auto channel = [&](int c, const Floats& r, const Floats& g, const Floats& b) {
+    const Floats value = m(c, 0) * r + m(c, 1) * g + m(c, 2) * b + 255 * m(c, 3);
+    return truncated(smaller(larger(value, Floats{}), all(255.0F)) + 0.5F);
   };
-  for (std::size_t x = 0; x < from.size(); ++x) {
-    const float r = from[x].r, g = from[x].g, b = from[x].b;
-    to[x] = pack(byte(m(0, 0) * r + m(0, 1) * g + m(0, 2) * b + m(0, 3) * 255),
-                 byte(m(1, 0) * r + m(1, 1) * g + m(1, 2) * b + m(1, 3) * 255),
-                 byte(m(2, 0) * r + m(2, 1) * g + m(2, 2) * b + m(2, 3) * 255));
+  for (std::size_t x = 0; x < row.size(); x += kLanes) {
+    const Ints texels = load<Ints>(&row[x]);
+    const Floats r = as_floats(texels & 0xFF), g = as_floats(texels >> 8 & 0xFF),
+                 b = as_floats(texels >> 16 & 0xFF);
+    store(&row[x], channel(0, r, g, b) | channel(1, r, g, b) << 8 | channel(2, r, g, b) << 16);
   }
 }
 
@@ -117,6 +119,7 @@ void make_texture(const RgbdFrame& frame, const Image<float>& cosines,
   texture.resize(width + 1, height + 1);
   const bool matched = color_matching != Eigen::Matrix<float, 3, 4>::Identity();
   std::vector<float> between_rows, tilt;
+  std::vector<std::uint32_t> packed((width + kLanes - 1) / kLanes * kLanes);
   for (int y = 0; y < height; ++y) {
     const auto to = texture.row(y);
     interpolate_row(cosines, y, between_rows, tilt);
@@ -128,11 +131,11 @@ void make_texture(const RgbdFrame& frame, const Image<float>& cosines,
                     static_cast<std::int32_t>(255 * shade_without_color(cosine[x]) + 0.5F)) *
                 0x10101U;
       }
-    } else if (matched) {
-      match_row(frame.color->row(y), color_matching, to);
     } else {
       const auto from = frame.color->row(y);
-      for (int x = 0; x < width; ++x) to[x] = pack(from[x].r, from[x].g, from[x].b);
+      for (int x = 0; x < width; ++x) packed[x] = pack(from[x].r, from[x].g, from[x].b);
+      if (matched) match_row(color_matching, packed);
+      std::copy_n(packed.begin(), width, to.begin());
     }
     const auto state = frame.state.row(y);
     for (int x = 0; x < width; ++x) {

@@ -25,6 +25,7 @@ ROOMS = {
     "render_client/renderer": EDGE_TYPES | {"common/gl"},
     "render_client/viewpoint": EDGE_TYPES,
     "render_client/pacing": EDGE_TYPES,
+    "render_client/color_matching": EDGE_TYPES,
 }
 # the programs put the rooms together: pipeline, settings, main
 PROGRAMS = {"capture_server": ("common", "capture_server"), "render_client": ("common", "render_client")}

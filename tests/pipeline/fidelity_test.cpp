@@ -44,8 +44,9 @@ class Fidelity : public ::testing::Test {
       room_.serve(camera.source, {"--loop", "--name", camera.name, "--scene", scene_file});
     }
     const Rigid3 world_from_eye = beside(*scene.cameras[0].world_from_camera, scene.up);
-    const auto stats = room_.view({"--scene", scene_file, "--view", "path:" + path_file(world_from_eye),
-                                   "--frames", "40", "--size", fmt::format("{}x{}", kWidth, kHeight)});
+    const auto stats = room_.view({"--scene", scene_file, "--color-matching", "off", "--view",
+                                   "path:" + path_file(world_from_eye), "--frames", "40", "--size",
+                                   fmt::format("{}x{}", kWidth, kHeight)});
     if (stats.is_null()) return {};
     std::vector<std::uint64_t> shown;
     for (const auto& camera : stats["cameras"]) shown.push_back(camera["last_shown_sequence"]);

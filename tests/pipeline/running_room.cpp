@@ -45,8 +45,14 @@ Process& RunningRoom::look(const Arguments& more) {
 nlohmann::json RunningRoom::view(const Arguments& more) {
   Process& client = look(more);
   const auto ended = client.wait(seconds(60));
-  EXPECT_EQ(ended, 0) << client.output();
+  EXPECT_EQ(ended, 0) << client.output() << outputs_of_servers();
   return ended == 0 ? stats() : nlohmann::json();
+}
+
+std::string RunningRoom::outputs_of_servers() const {
+  std::string all;
+  for (const auto& server : servers_) all += server ? server->output() : "";
+  return all;
 }
 
 nlohmann::json RunningRoom::stats() const {

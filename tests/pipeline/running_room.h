@@ -36,6 +36,8 @@ class RunningRoom {
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
 
  private:
+  std::string outputs_of_servers() const;
+
   TemporaryFolder folder_;
   std::vector<Arguments> started_;
   std::vector<int> ports_;

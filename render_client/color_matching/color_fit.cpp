@@ -1,0 +1,117 @@
+#include "render_client/color_matching/color_fit.h"
+
+#include <Eigen/Cholesky>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+
+namespace copresence::color_matching {
+namespace {
+
+constexpr int kGuesses = 400;
+constexpr std::size_t kMostTested = 1000;  // pairs that a guess is held against
+constexpr float kCoarse = 18.0F / 255;     // gain and offset alone are no better than this
+constexpr float kFine = 9.0F / 255;  // sensor noise, vignetting, and a gamma that a line only approaches
+constexpr float kLeastGain = 0.4F, kMostGain = 2.5F, kMostOffset = 0.25F;
+constexpr float kApart = 0.12F;  // channels that give a gain must differ by this much
+constexpr double kHold = 3e-4;   // weight of `near`, of the pairs'
+
+// A plain generator, so that the same pairs give the same map everywhere.
+class Dice {
+ public:
+  std::size_t below(std::size_t bound) {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return static_cast<std::size_t>((state_ >> 33) % bound);
+  }
+
+ private:
+  std::uint64_t state_ = 0x9E3779B97F4A7C15U;
+};
+
+float error(const ColorMap& map, const ColorPair& pair) {
+  return (apply(map, pair.from) - pair.to).cwiseAbs().maxCoeff();
+}
+
+// Gain and offset from two pairs; a channel in which they hardly differ gets a gain alone.
+std::optional<ColorMap> guess(const ColorPair& a, const ColorPair& b) {
+  ColorMap map = ColorMap::Zero();
+  for (int c = 0; c < 3; ++c) {
+    const float apart = a.from[c] - b.from[c];
+    const float gain = std::abs(apart) >= kApart ? (a.to[c] - b.to[c]) / apart
+                                                 : (a.to[c] + b.to[c]) / (a.from[c] + b.from[c]);
+    const float offset = 0.5F * (a.to[c] + b.to[c] - gain * (a.from[c] + b.from[c]));
+    if (!(gain >= kLeastGain && gain <= kMostGain && std::abs(offset) <= kMostOffset)) return std::nullopt;
+    map(c, c) = gain;
+    map(c, 3) = offset;
+  }
+  return map;
+}
+
+std::vector<ColorPair> agreeing(std::span<const ColorPair> pairs, const ColorMap& map, float tolerance) {
+  std::vector<ColorPair> result;
+  for (const ColorPair& pair : pairs) {
+    if (error(map, pair) <= tolerance) result.push_back(pair);
+  }
+  return result;
+}
+
+std::vector<ColorPair> spread(const std::vector<ColorPair>& pairs, std::size_t most) {
+  if (pairs.size() <= most) return pairs;
+  std::vector<ColorPair> result;
+  for (std::size_t i = 0; i < most; ++i) result.push_back(pairs[i * pairs.size() / most]);
+  return result;
+}
+
+}  // namespace
+
+ColorMap refine_color_map(std::span<const ColorPair> pairs, const ColorMap& near) {
+  assert(!pairs.empty());
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
+  for (const ColorPair& pair : pairs) {
+    const Eigen::Vector4d from(pair.from.x(), pair.from.y(), pair.from.z(), 1);
+    normal += from * from.transpose();
+    right += from * pair.to.cast<double>().transpose();
+  }
+  const double hold = kHold * static_cast<double>(pairs.size());
+  normal.diagonal().array() += hold;
+  right += hold * near.cast<double>().transpose();
+  return normal.ldlt().solve(right).transpose().cast<float>();
+}
+
+std::optional<ColorFit> fit_color_map(std::span<const ColorPair> pairs) {
+  if (pairs.size() < kFewestPairs) return std::nullopt;
+  Dice dice;
+  std::vector<ColorPair> tested;
+  for (std::size_t i = 0; i < std::min(pairs.size(), kMostTested); ++i) {
+    tested.push_back(pairs.size() <= kMostTested ? pairs[i] : pairs[dice.below(pairs.size())]);
+  }
+  ColorMap best;
+  std::size_t most = 0;
+  for (int i = 0; i < kGuesses; ++i) {
+    const auto map = guess(tested[dice.below(tested.size())], tested[dice.below(tested.size())]);
+    if (!map) continue;
+    std::size_t count = 0;
+    for (const ColorPair& pair : tested) count += error(*map, pair) <= kCoarse;
+    if (count > most) {
+      most = count;
+      best = *map;
+    }
+  }
+  if (3 * most < tested.size()) return std::nullopt;
+
+  ColorMap map = refine_color_map(agreeing(pairs, best, kCoarse), best);
+  for (int round = 0; round < 2; ++round) {
+    const auto inliers = agreeing(pairs, map, kFine);
+    if (inliers.size() < kFewestPairs || 3 * inliers.size() < pairs.size()) return std::nullopt;
+    map = refine_color_map(inliers, best);
+  }
+  const auto inliers = agreeing(pairs, map, kFine);
+  ColorFit fit{map, spread(inliers, kMostInliers), inliers.size(), 0};
+  double squares = 0;
+  for (const ColorPair& pair : inliers) squares += (apply(map, pair.from) - pair.to).squaredNorm();
+  fit.rms = std::sqrt(squares / (3.0 * std::max<double>(1, static_cast<double>(inliers.size()))));
+  return fit;
+}
+
+}  // namespace copresence::color_matching

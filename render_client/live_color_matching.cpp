@@ -1,0 +1,56 @@
+#include "render_client/live_color_matching.h"
+
+#include <algorithm>
+#include <condition_variable>
+
+namespace copresence::client {
+namespace {
+
+// Exposure changes over seconds; a round costs a few milliseconds of one core.
+constexpr std::chrono::milliseconds kPeriod{500};
+
+}  // namespace
+
+LiveColorMatching::LiveColorMatching(std::size_t cameras) : cameras_(cameras), steady_(cameras) {}
+
+void LiveColorMatching::show(std::size_t camera, std::shared_ptr<const Received> received,
+                             const color_matching::PosedFrame& placed) {
+  std::lock_guard lock(mutex_);
+  cameras_[camera] = {std::move(received), placed};
+}
+
+color_matching::ColorMap LiveColorMatching::map(std::size_t camera) const {
+  std::lock_guard lock(mutex_);
+  return steady_.map(camera);
+}
+
+void LiveColorMatching::run(std::stop_token stop) {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  Instant last = std::chrono::steady_clock::now();
+  while (!stop.stop_requested()) {
+    std::unique_lock lock(mutex);
+    wake.wait_for(lock, stop, kPeriod, [] { return false; });
+    if (stop.stop_requested()) return;
+    const Instant now = std::chrono::steady_clock::now();
+    compare(now - last);
+    last = now;
+  }
+}
+
+void LiveColorMatching::compare(Duration elapsed) {
+  std::vector<Camera> cameras;
+  {
+    std::lock_guard lock(mutex_);
+    cameras = cameras_;  // which keeps the frames until they are compared
+  }
+  std::vector<color_matching::PosedFrame> frames;
+  for (const Camera& camera : cameras) frames.push_back(camera.placed);
+  const auto takes_part = [](const color_matching::PosedFrame& frame) { return frame.frame != nullptr; };
+  if (std::count_if(frames.begin(), frames.end(), takes_part) < 2) return;
+  const auto found = color_matching::match_colors(frames);
+  std::lock_guard lock(mutex_);
+  steady_.follow(found, elapsed);
+}
+
+}  // namespace copresence::client

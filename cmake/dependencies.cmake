@@ -10,7 +10,8 @@ find_package(nlohmann_json REQUIRED)                    # nlohmann_json::nlohman
 find_package(tomlplusplus REQUIRED)                     # tomlplusplus::tomlplusplus
 find_package(glfw3 REQUIRED)                            # glfw
 find_package(embree 3 REQUIRED)                         # embree
-find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)
+find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs calib3d aruco highgui)
+find_package(yaml-cpp REQUIRED)                         # yaml-cpp
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(OPENNI2 REQUIRED IMPORTED_TARGET libopenni2)
 pkg_check_modules(FREENECT REQUIRED IMPORTED_TARGET libfreenect)

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "capture_server/simulation/marker_world.h"
+
 namespace copresence::simulation {
 
 double phase_of_frame(std::uint64_t frame, std::uint64_t frames) {
@@ -13,13 +15,14 @@ double phase_of_frame(std::uint64_t frame, std::uint64_t frames) {
 }
 
 std::vector<std::string> World::names() {
-  return {"room", "empty-room"};
+  return {"room", "empty-room", "markers"};
 }
 
 Result<World> World::make(std::string_view name) {
+  if (name == "markers") return of(furnish_markers());
   if (name != "room" && name != "empty-room") {
     return fail(ErrorCode::kInvalid,
-                "there is no world \"" + std::string(name) + "\"; there are room and empty-room");
+                "there is no world \"" + std::string(name) + "\"; there are room, empty-room and markers");
   }
   Furnishing furnishing = furnish_room();
   Figure figure;

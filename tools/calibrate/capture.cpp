@@ -31,7 +31,7 @@ CLI::Option* add_recording_option(CLI::App& parser, std::vector<NamedRecording>&
       ->allow_extra_args(false);
 }
 
-Result<Capture> Capture::open(const NamedRecording& recording, const scene::Camera* known) {
+Result<Capture> Capture::open(const NamedRecording& recording, const scene::Camera* known, Form form) {
   sensor::SourceSettings settings;
   settings.pace = sensor::SourceSettings::Pace::kFast;
   auto source = open_source(recording.file, settings);
@@ -52,20 +52,20 @@ Result<Capture> Capture::open(const NamedRecording& recording, const scene::Came
     }
     if (known->world_from_camera) told.world_from_camera = known->world_from_camera;
   }
+  const bool passes_through = told.registered || form == Form::kAsDelivered;
   auto registration =
       registration::Registration::open({told.depth, told.has_color ? std::optional(told.color) : std::nullopt,
-                                        told.color_from_depth, told.unit, told.registered});
+                                        told.color_from_depth, told.unit, passes_through});
   if (!registration) return fail(registration.error());
-  Capture capture(recording.name, std::move(*source), std::move(*registration));
-  capture.unit_ = told.unit;
-  capture.has_color_ = told.has_color;
-  capture.world_from_camera_ = told.world_from_camera;
-  return capture;
+  return Capture(recording.name, std::move(*source), std::move(told), std::move(*registration));
 }
 
 Capture::Capture(std::string name, std::unique_ptr<sensor::FrameSource> source,
-                 registration::Registration registration)
-    : name_(std::move(name)), source_(std::move(source)), registration_(std::move(registration)) {}
+                 sensor::SensorDescription sensor, registration::Registration registration)
+    : name_(std::move(name)),
+      source_(std::move(source)),
+      sensor_(std::move(sensor)),
+      registration_(std::move(registration)) {}
 
 Result<RgbdFrame> Capture::next() {
   auto frame = source_->next({});

@@ -28,33 +28,37 @@ CLI::Option* add_recording_option(CLI::App& parser, std::vector<NamedRecording>&
 /// One camera's recording, read frame by frame. Thread: one thread per object.
 class Capture {
  public:
+  enum class Form {
+    kRegistered,   ///< colour brought to depth's camera
+    kAsDelivered,  ///< each in its own camera, as the sensor gives them
+  };
+
   /// known   what the scene file says of this camera; nullptr where it says nothing. Its intrinsics win over the
   ///         recording's own, its pose too.
   /// Fails   as open_source() does, and kInvalid where the scene's picture size is not the recording's.
-  static Result<Capture> open(const NamedRecording& recording, const scene::Camera* known);
+  static Result<Capture> open(const NamedRecording& recording, const scene::Camera* known,
+                              Form form = Form::kRegistered);
 
   const std::string& name() const { return name_; }
-  const CameraModel& model() const {
-    return registration_.model();
-  }  ///< of depth, and of colour where there is
-  DepthUnit unit() const { return unit_; }
-  bool has_color() const { return has_color_; }
-  const std::optional<Rigid3>& world_from_camera() const { return world_from_camera_; }
-  std::optional<std::uint64_t> frames() const { return source_->description().frames; }
+  const CameraModel& model() const { return sensor_.depth; }  ///< of depth, and of registered colour
+  DepthUnit unit() const { return sensor_.unit; }
+  bool has_color() const { return sensor_.has_color; }
+  const std::optional<Rigid3>& world_from_camera() const { return sensor_.world_from_camera; }
+  std::optional<std::uint64_t> frames() const { return sensor_.frames; }
+  /// What the recording and the scene file say of the sensor, before registration.
+  const sensor::SensorDescription& sensor() const { return sensor_; }
 
   /// Fails  kEndOfStream after the last frame, else as FrameSource::next().
   Result<RgbdFrame> next();
 
  private:
-  Capture(std::string name, std::unique_ptr<sensor::FrameSource> source,
+  Capture(std::string name, std::unique_ptr<sensor::FrameSource> source, sensor::SensorDescription sensor,
           registration::Registration registration);
 
   std::string name_;
   std::unique_ptr<sensor::FrameSource> source_;
+  sensor::SensorDescription sensor_;
   registration::Registration registration_;
-  DepthUnit unit_ = DepthUnit::kMillimetre;
-  bool has_color_ = false;
-  std::optional<Rigid3> world_from_camera_;
 };
 
 /// At most `most` frames, spread evenly over the recording.

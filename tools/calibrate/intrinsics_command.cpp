@@ -1,11 +1,279 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/scene/write_scene.h"
+#include "tools/calibrate/capture.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/lens/camera_info.h"
+#include "tools/calibrate/lens/lens_fit.h"
+#include "tools/calibrate/lens/picture_folder.h"
+#include "tools/calibrate/markers/depth_to_color.h"
+#include "tools/calibrate/markers/dictionary.h"
 
 namespace copresence::calibrate {
+namespace {
+
+struct LensSettings {
+  std::vector<NamedRecording> recordings;
+  std::string images, name = "camera", out, json, scene, scene_out;
+  std::string size = "9x6";
+  double square_mm = 25, marker_mm = 18;
+  Board board;
+  std::size_t frames = 90;
+  bool depth_to_color = false;
+};
+
+// The pictures, whose lens it is, and what the scene file is told.
+struct Pictures {
+  std::string camera;
+  int width = 0, height = 0;
+  std::vector<BoardView> views;
+  std::size_t looked_at = 0;
+  bool is_depths_own = true;  ///< the lens is depth's too, which a registered sensor's colour has
+};
+
+Result<std::optional<scene::Scene>> scene_of(const LensSettings& settings) {
+  if (settings.scene.empty()) return std::optional<scene::Scene>();
+  auto scene = scene::load(settings.scene);
+  if (!scene) return fail(scene.error());
+  return std::optional(std::move(*scene));
+}
+
+void look_at(const Board& board, const ColorImage& picture, const std::string& name, Pictures& out) {
+  out.width = picture.width();
+  out.height = picture.height();
+  ++out.looked_at;
+  if (auto view = find_board(board, picture, name)) out.views.push_back(std::move(*view));
+}
+
+Result<Pictures> pictures_of_recording(const LensSettings& settings, const scene::Scene* scene) {
+  const NamedRecording& recording = settings.recordings[0];
+  auto capture =
+      Capture::open(recording, scene ? scene->find(recording.name) : nullptr, Capture::Form::kAsDelivered);
+  if (!capture) return fail(capture.error());
+  const auto frames = frames_of(*capture, settings.frames);
+  if (!frames) return fail(frames.error());
+  Pictures out;
+  out.camera = recording.name;
+  out.is_depths_own = capture->sensor().registered;
+  for (const RgbdFrame& frame : *frames) {
+    if (frame.color)
+      look_at(settings.board, *frame.color, fmt::format("frame {}", frame.stamp.sequence), out);
+  }
+  if (out.looked_at == 0) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{} has no colour pictures to look for a board in", recording.file));
+  }
+  return out;
+}
+
+Result<Pictures> pictures_of_folder(const LensSettings& settings) {
+  const auto files = picture_files(settings.images);
+  if (!files) return fail(files.error());
+  Pictures out;
+  out.camera = settings.name;
+  for (const auto& file : *files) {
+    const auto picture = load_picture(file);
+    if (!picture) return fail(picture.error());
+    if (out.looked_at > 0 && (picture->width() != out.width || picture->height() != out.height)) {
+      return fail(ErrorCode::kInvalid,
+                  fmt::format("{} has {}x{} pixels, the pictures before it {}x{}: all must be of one camera",
+                              file.string(), picture->width(), picture->height(), out.width, out.height));
+    }
+    look_at(settings.board, *picture, file.filename().string(), out);
+  }
+  return out;
+}
+
+nlohmann::json to_json(const LensFit& fit, const std::string& camera) {
+  nlohmann::json views = nlohmann::json::array(), dropped = nlohmann::json::array();
+  for (const ViewFit& view : fit.views) views.push_back({{"picture", view.picture}, {"rms_px", view.rms_px}});
+  for (const DroppedView& view : fit.dropped)
+    dropped.push_back({{"picture", view.picture}, {"why", view.why}});
+  const CameraModel& m = fit.model;
+  return {{"camera", camera},
+          {"rms_px", fit.rms_px},
+          {"focal_sigma_px", fit.focal_sigma_px},
+          {"center_sigma_px", fit.center_sigma_px},
+          {"covered", fit.covered},
+          {"views", views},
+          {"dropped", dropped},
+          {"model",
+           {{"width", m.width},
+            {"height", m.height},
+            {"fx", m.fx},
+            {"fy", m.fy},
+            {"cx", m.cx},
+            {"cy", m.cy},
+            {"distortion", m.distortion}}}};
+}
+
+void print_fit(const LensFit& fit, const Pictures& pictures) {
+  const CameraModel& m = fit.model;
+  fmt::print("{} pictures, board found in {}, {} used\n", pictures.looked_at, pictures.views.size(),
+             fit.views.size());
+  for (const ViewFit& view : fit.views) fmt::print("{:<24}{:.3f} px\n", view.picture, view.rms_px);
+  for (const DroppedView& view : fit.dropped) fmt::print("{:<24}left out: {}\n", view.picture, view.why);
+  fmt::print(
+      "fx {:.2f} fy {:.2f} (+- {:.2f}) cx {:.2f} cy {:.2f} (+- {:.2f}) pixels, reprojection error {:.3f} px, "
+      "{:.0f} % of the picture covered\n",
+      m.fx, m.fy, fit.focal_sigma_px, m.cx, m.cy, fit.center_sigma_px, fit.rms_px, 100 * fit.covered);
+  if (fit.covered < 0.6) {
+    fmt::print(
+        "the picture's rim is little covered: show the board in its corners too, or its distortion is a "
+        "guess\n");
+  }
+}
+
+// Where the scene file keeps a lens. Requires that `change` makes the camera whole.
+template <class Change>
+Result<void> change_camera(const LensSettings& settings, std::optional<scene::Scene> scene,
+                           const std::string& name, Change&& change) {
+  if (settings.scene_out.empty()) return {};
+  if (!scene) scene.emplace();
+  auto found = std::find_if(scene->cameras.begin(), scene->cameras.end(),
+                            [&](const scene::Camera& camera) { return camera.name == name; });
+  if (found == scene->cameras.end()) {
+    found = scene->cameras.insert(found, scene::Camera{});
+    found->name = name;
+  }
+  change(*found);
+  if (const auto usable = check(found->model); !usable) {
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format(
+            "the scene file must say what depth camera \"{}\" has before it can have a colour camera: "
+            "give --scene",
+            name));
+  }
+  return scene::save(*scene, settings.scene_out, settings.scene);
+}
+
+Result<void> calibrate_lens(const LensSettings& settings) {
+  const auto scene = scene_of(settings);
+  if (!scene) return fail(scene.error());
+  auto pictures = settings.images.empty() ? pictures_of_recording(settings, *scene ? &**scene : nullptr)
+                                          : pictures_of_folder(settings);
+  if (!pictures) return fail(pictures.error());
+  std::vector<DroppedView> dropped;
+  const auto views = worth_using(pictures->views, pictures->width, dropped);
+  auto fit = fit_lens(views, pictures->width, pictures->height);
+  if (!fit) {
+    return fail(fit.error().code, fmt::format("{} pictures, board found in {}: {}", pictures->looked_at,
+                                              pictures->views.size(), fit.error().what));
+  }
+  fit->dropped.insert(fit->dropped.begin(), dropped.begin(), dropped.end());
+  print_fit(*fit, *pictures);
+  if (!settings.json.empty()) {
+    std::ofstream file(settings.json);
+    file << to_json(*fit, pictures->camera).dump(2) << '\n';
+    if (!file.flush()) return fail(ErrorCode::kUnavailable, settings.json + ": cannot be written");
+  }
+  if (!settings.out.empty()) {
+    if (auto saved = save_camera_info({pictures->camera, fit->model}, settings.out); !saved) return saved;
+  }
+  return change_camera(settings, *scene, pictures->camera, [&](scene::Camera& camera) {
+    if (!pictures->is_depths_own) {
+      if (!camera.color) camera.color.emplace();
+      camera.color->model = fit->model;
+    } else {
+      camera.model = fit->model;
+    }
+  });
+}
+
+Result<void> calibrate_depth_to_color(const LensSettings& settings) {
+  const auto scene = scene_of(settings);
+  if (!scene) return fail(scene.error());
+  const NamedRecording& recording = settings.recordings[0];
+  const scene::Camera* known = *scene ? (*scene)->find(recording.name) : nullptr;
+  auto capture = Capture::open(recording, known, Capture::Form::kAsDelivered);
+  if (!capture) return fail(capture.error());
+  const auto frames = frames_of(*capture, settings.frames);
+  if (!frames) return fail(frames.error());
+  const sensor::SensorDescription& sensor = capture->sensor();
+  const auto fit =
+      fit_depth_to_color(*frames, sensor.unit, sensor.depth, sensor.color, settings.board.dictionary);
+  if (!fit) return fail(fit.error());
+  const Eigen::Vector3d t = 1000 * fit->color_from_depth.translation;
+  fmt::print(
+      "{} markers, error {:.2f} px, worst {:.2f} px; the colour camera is {:.1f} {:.1f} {:.1f} mm from the "
+      "depth camera, "
+      "expected shift {:.1f} mm\n",
+      fit->markers, fit->rms_px, fit->worst_px, -t.x(), -t.y(), -t.z(), 1000 * fit->expected_shift_m);
+  return change_camera(settings, *scene, recording.name, [&](scene::Camera& camera) {
+    camera.model = sensor.depth;
+    camera.color = scene::ColorCamera{sensor.color, fit->color_from_depth};
+  });
+}
+
+}  // namespace
 
 Command intrinsics_command(CLI::App& program) {
-  CLI::App* parser =
-      program.add_subcommand("intrinsics", "finds a camera's lens from pictures of a chessboard");
-  return {parser, [] { return Result<void>(fail(ErrorCode::kUnsupported, "is not there yet")); }};
+  auto settings = std::make_shared<LensSettings>();
+  CLI::App* parser = program.add_subcommand(
+      "intrinsics",
+      "Finds a camera's lens (focal lengths, principal point, k1 to k6, p1, p2) from pictures of a "
+      "chessboard or ChArUco "
+      "board; or, with --depth-to-color, where a sensor's colour camera stands to its depth camera.");
+  auto* recording = add_recording_option(*parser, settings->recordings)->expected(1);
+  auto* images =
+      parser->add_option("--images", settings->images, "folder of pictures (PNG, JPEG) of one camera")
+          ->check(CLI::ExistingDirectory)
+          ->excludes(recording);
+  parser->add_option("--name", settings->name, "the camera's name, with --images")
+      ->capture_default_str()
+      ->needs(images);
+  parser->add_option("--board", settings->board.kind, "chessboard or charuco [chessboard]")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, Board::Kind>{{"chessboard", Board::Kind::kChessboard},
+                                                                     {"charuco", Board::Kind::kCharuco}})
+              .description(""));
+  parser
+      ->add_option("--board-size", settings->size,
+                   "COLUMNSxROWS: inner corners of a chessboard, squares of a ChArUco board")
+      ->check([settings](const std::string& text) { return parse_board_size(text, settings->board); })
+      ->capture_default_str();
+  parser->add_option("--square", settings->square_mm, "side of a square, mm")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  parser->add_option("--marker", settings->marker_mm, "side of a ChArUco board's markers, mm")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  parser->add_option("--dictionary", settings->board.dictionary, "of the ChArUco board's markers")
+      ->check(CLI::IsMember(marker_dictionaries()))
+      ->capture_default_str();
+  parser->add_option("--frames", settings->frames, "frames of the recording to look at, evenly spread")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  auto* to_color =
+      parser->add_flag("--depth-to-color", settings->depth_to_color,
+                       "find the rigid transform from depth to colour from markers whose dark cells return "
+                       "no depth; both lenses are the scene file's or the recording's");
+  to_color->excludes(images)->needs(recording);
+  parser->add_option("--out", settings->out, "write the lens as ROS camera_info YAML")->excludes(to_color);
+  parser->add_option("--json", settings->json, "also write the report as JSON")->excludes(to_color);
+  parser->add_option("--scene", settings->scene, "scene file to start from")->check(CLI::ExistingFile);
+  parser->add_option("--scene-out", settings->scene_out,
+                     "write the lens into a scene file; may be the one of --scene");
+  return {parser, [settings]() -> Result<void> {
+            settings->board.square_m = settings->square_mm * 1e-3;
+            settings->board.marker_m = settings->marker_mm * 1e-3;
+            if (settings->recordings.empty() && settings->images.empty()) {
+              return fail(ErrorCode::kInvalid, "give --recording NAME=FILE.oni or --images FOLDER");
+            }
+            if (settings->board.kind == Board::Kind::kCharuco &&
+                settings->board.marker_m >= settings->board.square_m) {
+              return fail(ErrorCode::kInvalid, "a ChArUco board's markers must be smaller than its squares");
+            }
+            return settings->depth_to_color ? calibrate_depth_to_color(*settings) : calibrate_lens(*settings);
+          }};
 }
 
 }  // namespace copresence::calibrate

@@ -1,11 +1,286 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "common/scene/write_scene.h"
+#include "tools/calibrate/capture.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/lens/still_board.h"
+#include "tools/calibrate/marker_picture.h"
+#include "tools/calibrate/marker_report.h"
+#include "tools/calibrate/markers/clicks.h"
+#include "tools/calibrate/markers/dictionary.h"
+#include "tools/calibrate/markers/marker_finder.h"
 
 namespace copresence::calibrate {
+namespace {
+
+struct MarkerSettings {
+  std::vector<NamedRecording> recordings;
+  std::string scene, out, json, reference, dictionary = "4x4_50", points, save_points;
+  std::string picture, chessboard;  ///< chessboard: COLUMNSxROWS; empty for markers
+  Board board;
+  double square_mm = 25;
+  bool click = false;
+  std::size_t frames = 60;
+  calibration::Form form = calibration::Form::kRigid;
+};
+
+// What one recording tells: its camera, the markers in its pictures, its depth.
+struct Looked {
+  scene::Camera camera;
+  std::vector<FoundMarker> markers;
+  calibration::DepthAverage depth{DepthUnit::kMillimetre};
+  std::vector<Unused> unused;
+  ColorImage picture;
+  std::optional<StillBoard> board;
+};
+
+constexpr std::size_t kMostPictures = 20;  // of those frames; a still scene looks alike in the others
+
+Result<Looked> look_at(const NamedRecording& recording, const scene::Scene* scene,
+                       const MarkerSettings& settings, Clicks& clicks) {
+  const scene::Camera* known = scene ? scene->find(recording.name) : nullptr;
+  auto capture = Capture::open(recording, known);
+  if (!capture) return fail(capture.error());
+  const auto frames = frames_of(*capture, settings.frames);
+  if (!frames) return fail(frames.error());
+
+  Looked looked;
+  if (known) looked.camera = *known;
+  looked.camera.name = recording.name;
+  looked.camera.model = capture->model();
+  looked.camera.world_from_camera = capture->world_from_camera();
+  if (looked.camera.source.empty()) looked.camera.source = recording.file;
+  looked.depth = calibration::DepthAverage(capture->unit());
+  for (const RgbdFrame& frame : *frames) looked.depth.add(frame.depth);
+
+  const auto with_color = std::find_if(frames->begin(), frames->end(),
+                                       [](const RgbdFrame& frame) { return frame.color.has_value(); });
+  if (with_color == frames->end()) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{} has no colour pictures to look for markers in", recording.file));
+  }
+  looked.picture = *with_color->color;
+  const std::size_t every = (frames->size() + kMostPictures - 1) / kMostPictures;
+  if (!settings.chessboard.empty()) {
+    std::vector<ColorImage> pictures;
+    for (std::size_t i = 0; i < frames->size(); i += every) {
+      if ((*frames)[i].color) pictures.push_back(*(*frames)[i].color);
+    }
+    auto board = find_still_board(settings.board, pictures, looked.camera.model);
+    if (!board) return fail(board.error().code, fmt::format("{}: {}", recording.file, board.error().what));
+    looked.board = std::move(*board);
+    return looked;
+  }
+  auto finder = MarkerFinder::open(settings.dictionary);
+  if (!finder) return fail(finder.error());
+  for (std::size_t i = 0; i < frames->size(); i += every) {
+    if ((*frames)[i].color) finder->add(*(*frames)[i].color);
+  }
+  looked.markers = finder->found(looked.camera.model);
+  for (const std::string& name : finder->moved()) {
+    looked.unused.push_back({recording.name, name, "it moved while it was recorded"});
+  }
+  if (settings.click) {
+    auto clicked = ask_for_clicks(recording.name, *with_color->color);
+    if (!clicked) return fail(clicked.error());
+    clicks[recording.name] = std::move(*clicked);
+  }
+  for (const FoundMarker& clicked : clicks[recording.name]) {  // a person's word goes before the program's
+    std::erase_if(looked.markers, [&](const FoundMarker& marker) { return marker.name == clicked.name; });
+    looked.markers.push_back(clicked);
+  }
+  return looked;
+}
+
+std::vector<std::string> marker_names(const std::vector<Looked>& cameras) {
+  const auto by_number = [](const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+  };
+  std::set<std::string, decltype(by_number)> names(by_number);
+  for (const Looked& camera : cameras) {
+    for (const FoundMarker& marker : camera.markers) names.insert(marker.name);
+    if (!camera.board) continue;
+    for (std::size_t i = 0; i < camera.board->view.pixels.size(); ++i) names.insert(std::to_string(i + 1));
+  }
+  return {names.begin(), names.end()};
+}
+
+Result<std::size_t> reference_of(const MarkerSettings& settings) {
+  for (std::size_t c = 0; c < settings.recordings.size(); ++c) {
+    if (settings.reference.empty() || settings.recordings[c].name == settings.reference) return c;
+  }
+  return fail(ErrorCode::kInvalid,
+              fmt::format("--reference names \"{}\", but no --recording does", settings.reference));
+}
+
+Result<void> write_results(const MarkerSettings& settings, scene::Scene scene,
+                           const std::vector<Looked>& cameras, const MarkerReport& report) {
+  if (!settings.json.empty()) {
+    std::ofstream file(settings.json);
+    file << to_json(report).dump(2) << '\n';
+    if (!file.flush()) {
+      return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be written", settings.json));
+    }
+  }
+  if (settings.out.empty()) return {};
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    scene::Camera camera = cameras[c].camera;
+    camera.world_from_camera = report.fit.cameras[c].world_from_camera;
+    camera.calibration_error_mm = std::round(1e4 * report.fit.cameras[c].expected_shift_m) / 10;
+    const auto known = std::find_if(scene.cameras.begin(), scene.cameras.end(),
+                                    [&](const scene::Camera& other) { return other.name == camera.name; });
+    if (known == scene.cameras.end()) {
+      scene.cameras.push_back(std::move(camera));
+    } else {
+      *known = std::move(camera);
+    }
+  }
+  return scene::save(scene, settings.out, settings.scene);
+}
+
+Result<void> calibrate_by_markers(const MarkerSettings& settings) {
+  const auto reference = reference_of(settings);
+  if (!reference) return fail(reference.error());
+  std::optional<scene::Scene> scene;
+  if (!settings.scene.empty()) {
+    auto loaded = scene::load(settings.scene);
+    if (!loaded) return fail(loaded.error());
+    scene = std::move(*loaded);
+  }
+  Clicks clicks;
+  if (!settings.points.empty()) {
+    auto loaded = load_clicks(settings.points);
+    if (!loaded) return fail(loaded.error());
+    clicks = std::move(*loaded);
+  }
+
+  std::vector<Looked> cameras;
+  MarkerReport report;
+  for (const NamedRecording& recording : settings.recordings) {
+    auto looked = look_at(recording, scene ? &*scene : nullptr, settings, clicks);
+    if (!looked) return fail(looked.error());
+    if (looked->board) {
+      fmt::print(stderr, "{}: board at {:.2f} m, error {:.2f} px\n", recording.name,
+                 looked->board->pose.camera_from_board.translation.z(), looked->board->pose.rms_px);
+    } else {
+      fmt::print(stderr, "{}: {} markers\n", recording.name, looked->markers.size());
+    }
+    report.names.cameras.push_back(recording.name);
+    report.unused.insert(report.unused.end(), looked->unused.begin(), looked->unused.end());
+    cameras.push_back(std::move(*looked));
+  }
+  if (!settings.save_points.empty()) {
+    if (auto saved = save_clicks(clicks, settings.save_points); !saved) return saved;
+  }
+
+  report.names.markers = marker_names(cameras);
+  report.reference = *reference;
+  report.form = settings.form;
+  std::vector<calibration::Sighting> sightings;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    if (cameras[c].board) {
+      for (calibration::Sighting& sighting : sightings_of(c, *cameras[c].board, cameras[c].camera.model)) {
+        sightings.push_back(sighting);
+      }
+      report.depths.emplace_back();
+      continue;
+    }
+    CameraSightings seen = sightings_of(c, report.names.cameras[c], cameras[c].camera.model,
+                                        cameras[c].markers, cameras[c].depth, report.names.markers);
+    sightings.insert(sightings.end(), seen.sightings.begin(), seen.sightings.end());
+    report.unused.insert(report.unused.end(), seen.unused.begin(), seen.unused.end());
+    report.depths.push_back(std::move(seen.depths));
+  }
+  const calibration::WorldSettings world{
+      *reference, cameras[*reference].camera.world_from_camera.value_or(Rigid3{}), settings.form};
+  auto fit = calibration::fit_world(sightings, report.names, world);
+  if (!fit) {
+    std::string why = fit.error().what;
+    for (const Unused& unused : report.unused) {
+      why += fmt::format("; marker {} in {} could not be used: {}", unused.marker, unused.camera, unused.why);
+    }
+    return fail(fit.error().code, why);
+  }
+  report.fit = std::move(*fit);
+  fmt::print("{}", to_text(report));
+  if (!settings.picture.empty()) {
+    std::vector<MarkedPicture> pictures;
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      pictures.push_back({report.names.cameras[c], cameras[c].picture, cameras[c].markers, report.depths[c]});
+    }
+    const auto written =
+        write_marked_pictures(pictures, report.names, sightings, report.fit, settings.picture);
+    if (!written) return written;
+  }
+  return write_results(settings, scene.value_or(scene::Scene{}), cameras, report);
+}
+
+}  // namespace
 
 Command markers_command(CLI::App& program) {
+  auto settings = std::make_shared<MarkerSettings>();
   CLI::App* parser =
-      program.add_subcommand("markers", "finds where cameras stand from markers that they see");
-  return {parser, [] { return Result<void>(fail(ErrorCode::kUnsupported, "is not there yet")); }};
+      program.add_subcommand("markers",
+                             "Finds where cameras stand from four or more markers that stay still in the "
+                             "room, each pair of neighbouring "
+                             "cameras seeing at least four in common. Prints errors in millimetres.");
+  add_recording_option(*parser, settings->recordings)->required();
+  parser
+      ->add_option("--scene", settings->scene,
+                   "scene file to start from: lenses, and all that is to stay as it is")
+      ->check(CLI::ExistingFile);
+  parser->add_option("--out", settings->out,
+                     "scene file to write; may be the one of --scene, whose comments stay");
+  parser->add_option("--json", settings->json, "also write the report as JSON");
+  parser->add_option("--picture", settings->picture,
+                     "write what every camera saw, markers named, with distance and error (.png or .jpg)");
+  parser->add_option(
+      "--reference", settings->reference,
+      "camera whose pose stays: its own in the scene file or recording, else the world's origin [first]");
+  parser
+      ->add_option(
+          "--solver", settings->form,
+          "rigid: rotations and translations, all cameras at once; linear: the thesis's 12 unknowns per pair "
+          "[rigid]")
+      ->transform(CLI::CheckedTransformer(
+                      std::map<std::string, calibration::Form>{{"rigid", calibration::Form::kRigid},
+                                                               {"linear", calibration::Form::kLinear}})
+                      .description(""));
+  parser->add_option("--dictionary", settings->dictionary, "which markers: of ArUco or AprilTag")
+      ->check(CLI::IsMember(marker_dictionaries()))
+      ->capture_default_str();
+  parser->add_option("--frames", settings->frames, "frames of each recording to average depth over")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  parser->add_flag("--click", settings->click,
+                   "click the markers in a window, camera by camera, in the same order");
+  parser
+      ->add_option("--points", settings->points,
+                   "take clicks from a file: lines \"camera marker x y\", pixels")
+      ->check(CLI::ExistingFile);
+  parser->add_option("--save-points", settings->save_points, "write the clicks to such a file");
+  parser
+      ->add_option("--chessboard", settings->chessboard,
+                   "use a chessboard of COLUMNSxROWS inner corners instead of markers, held still and "
+                   "upright where all "
+                   "cameras see it; depth is not used")
+      ->check([settings](const std::string& text) { return parse_board_size(text, settings->board); });
+  parser->add_option("--square", settings->square_mm, "side of the chessboard's squares, mm")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  return {parser, [settings] {
+            settings->board.square_m = settings->square_mm * 1e-3;
+            return calibrate_by_markers(*settings);
+          }};
 }
 
 }  // namespace copresence::calibrate

@@ -80,6 +80,8 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
     return tl::unexpected(app.exit(error) == 0 ? 0 : 2);
   }
   settings.truth = truth->count() > 0;
+  // CLI11 gives a flag without values one that is empty.
+  std::erase_if(settings.truth_views, [](const auto& path) { return path.empty(); });
   return settings;
 }
 

@@ -71,6 +71,14 @@ TEST_F(SimulateKinect, WritesARecordingPerCameraASceneAndTheTruth) {
   }
 }
 
+TEST_F(SimulateKinect, WritesTheCamerasTruthWithoutFurtherViewpoints) {
+  const Outcome outcome =
+      run("markers --cameras 1 --frames 1 --size 64x48 --out " + folder_.string() + " --truth");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
+  EXPECT_TRUE(fs::exists(folder_ / "truth/camera0/depth_0000.png"));
+  EXPECT_TRUE(scene::load(folder_ / "scene.toml"));
+}
+
 TEST_F(SimulateKinect, GivesTheSameBytesForTheSameSeed) {
   const auto recorded = [&](const char* name, int seed) {
     const Outcome outcome = run("room --cameras 1 --frames 2 --size 64x48 --seed " + std::to_string(seed) +

@@ -1,0 +1,148 @@
+// Markers found in pictures, clicks, and the two cameras of one sensor.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+#include <Eigen/Geometry>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/aruco.hpp>
+
+#include "tests/tools/calibrate/painted_planes.h"
+#include "tools/calibrate/markers/clicks.h"
+#include "tools/calibrate/markers/depth_to_color.h"
+#include "tools/calibrate/markers/marker_finder.h"
+
+namespace copresence::calibrate {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSize = 0.24;  // metres, of the black square
+
+PaintedPlane marker(int id, const Rigid3& camera_from_marker) {
+  cv::Mat bits;
+  cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), id, 6, bits, 1);
+  return {camera_from_marker, [bits](double x, double y) {
+            const double u = (x / kSize + 0.5) * 6, v = (y / kSize + 0.5) * 6;
+            if (u < -1 || v < -1 || u > 7 || v > 7) return -1;
+            if (u < 0 || v < 0 || u >= 6 || v >= 6) return 230;
+            return bits.at<uchar>(int(v), int(u)) > 127 ? 230 : 20;
+          }};
+}
+
+Rigid3 at(double x, double y, double z, double yaw, double pitch) {
+  return {
+      (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix(),
+      {x, y, z}};
+}
+
+const CameraModel kDepthLens{320, 240, 290, 290, 160, 120, {}};
+const CameraModel kColorLens{640, 480, 525, 526, 318, 242, {0.08, -0.1, 0.001, 0, 0, 0, 0, 0}};
+const Rigid3 kColorFromDepth{
+    Eigen::AngleAxisd(0.012, Eigen::Vector3d(1, 2, 0).normalized()).toRotationMatrix(),
+    {-0.025, 0.001, -0.003}};
+
+const std::vector<Rigid3>& places() {
+  static const std::vector<Rigid3> kAll{at(-0.45, -0.28, 1.3, 0.3, 0.1), at(0.35, -0.3, 1.2, -0.2, 0.2),
+                                        at(0.05, 0.05, 1.7, 0.1, -0.3), at(-0.4, 0.3, 1.25, 0.2, -0.2),
+                                        at(0.5, 0.3, 1.6, -0.4, 0.1)};
+  return kAll;
+}
+
+std::vector<PaintedPlane> planes(const Rigid3& camera_from_depth) {
+  std::vector<PaintedPlane> all;
+  for (const Rigid3& place : places()) all.push_back(marker(int(all.size()), camera_from_depth * place));
+  return all;
+}
+
+TEST(MarkerFinder, FindsMiddlesToAThirdOfAPixelThroughALens) {
+  auto finder = MarkerFinder::open("4x4_50");
+  ASSERT_TRUE(finder);
+  finder->add(PaintedCamera(kColorLens).picture(planes(kColorFromDepth)));
+  const auto found = finder->found(kColorLens);
+  ASSERT_EQ(found.size(), places().size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].name, std::to_string(i));
+    const Rigid3 place = kColorFromDepth * places()[i];
+    EXPECT_LT((found[i].middle - project(kColorLens, place.translation)).norm(), 0.3) << i;
+    const Eigen::Vector3d corner = place * Eigen::Vector3d(-kSize / 2, -kSize / 2, 0);
+    EXPECT_LT((found[i].corners[0] - project(kColorLens, corner)).norm(), 0.6) << i;
+  }
+}
+
+TEST(MarkerFinder, LeavesOutWhatMovesOrIsSeldomSeen) {
+  const PaintedCamera camera(kDepthLens);
+  auto finder = MarkerFinder::open("4x4_50");
+  for (int picture = 0; picture < 4; ++picture) {
+    std::vector<PaintedPlane> scene{marker(1, at(-0.3, 0, 1.3, 0, 0)),
+                                    marker(2, at(0.3, 0.05 * picture, 1.3, 0, 0))};
+    if (picture == 0) scene.push_back(marker(3, at(0, -0.35, 1.4, 0, 0)));
+    finder->add(camera.picture(scene));
+  }
+  const auto found = finder->found(kDepthLens);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].name, "1");
+  EXPECT_EQ(finder->moved(), std::vector<std::string>{"2"});
+  EXPECT_FALSE(MarkerFinder::open("9x9_1"));
+}
+
+TEST(DepthToColor, FindsTheTransformFromMarkersThatReturnNoDepthWhereTheyAreDark) {
+  RgbdFrame frame;
+  frame.depth = PaintedCamera(kDepthLens).depth(planes(Rigid3{}));
+  frame.color = PaintedCamera(kColorLens).picture(planes(kColorFromDepth));
+  const auto fit =
+      fit_depth_to_color(std::span(&frame, 1), DepthUnit::kMillimetre, kDepthLens, kColorLens, "4x4_50");
+  ASSERT_TRUE(fit) << fit.error().what;
+  EXPECT_EQ(fit->markers, 5);
+  EXPECT_LT(fit->rms_px, 1.5);
+  EXPECT_LT((fit->color_from_depth.translation - kColorFromDepth.translation).norm(), 0.006);
+  for (const Eigen::Vector3d& point :
+       {Eigen::Vector3d(0.4, 0.3, 1.2), Eigen::Vector3d(-0.4, -0.2, 1.6), Eigen::Vector3d(0, 0, 1.4)}) {
+    const Eigen::Vector2d there = project(kColorLens, kColorFromDepth * point);
+    EXPECT_LT((project(kColorLens, fit->color_from_depth * point) - there).norm(), 1.0);
+  }
+}
+
+TEST(DepthToColor, SaysThatMarkersAreMissing) {
+  RgbdFrame frame;
+  frame.depth = DepthImage(320, 240, 1500);
+  frame.color = PaintedCamera(kColorLens).picture(planes(kColorFromDepth));
+  const auto fit =
+      fit_depth_to_color(std::span(&frame, 1), DepthUnit::kMillimetre, kDepthLens, kColorLens, "4x4_50");
+  ASSERT_FALSE(fit);
+  EXPECT_THAT(fit.error().what, HasSubstr("the depth and the colour camera see no marker in common"));
+}
+
+TEST(Clicks, AreSavedAndLoaded) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("copresence_clicks_" + std::to_string(getpid()));
+  ClickList list;
+  list.click(10.5, 20);
+  list.skip();
+  list.click(1, 1);
+  list.undo();
+  list.click(30, 40.25);
+  EXPECT_EQ(list.next(), 4);
+  ASSERT_TRUE(save_clicks({{"left", list.markers()}}, file));
+  const auto clicks = load_clicks(file);
+  ASSERT_TRUE(clicks) << clicks.error().what;
+  const auto& left = clicks->at("left");
+  ASSERT_EQ(left.size(), 2u);
+  EXPECT_EQ(left[0].name, "1");
+  EXPECT_EQ(left[1].name, "3");
+  EXPECT_EQ(left[1].middle, Eigen::Vector2d(30, 40.25));
+  EXPECT_EQ(left[1].sigma_px, kClickSigma);
+
+  std::ofstream(file) << "# fine\nleft 1 10 20\nleft 1 30 40\n";
+  EXPECT_THAT(load_clicks(file).error().what, HasSubstr(":3: marker 1 of camera left is there twice"));
+  std::ofstream(file) << "left 1 ten 20\n";
+  EXPECT_THAT(load_clicks(file).error().what, HasSubstr(":1: a line must be"));
+  std::filesystem::remove(file);
+  EXPECT_EQ(load_clicks(file).error().code, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace copresence::calibrate

@@ -1,0 +1,156 @@
+// The program as a person calls it, on recordings of the simulated world "markers" whose poses are known.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "capture_server/simulation/marker_world.h"
+#include "common/scene/scene.h"
+#include "tests/support/process.h"
+
+namespace copresence {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string said;
+};
+
+Outcome run(const std::vector<std::string>& arguments) {
+  testing::Process process(arguments);
+  const auto code = process.wait(std::chrono::seconds(60));
+  return {code.value_or(-1), process.output()};
+}
+
+// Four Kinects and their truth, recorded once for all tests.
+class CalibrateMarkers : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new testing::TemporaryFolder;
+    const Outcome made = run({testing::program("simulate_kinect"), "markers", "--cameras", "4", "--frames",
+                              "8", "--out", (*folder_ / "room").string()});
+    ASSERT_EQ(made.exit_code, 0) << made.said;
+    truth_ = *scene::load(*folder_ / "room/scene.toml");
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static Outcome calibrate(int cameras, std::vector<std::string> more) {
+    std::vector<std::string> arguments{testing::program("calibrate"), "markers"};
+    for (int c = 0; c < cameras; ++c) {
+      const std::string name = "camera" + std::to_string(c);
+      arguments.push_back("--recording");
+      arguments.push_back(name + "=" + (*folder_ / ("room/" + name + ".oni")).string());
+    }
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  // Shift in millimetres at the middle of the room, and turn in degrees.
+  static std::pair<double, double> error_of(const scene::Scene& scene, const std::string& name) {
+    const Rigid3 off = *scene.find(name)->world_from_camera * truth_.find(name)->world_from_camera->inverse();
+    const Eigen::Vector3d middle(0, -0.9, 0);
+    return {1000 * (off * middle - middle).norm(),
+            Eigen::AngleAxisd(off.rotation).angle() * 180 / std::numbers::pi};
+  }
+
+  static inline testing::TemporaryFolder* folder_ = nullptr;
+  static inline scene::Scene truth_;
+};
+
+TEST_F(CalibrateMarkers, FindsFourCamerasFromTheirPictures) {
+  const std::string out = (*folder_ / "four.toml").string(), json = (*folder_ / "four.json").string();
+  const Outcome outcome = calibrate(4, {"--out", out, "--json", json});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
+  const auto scene = scene::load(out);
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_EQ(scene->cameras.size(), 4u);
+  const auto report = nlohmann::json::parse(std::ifstream(json));
+  for (int c = 0; c < 4; ++c) {
+    const std::string name = "camera" + std::to_string(c);
+    const auto [shift_mm, turn_deg] = error_of(*scene, name);
+    std::printf("%s: off by %.2f mm, %.3f degrees; it expects %.2f mm\n", name.c_str(), shift_mm, turn_deg,
+                report["cameras"][c]["expected_shift_mm"].get<double>());
+    EXPECT_LT(shift_mm, 10) << name;
+    EXPECT_LT(turn_deg, 0.3) << name;
+    EXPECT_GE(report["cameras"][c]["markers"], c < 2 ? 8 : 7) << name;
+    EXPECT_LT(report["cameras"][c]["rms_mm"], 15);
+    EXPECT_EQ(scene->find(name)->source, (*folder_ / ("room/" + name + ".oni")).string());
+    ASSERT_TRUE(scene->find(name)->calibration_error_mm);
+  }
+  for (const auto& marker : report["markers"]) {
+    const auto& placed = simulation::placed_markers()[std::stoul(marker["name"].get<std::string>())];
+    const Eigen::Vector3d there(marker["world"][0], marker["world"][1], marker["world"][2]);
+    EXPECT_LT((there - placed.center.cast<double>()).norm(), 0.015) << marker["name"];
+  }
+  EXPECT_THAT(outcome.said, HasSubstr("reference"));
+}
+
+TEST_F(CalibrateMarkers, ReportsTheLinearFormBesideTheRigidOneAndSolvesByItWhenAsked) {
+  const std::string out = (*folder_ / "linear.toml").string(), json = (*folder_ / "linear.json").string();
+  const Outcome outcome = calibrate(2, {"--solver", "linear", "--out", out, "--json", json});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
+  const auto report = nlohmann::json::parse(std::ifstream(json));
+  EXPECT_EQ(report["solver"], "linear");
+  EXPECT_LT(report["pairs"][0]["linear_rms_mm"], 15);
+  EXPECT_LT(report["pairs"][0]["rigid_rms_mm"], 15);
+  EXPECT_LT(error_of(*scene::load(out), "camera1").first, 40);
+}
+
+TEST_F(CalibrateMarkers, TakesPointsFromAFile) {
+  const std::string points = (*folder_ / "points.txt").string(), out = (*folder_ / "clicked.toml").string();
+  std::ofstream file(points);
+  for (const char* name : {"camera0", "camera1"}) {
+    const scene::Camera& camera = *truth_.find(name);
+    for (int id = 0; id < 6; ++id) {
+      const auto& marker = simulation::placed_markers()[static_cast<std::size_t>(id)];
+      const Eigen::Vector2d pixel =
+          project(camera.model, camera.world_from_camera->inverse() * marker.center.cast<double>());
+      file << name << " point" << id << " " << std::lround(pixel.x()) << " " << std::lround(pixel.y())
+           << "\n";
+    }
+  }
+  file.close();
+  const Outcome outcome = calibrate(2, {"--points", points, "--dictionary", "apriltag_36h11", "--out", out});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
+  EXPECT_THAT(outcome.said, HasSubstr("point5"));
+  EXPECT_LT(error_of(*scene::load(out), "camera1").first, 15);
+}
+
+TEST_F(CalibrateMarkers, StartsFromASceneFileAndKeepsItsComments) {
+  const std::string out = (*folder_ / "kept.toml").string();
+  std::ofstream(out) << std::ifstream(*folder_ / "room/scene.toml").rdbuf() << "# the lab's own words\n";
+  const Outcome outcome = calibrate(2, {"--scene", out, "--out", out, "--reference", "camera1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
+  const auto scene = scene::load(out);
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_EQ(scene->cameras.size(), 4u);
+  EXPECT_LT(error_of(*scene, "camera1").first, 1e-6);
+  EXPECT_LT(error_of(*scene, "camera0").first, 10);
+  EXPECT_EQ(scene->find("camera0")->address, "127.0.0.1:7001");
+  std::ifstream again(out);
+  const std::string text{std::istreambuf_iterator<char>(again), {}};
+  EXPECT_THAT(text, HasSubstr("# the lab's own words"));
+  EXPECT_THAT(text, HasSubstr("# Made by: simulate_kinect"));
+}
+
+TEST_F(CalibrateMarkers, SaysWhatIsMissing) {
+  const Outcome none = calibrate(2, {"--dictionary", "6x6_250"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.said, HasSubstr("camera0 and camera1 see no marker in common, but need 4"));
+  EXPECT_EQ(calibrate(2, {"--reference", "camera9"}).exit_code, 1);
+  EXPECT_EQ(calibrate(0, {}).exit_code, 2);
+  EXPECT_EQ(calibrate(2, {"--solver", "magic"}).exit_code, 2);
+  EXPECT_EQ(run({testing::program("calibrate"), "markers", "--recording", "camera0"}).exit_code, 2);
+  const Outcome gone = run({testing::program("calibrate"), "markers", "--recording", "a=/nowhere.oni"});
+  EXPECT_EQ(gone.exit_code, 1);
+  EXPECT_THAT(gone.said, HasSubstr("/nowhere.oni"));
+}
+
+}  // namespace
+}  // namespace copresence

@@ -1,0 +1,50 @@
+#pragma once
+
+// A calibration board in a picture: a chessboard, or a chessboard with ArUco markers in its white squares (ChArUco),
+// which may be seen in part. Thread: pure functions.
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/frame/image.h"
+#include "common/result.h"
+
+namespace copresence::calibrate {
+
+struct Board {
+  enum class Kind { kChessboard, kCharuco };
+  Kind kind = Kind::kChessboard;
+  int columns = 9, rows = 6;  ///< inner corners of a chessboard; squares of a ChArUco board
+  double square_m = 0.025;    ///< side of a square, metres
+  double marker_m = 0;        ///< of a ChArUco board's markers
+  std::string dictionary = "4x4_50";
+};
+
+/// "9x6" into columns and rows, each from 3 to 40. Empty when understood, else what is wrong.
+std::string parse_board_size(const std::string& text, Board& board);
+
+/// One picture's view of it: corners on the board (metres, z = 0) and where they appear (pixels).
+struct BoardView {
+  std::string picture;  ///< its name or number, for people
+  std::vector<Eigen::Vector2d> on_board, pixels;
+  double sharpness =
+      0;  ///< variance of the Laplacian over the board, relative to its contrast: less is more blurred
+};
+
+/// Nothing where the picture shows no board, or fewer than six of its corners.
+std::optional<BoardView> find_board(const Board& board, const ColorImage& picture, const std::string& name);
+
+/// A view left out, and why.
+struct DroppedView {
+  std::string picture, why;
+};
+
+/// Leaves out blurred views (sharpness below a third of the median) and those whose corners lie within `kSameView` of
+/// the picture's width of a kept one's.
+inline constexpr double kSameView = 0.02;
+std::vector<BoardView> worth_using(std::vector<BoardView> views, int width,
+                                   std::vector<DroppedView>& dropped);
+
+}  // namespace copresence::calibrate

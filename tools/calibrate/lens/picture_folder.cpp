@@ -1,0 +1,42 @@
+#include "tools/calibrate/lens/picture_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace copresence::calibrate {
+
+Result<std::vector<std::filesystem::path>> picture_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code problem;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, problem)) {
+    std::string ending = entry.path().extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (ending == ".png" || ending == ".jpg" || ending == ".jpeg") files.push_back(entry.path());
+  }
+  if (files.empty()) {
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{}: there are no PNG or JPEG pictures in it", folder.string()));
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Result<ColorImage> load_picture(const std::filesystem::path& file) {
+  cv::Mat bgr;
+  try {
+    bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
+  } catch (const cv::Exception&) {
+    bgr.release();
+  }
+  if (bgr.empty()) return fail(ErrorCode::kCorrupt, fmt::format("{}: is no picture", file.string()));
+  ColorImage picture(bgr.cols, bgr.rows);
+  cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, picture.data());
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return picture;
+}
+
+}  // namespace copresence::calibrate

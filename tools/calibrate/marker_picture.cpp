@@ -1,0 +1,92 @@
+#include "tools/calibrate/marker_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace copresence::calibrate {
+namespace {
+
+const cv::Scalar kGood(80, 220, 80), kDoubtful(0, 220, 255), kBad(60, 60, 255);  // blue, green, red
+
+cv::Point point(const Eigen::Vector2d& pixel) {
+  return {cv::saturate_cast<int>(pixel.x()), cv::saturate_cast<int>(pixel.y())};
+}
+
+void write_label(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color) {
+  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, {0, 0, 0}, 3, cv::LINE_AA);
+  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, color, 1, cv::LINE_AA);
+}
+
+void mark(cv::Mat& image, const FoundMarker& marker, const std::string& text, const cv::Scalar& color) {
+  for (std::size_t i = 0; i < marker.corners.size(); ++i) {
+    cv::line(image, point(marker.corners[i]), point(marker.corners[(i + 1) % marker.corners.size()]), color,
+             2, cv::LINE_AA);
+  }
+  cv::drawMarker(image, point(marker.middle), color, cv::MARKER_CROSS, 8, 1, cv::LINE_AA);
+  double below = marker.middle.y() + 10, left = marker.middle.x() - 10;
+  for (const Eigen::Vector2d& corner : marker.corners) {
+    below = std::max(below, corner.y());
+    left = std::min(left, corner.x());
+  }
+  write_label(image, text, point({left, below + 14}), color);
+}
+
+}  // namespace
+
+Result<void> write_marked_pictures(std::span<const MarkedPicture> cameras, const calibration::Names& names,
+                                   std::span<const calibration::Sighting> sightings,
+                                   const calibration::WorldFit& fit, const std::filesystem::path& file) {
+  int width = 0, height = 0;
+  for (const MarkedPicture& camera : cameras) {
+    width = std::max(width, camera.picture.width());
+    height = std::max(height, camera.picture.height());
+  }
+  const int count = static_cast<int>(cameras.size());
+  cv::Mat all(height * ((count + 1) / 2), width * std::min(count, 2), CV_8UC3, cv::Scalar(0, 0, 0));
+  for (int c = 0; c < count; ++c) {
+    const MarkedPicture& camera = cameras[static_cast<std::size_t>(c)];
+    const cv::Mat rgb(camera.picture.height(), camera.picture.width(), CV_8UC3,
+                      const_cast<Rgb8*>(camera.picture.data()));
+    cv::Mat here = all(cv::Rect(c % 2 * width, c / 2 * height, rgb.cols, rgb.rows));
+    cv::cvtColor(rgb, here, cv::COLOR_RGB2BGR);
+    write_label(here, camera.camera, {8, 18}, {255, 255, 255});
+    for (const FoundMarker& marker : camera.markers) {
+      const auto depth = std::find_if(camera.depths.begin(), camera.depths.end(),
+                                      [&](const MarkerDepth& d) { return d.marker == marker.name; });
+      const auto sighting =
+          std::find_if(sightings.begin(), sightings.end(), [&](const calibration::Sighting& s) {
+            return s.camera == static_cast<std::size_t>(c) && s.part == 0 &&
+                   names.markers[s.marker] == marker.name;
+          });
+      if (depth == camera.depths.end() || sighting == sightings.end()) {
+        mark(here, marker, marker.name + ": not used", kBad);
+        continue;
+      }
+      if (fit.markers[sighting->marker].residual.count < 2) {
+        mark(here, marker, fmt::format("{}: {:.2f} m, no other camera", marker.name, depth->z_m), kDoubtful);
+        continue;
+      }
+      const Eigen::Vector3d there =
+          fit.cameras[sighting->camera].world_from_camera * sighting->point_in_camera();
+      const double off_mm = 1000 * (there - fit.markers[sighting->marker].in_world).norm();
+      mark(here, marker, fmt::format("{}: {:.2f} m, {:.1f} mm", marker.name, depth->z_m, off_mm),
+           off_mm <= 10   ? kGood
+           : off_mm <= 30 ? kDoubtful
+                          : kBad);
+    }
+  }
+  try {
+    if (!cv::imwrite(file.string(), all)) {
+      return fail(ErrorCode::kUnavailable, fmt::format("{}: the picture cannot be written", file.string()));
+    }
+  } catch (const cv::Exception&) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: end the picture's name with .png or .jpg", file.string()));
+  }
+  return {};
+}
+
+}  // namespace copresence::calibrate

@@ -16,9 +16,13 @@ namespace copresence::depth {
 
 namespace {
 
-// The first byte before a state mask: whether the decoder gets the picture's samples as they were, or repairs edges, or takes
-// the samples from bytes of their own.
-constexpr std::uint8_t kLossless = 0, kLossy = 1, kSamples = 2;
+// The byte before a state mask: how the picture comes.
+constexpr std::uint8_t kThroughVideo = 0, kAsSamples = 1;
+
+// From this quantiser of 8 bits on video coding blurs edges more often than a true point lies between two surfaces: it is where
+// H.264's deblocking begins to act.
+constexpr int kRepairFrom = 12;
+constexpr int kTenBits = 12;  // quantisers as coarse are higher by this at 10 bit
 
 bool is_monochrome(PixelFormat format) {
   return format == PixelFormat::kGray8 || format == PixelFormat::kGray10;
@@ -50,7 +54,8 @@ struct Encoder::Parts {
   StateMaskEncoder mask;
   std::optional<SampleEncoder> samples;  // where pictures are coded without loss and monochrome
   SideDataSeal seal;
-  std::uint8_t coding = kLossy;
+  std::uint8_t coding = kThroughVideo;
+  bool lossless = false;
   bool keyframe_due = true;
 };
 
@@ -72,10 +77,10 @@ const DepthCodecDescription& Encoder::description() const {
 
 void Encoder::set_lossless(bool lossless) {
   Parts& parts = *parts_;
+  if (lossless == parts.lossless) return;
   const bool exact = lossless && is_monochrome(parts.description.format);
-  const std::uint8_t coding = exact ? kSamples : lossless ? kLossless : kLossy;
-  if (coding == parts.coding) return;
-  parts.coding = coding;
+  parts.lossless = lossless;
+  parts.coding = exact ? kAsSamples : kThroughVideo;
   parts.planes->set_lossless(lossless);
   parts.keyframe_due = true;
   parts.samples.reset();
@@ -108,7 +113,8 @@ struct Decoder::Parts {
         picture(picture_),
         mask(format.width, format.height),
         samples(is_monochrome(picture) ? picture : PixelFormat::kGray8, format.width, format.height),
-        repair(format.unit) {}
+        repair(format.unit),
+        repair_from(picture == PixelFormat::kGray10 ? kRepairFrom + kTenBits : kRepairFrom) {}
 
   bool is_ours(const Picture& other) const {
     return other.format() == picture && other.width() == format.width && other.height() == format.height;
@@ -121,6 +127,7 @@ struct Decoder::Parts {
   SampleDecoder samples;
   PlanarDepth exact;  // a frame whose picture came as samples, since the last keyframe
   EdgeRepair repair;
+  int repair_from;  // quantiser
   SideDataSeal seal;
 };
 
@@ -154,8 +161,8 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
   if (!mask)
     return damaged("state mask, level table or samples are damaged, or a frame is missing before them");
   const std::uint8_t coding = mask->empty() ? std::uint8_t{255} : mask->front();
-  const bool exact = coding == kSamples;
-  if (coding > kSamples || exact == planes.samples.empty() || (exact && !is_monochrome(parts.picture))) {
+  const bool exact = coding == kAsSamples;
+  if (coding > kAsSamples || exact == planes.samples.empty() || (exact && !is_monochrome(parts.picture))) {
     return damaged("a state mask does not say how its picture is coded");
   }
   if (!exact && !parts.is_ours(planes.picture)) {
@@ -176,7 +183,7 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
     parts.seal.break_chain();
     return fail(decoded.error());
   }
-  if (coding == kLossy) parts.repair.repair(depth);
+  if (planes.quantiser >= parts.repair_from) parts.repair.repair(depth);
   std::uint16_t* const z = depth.data();
   const DepthState* const state = states.data();
   const std::size_t size = depth.pixels().size();

@@ -38,8 +38,7 @@ class Encoder {
 
   /// Tells whether depth is coded without loss from the next frame on, which is a keyframe where that changes. Codecs with monochrome
   /// pictures then give samples (sample_coder.h) instead; the others' pictures must come through video coding as they are. It is
-  /// off at first: the decoder then repairs edges that video coding blurred (edge_repair.h), and may take a true point between
-  /// two surfaces for such a blur.
+  /// off at first.
   void set_lossless(bool lossless);
 
   /// Depth and states as pictures and side data. Depth outside the range, and depth 0, is a hole whatever its

@@ -22,6 +22,17 @@ std::size_t find_start_code(std::span<const std::uint8_t> bytes, std::size_t fro
   return bytes.size();
 }
 
+/// Where two zeros with another byte behind them begin at or after `from`; the size when nowhere.
+std::size_t find_zeros(std::span<const std::uint8_t> bytes, std::size_t from) {
+  for (std::size_t at = from; at + 3 <= bytes.size(); ++at) {
+    const void* zero = std::memchr(bytes.data() + at, 0, bytes.size() - 2 - at);
+    if (!zero) break;
+    at = static_cast<std::size_t>(static_cast<const std::uint8_t*>(zero) - bytes.data());
+    if (bytes[at + 1] == 0) return at;
+  }
+  return bytes.size();
+}
+
 }  // namespace
 
 bool Nal::is_essential() const {
@@ -59,30 +70,29 @@ void append_nal(std::vector<std::uint8_t>& access_unit, std::span<const std::uin
 std::vector<std::uint8_t> to_nal_bytes(std::span<const std::uint8_t> payload) {
   std::vector<std::uint8_t> nal;
   nal.reserve(payload.size() + payload.size() / 64 + 8);
-  int zeros = 0;
-  for (const std::uint8_t byte : payload) {
-    if (zeros == 2 && byte <= 3) {
-      nal.push_back(3);
-      zeros = 0;
-    }
-    nal.push_back(byte);
-    zeros = byte == 0 ? zeros + 1 : 0;
+  std::size_t copied = 0;
+  for (std::size_t at = find_zeros(payload, 0); at < payload.size(); at = find_zeros(payload, at)) {
+    at += 2;
+    if (payload[at] > 3) continue;
+    nal.insert(nal.end(), payload.begin() + copied, payload.begin() + at);
+    nal.push_back(3);
+    copied = at;
   }
+  nal.insert(nal.end(), payload.begin() + copied, payload.end());
   return nal;
 }
 
 std::vector<std::uint8_t> from_nal_bytes(std::span<const std::uint8_t> nal) {
   std::vector<std::uint8_t> payload;
   payload.reserve(nal.size());
-  int zeros = 0;
-  for (const std::uint8_t byte : nal) {
-    if (zeros == 2 && byte == 3) {
-      zeros = 0;
-      continue;
-    }
-    payload.push_back(byte);
-    zeros = byte == 0 ? zeros + 1 : 0;
+  std::size_t copied = 0;
+  for (std::size_t at = find_zeros(nal, 0); at < nal.size(); at = find_zeros(nal, at)) {
+    at += 2;
+    if (nal[at] != 3) continue;
+    payload.insert(payload.end(), nal.begin() + copied, nal.begin() + at);
+    copied = ++at;
   }
+  payload.insert(payload.end(), nal.begin() + copied, nal.end());
   return payload;
 }
 

@@ -67,6 +67,7 @@ Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
       Instant(std::chrono::duration_cast<Duration>(std::chrono::nanoseconds(data->captured_ns)));
   frame.stamp.world_from_camera = world_from_camera_;
   frame.depth.keyframe = keyframe;
+  frame.depth.quantiser = data->quantiser;
   frame.depth.samples = std::move(data->samples);
   frame.depth.state_mask = std::move(data->state_mask);
   frame.depth.table = std::move(data->table);

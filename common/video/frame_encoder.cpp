@@ -72,6 +72,7 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   if (budget_) depth_.set_rate(budget_->picture_rate(side_data_bytes(data)));
   auto depth = encode_depth(frame.depth);
   if (!depth) return fail(depth.error());
+  if (!flat_) data.quantiser = static_cast<std::uint8_t>(depth_.quantiser());
   std::vector<std::uint8_t> color;
   if (frame.color) {
     auto encoded = color_->encode(*frame.color, color_keyframe_needed_);

@@ -12,8 +12,8 @@
 
 #include "common/frame/picture.h"
 #include "common/result.h"
-#include "common/video/video_settings.h"
 #include "common/video/libav_owners.h"
+#include "common/video/video_settings.h"
 
 namespace copresence::video {
 
@@ -51,6 +51,9 @@ class PictureEncoder {
 
   const PictureSettings& settings() const { return settings_; }
 
+  /// Of the picture encoded last, counted as depth_qp is. Requires one.
+  int quantiser() const { return quantiser_; }
+
  private:
   PictureEncoder(const PictureSettings& settings, CodecContext context, AvFrame frame, AvPacket packet);
 
@@ -60,6 +63,7 @@ class PictureEncoder {
   AvPacket packet_;
   std::int64_t pictures_ = 0;
   bool keyframe_needed_ = true;
+  int quantiser_ = 0;
 };
 
 }  // namespace copresence::video

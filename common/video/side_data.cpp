@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::uint8_t kUserDataUnregistered = 5;
 constexpr std::uint8_t kStopBit = 0x80;
-constexpr std::uint8_t kLayoutVersion = 1;
+constexpr std::uint8_t kLayoutVersion = 2;
 constexpr std::array<std::uint8_t, 16> kUuid = {0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58,
                                                 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d, 0x80, 0x6a};
-constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 50, kPoseBytes = 96, kSizeBytes = 4;
+constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 51, kPoseBytes = 96, kSizeBytes = 4;
 constexpr std::size_t kFramingBytes =
     8;  // start code, NAL unit header, payload type, last byte of its size, end
 
@@ -146,6 +146,7 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
   writer.number(static_cast<std::uint8_t>((data.has_color ? kHasColor : 0) |
                                           (data.world_from_camera ? kHasPose : 0) |
                                           (data.samples.empty() ? 0 : kHasSamples)));
+  writer.number(data.quantiser);
   writer.number(data.sequence);
   writer.number(data.previous);
   writer.number(static_cast<std::uint64_t>(data.captured_ns));
@@ -207,6 +208,7 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   }
   SideData data;
   data.has_color = (flags & kHasColor) != 0;
+  data.quantiser = reader.number<std::uint8_t>();
   data.sequence = reader.number<std::uint64_t>();
   data.previous = reader.number<std::uint64_t>();
   data.captured_ns = static_cast<std::int64_t>(reader.number<std::uint64_t>());

@@ -11,7 +11,7 @@ namespace copresence::video {
 /// What encoding may cost in processor time, both pictures. The same quantiser means the same error with either.
 enum class Effort {
   kDense,  ///< fewest bits that still keep up with one camera: benches, recordings, fast machines
-  kLive,   ///< two thirds of the time to encode and to decode for a tenth more bits of depth and 3 dB of colour
+  kLive,  ///< two thirds of the time to encode and to decode for a tenth more bits of depth and 3 dB of colour
 };
 
 struct VideoSettings {

@@ -27,6 +27,7 @@ Result<Row> run_codec(const DepthRecording& recording, const std::string& codec,
   video::VideoSettings video_settings;
   video_settings.depth_qp = setting.qp.value_or(video_settings.depth_qp);
   video_settings.depth_kbps = setting.kbps;
+  video_settings.effort = setting.effort;
   auto encoder = video::FrameEncoder::open(stream, video_settings);
   if (!encoder) return fail(encoder.error());
   auto decoder = video::FrameDecoder::open(stream);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/frame/picture.h"
+#include "common/video/video_settings.h"
 #include "tools/depth_bench/depth_recording.h"
 #include "tools/depth_bench/row.h"
 
@@ -13,7 +14,8 @@ namespace copresence::depth_bench {
 
 struct Setting {
   std::optional<int> qp, kbps;  ///< exactly one
-  std::string text() const;     ///< qp=12 or kbps=1000
+  video::Effort effort = video::Effort::kLive;
+  std::string text() const;  ///< qp=12 or kbps=1000
 };
 
 /// The middle frame, for pictures.

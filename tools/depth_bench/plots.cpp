@@ -30,12 +30,25 @@ void text(cv::Mat& image, const std::string& words, cv::Point at, const cv::Scal
   cv::putText(image, words, at, cv::FONT_HERSHEY_SIMPLEX, size, color, 1, cv::LINE_AA);
 }
 
+constexpr std::size_t kColors = 10;
+
 cv::Scalar color_of(std::size_t i) {
-  static const std::array<cv::Scalar, 10> colors{
+  static const std::array<cv::Scalar, kColors> colors{
       cv::Scalar(180, 80, 20),   cv::Scalar(30, 30, 210), cv::Scalar(40, 150, 40), cv::Scalar(170, 40, 150),
       cv::Scalar(0, 140, 240),   cv::Scalar(150, 150, 0), cv::Scalar(90, 90, 90),  cv::Scalar(100, 60, 0),
       cv::Scalar(200, 120, 255), cv::Scalar(0, 200, 200)};
   return colors[i % colors.size()];
+}
+
+// A curve's point: curves of one colour have marks of their own.
+void mark(cv::Mat& image, cv::Point at, std::size_t i) {
+  if (i < kColors) {
+    cv::circle(image, at, 3, color_of(i), cv::FILLED, cv::LINE_AA);
+  } else if (i < 2 * kColors) {
+    cv::rectangle(image, at - cv::Point(4, 4), at + cv::Point(4, 4), color_of(i), 1, cv::LINE_AA);
+  } else {
+    cv::drawMarker(image, at, color_of(i), cv::MARKER_CROSS, 9, 1, cv::LINE_AA);
+  }
 }
 
 // A rectangle of the image with two logarithmic axes.
@@ -137,7 +150,7 @@ Result<void> plot_curves(const std::vector<Row>& rows, const std::string& path) 
       std::sort(curve.begin(), curve.end(), [](const Row& a, const Row& b) { return a.mbps < b.mbps; });
       for (std::size_t k = 0; k < curve.size(); ++k) {
         const cv::Point here = axes.at(curve[k].mbps, measure.of(curve[k]));
-        cv::circle(image, here, 3, color_of(i), cv::FILLED, cv::LINE_AA);
+        mark(image, here, i);
         if (k > 0) {
           cv::line(image, axes.at(curve[k - 1].mbps, measure.of(curve[k - 1])), here, color_of(i), 1,
                    cv::LINE_AA);
@@ -148,6 +161,7 @@ Result<void> plot_curves(const std::vector<Row>& rows, const std::string& path) 
   for (std::size_t i = 0; i < names.size(); ++i) {
     const cv::Point at(1275, 55 + static_cast<int>(i) * 22);
     cv::line(image, at, at + cv::Point(18, 0), color_of(i), 2, cv::LINE_AA);
+    mark(image, at + cv::Point(9, 0), i);
     text(image, names[i], at + cv::Point(26, 5));
   }
   return write(image, path);

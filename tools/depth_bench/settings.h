@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/frame/depth_unit.h"
+#include "common/video/video_settings.h"
 
 namespace copresence::depth_bench {
 
@@ -18,6 +19,7 @@ struct Settings {
   std::vector<int> qps;
   std::vector<int> rates_kbps;
   int frames = 0;  ///< 0: all
+  video::Effort effort = video::Effort::kLive;
   DepthRange range;
   std::optional<std::filesystem::path> json, plot;
   bool tune = false;  ///< needs rates_kbps

@@ -17,10 +17,11 @@ std::vector<std::string> candidates() {
   return names;
 }
 
-Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, tools::Progress& progress) {
+Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Effort effort,
+                              tools::Progress& progress) {
   std::vector<Row> rows;
   for (const std::string& codec : candidates()) {
-    const Setting setting{std::nullopt, kbps};
+    const Setting setting{std::nullopt, kbps, effort};
     progress.begin(codec + ' ' + setting.text());
     auto row = run_codec(recording, codec, setting);
     if (!row) return fail(row.error());

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "common/video/video_settings.h"
 #include "tools/depth_bench/depth_recording.h"
-#include "tools/progress/progress.h"
 #include "tools/depth_bench/row.h"
+#include "tools/progress/progress.h"
 
 namespace copresence::depth_bench {
 
@@ -16,6 +17,7 @@ std::vector<std::string> candidates();
 
 /// Rows of all candidates at the rate, the least RMSE in sensor steps first. Codecs that cannot hold the rate within a tenth come last.
 /// Fails as run_codec() does.
-Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, tools::Progress& progress);
+Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Effort effort,
+                              tools::Progress& progress);
 
 }  // namespace copresence::depth_bench

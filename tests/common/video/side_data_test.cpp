@@ -17,6 +17,7 @@ SideData example() {
   data.sequence = 0x0102030405060708;
   data.previous = 0x0102030405060707;
   data.captured_ns = 1'000'000'000;
+  data.quantiser = 24;
   data.has_color = true;
   data.table = {0xAA, 0xBB};
   data.state_mask = {0xCC, 0xDD, 0xEE};
@@ -27,12 +28,13 @@ TEST(SideData, HasTheDocumentedBytes) {            // docs/sei.md
   const Bytes expected = {0, 0, 0, 1, 0x67, 0x11,  // parameter sets first
                           0, 0, 0, 1, 0x68, 0x22,  //
                           0, 0, 0, 1, 0x06,        // SEI
-                          5, 55,                   // user_data_unregistered, 55 bytes
+                          5, 56,                   // user_data_unregistered, 56 bytes
                           0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58, 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d,
                           0x80, 0x6a,                                      // UUID
-                          0x28, 0x29, 0x3f, 0x9a,                          // CRC-32C
-                          1,                                               // layout
+                          0xe3, 0xe3, 0x1d, 0x4c,                          // CRC-32C
+                          2,                                               // layout
                           1,                                               // flags: colour, no pose
+                          24,                                              // quantiser
                           0x08, 0x07, 0x06, 0x05, 0x04, 0x03, 0x02, 0x01,  // sequence
                           0x07, 0x07, 0x06, 0x05, 0x04, 0x03, 0x02, 0x01,  // previous
                           0x00, 0xca, 0x9a, 0x3b, 0, 0, 3, 0, 0,           // capture time, with an

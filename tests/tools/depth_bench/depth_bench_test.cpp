@@ -90,13 +90,13 @@ TEST(Baselines, ThatAreLosslessLoseNothing) {
 
 TEST(CodecRun, NeverFlipsAHoleAndIsExactWithoutLoss) {
   for (const std::string_view codec : depth::codec_names()) {
-    const auto row = run_codec(recording(3), std::string(codec), {20, std::nullopt});
+    const auto row = run_codec(recording(3), std::string(codec), {.qp = 20, .kbps = std::nullopt});
     ASSERT_TRUE(row) << row.error().what;
     EXPECT_EQ(row->hole_flips, 0u) << codec;
     EXPECT_EQ(row->frames, 3);
   }
   for (const std::string codec : {"quantized", "adaptive"}) {
-    const auto row = run_codec(recording(3), codec, {0, std::nullopt});
+    const auto row = run_codec(recording(3), codec, {.qp = 0, .kbps = std::nullopt});
     ASSERT_TRUE(row) << row.error().what;
     EXPECT_EQ(row->max_mm, 0);
   }
@@ -104,7 +104,7 @@ TEST(CodecRun, NeverFlipsAHoleAndIsExactWithoutLoss) {
 
 TEST(Rows, AreTheJsonThatTheDesignNames) {
   const auto path = std::filesystem::temp_directory_path() / "copresence_depth_bench_test.json";
-  const auto row = run_codec(recording(2), "quantized", {std::nullopt, 500});
+  const auto row = run_codec(recording(2), "quantized", {.qp = std::nullopt, .kbps = 500});
   ASSERT_TRUE(row) << row.error().what;
   ASSERT_TRUE(write_json({*row}, path.string()));
   const auto list = nlohmann::json::parse(std::ifstream(path));

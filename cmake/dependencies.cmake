@@ -33,6 +33,7 @@ target_link_libraries(copresence_opencv INTERFACE opencv_core opencv_imgproc ope
 
 if(BUILD_TESTING)
   find_package(GTest REQUIRED)                          # GTest::gtest_main, GTest::gmock
+  find_package(rapidcheck REQUIRED)                     # rapidcheck
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
   include(GoogleTest)
 endif()

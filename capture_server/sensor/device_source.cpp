@@ -219,7 +219,8 @@ Result<void> DeviceSource::start() {
   }
   const openni::DeviceInfo& device = device_.getDeviceInfo();
   description_.name = fmt::format("{} {}", device.getVendor(), device.getName());
-  gone_.emplace(device.getUri());
+  description_.uri = device.getUri();
+  gone_.emplace(description_.uri);
   if (!device_.hasSensor(openni::SENSOR_DEPTH)) {
     return fail(ErrorCode::kUnsupported,
                 fmt::format("{}: it has no depth sensor; use a depth camera", description_.name));
@@ -378,7 +379,11 @@ Result<std::unique_ptr<FrameSource>> open_lasting_device(const std::string& uri,
                                                          const CameraControls& controls) {
   // OpenNI2 and its drivers stay up over the camera's absence: they are told of its return.
   const auto session = std::make_shared<const OpenNiSession>(drivers_for(uri));
-  return LastingSource::open([session, uri, controls] { return open_device(uri, controls); });
+  return LastingSource::open([session, wanted = uri, controls]() mutable {
+    auto source = open_device(wanted, controls);
+    if (source) wanted = (*source)->description().uri;
+    return source;
+  });
 }
 
 }  // namespace copresence::sensor

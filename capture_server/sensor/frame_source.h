@@ -26,6 +26,7 @@ namespace copresence::sensor {
 /// What is known of a source before its first frame.
 struct SensorDescription {
   std::string name;  ///< the device's or the file's, for people
+  std::string uri;   ///< of a device: what open_device() takes for this very one
   CameraModel depth;
   DepthUnit unit = DepthUnit::kMillimetre;
   bool has_color = false;                   ///< where false, `color` is meaningless and no frame has colour
@@ -54,7 +55,7 @@ struct SourceSettings {
     kFast,  ///< every frame as soon as it is asked for
   };
   Pace pace = Pace::kReal;
-  bool loop = false;        ///< begin again after the last frame, one mean period later
+  bool loop = false;             ///< begin again after the last frame, one mean period later
   CameraControls controls = {};  ///< of a camera
 };
 
@@ -101,14 +102,15 @@ struct CheckedRecording {
 Result<std::unique_ptr<FrameSource>> open_recording(const CheckedRecording& recording,
                                                     const SourceSettings& settings);
 
-/// Opens a camera. `uri` as list_devices() gives it; empty for the first one there is. Chosen are depth at 640x480
+/// Opens a camera. `uri` as list_devices() gives it after "openni:"; empty for the first one there is. Chosen are depth at 640x480
 /// and 30 frames a second or what comes nearest, RGB8 of the same size where there is colour, depth registered to
 /// colour and both taken at once where the device can.
 /// Fails  kNotFound (no such camera), kUnavailable (held by another program, no permission), kUnsupported (no
 ///        depth, or controls that the camera does not offer).
 Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const CameraControls& controls = {});
 
-/// The same for a camera that may be unplugged and plugged in again: see lasting_source.h.
+/// The same for a camera that may be unplugged and plugged in again: see lasting_source.h. Whichever opened first is
+/// waited for, not another one.
 Result<std::unique_ptr<FrameSource>> open_lasting_device(const std::string& uri,
                                                          const CameraControls& controls = {});
 

@@ -153,6 +153,21 @@ TEST_F(KinectCamera, IsUnpluggedAndPluggedInTenTimes) {
   }
 }
 
+TEST_F(KinectCamera, IsWaitedForWhenItWasTheFirstAndNoOtherIsTaken) {
+  plug_in("A1");
+  const auto source = sensor::open_lasting_device("");
+  ASSERT_TRUE(source) << source.error().what;
+  EXPECT_EQ((*source)->description().uri, "freenect://A1");
+  plug_in("B2");
+  unplug("A1");
+  EXPECT_EQ(end_of(**source), ErrorCode::kUnavailable);
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE((*source)->next({}));
+  plug_in("A1");
+  bool back = false;
+  for (int i = 0; i < 8 && !back; ++i) back = (*source)->next({}).has_value();
+  EXPECT_TRUE(back);
+}
+
 // OpenNI2 itself, for what no frame source shows.
 class KinectDriver : public KinectCamera {
  protected:

@@ -131,9 +131,11 @@ class DeviceSource final : public FrameSource {
     if (depth_.isValid()) depth_.stop();
     if (color_.isValid()) color_.stop();
     std::this_thread::sleep_for(kDriverLeaves);
-    device_.close();
+    // Streams first: closing a device that was unplugged frees them, and they would be freed again. (A recording's are
+    // closed the other way round, since its player does not wait for its thread.)
     color_.destroy();
     depth_.destroy();
+    device_.close();
   }
 
   DeviceSource(const DeviceSource&) = delete;

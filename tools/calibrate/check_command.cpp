@@ -1,10 +1,119 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "common/scene/scene.h"
+#include "tools/calibrate/alignment/agreement.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/report.h"
+#include "tools/calibrate/still_view.h"
 
 namespace copresence::calibrate {
+namespace {
+
+// A pair of cameras that share less says nothing either way.
+constexpr double kLeastOverlap = 0.05;
+
+struct Options {
+  std::string scene, json;
+  std::vector<NamedRecording> recordings;
+  double most_median_sigmas = 2, most_median_mm = 15, most_contradicted_percent = 5;
+};
+
+// What is wrong with a pair; empty where nothing is.
+std::string complaint(const alignment::Agreement& agreement, const Options& options) {
+  const double median_mm = 1000 * agreement.median_m, contradicted = 100 * agreement.contradicted;
+  if (contradicted > options.most_contradicted_percent) {
+    return fmt::format(
+        "{:.1f} % of the surfaces of one stand where the other sees through (at most {:.1f} %)", contradicted,
+        options.most_contradicted_percent);
+  }
+  if (median_mm > options.most_median_mm) {
+    return fmt::format("surfaces lie {:.1f} mm apart (at most {:.1f} mm)", median_mm, options.most_median_mm);
+  }
+  if (agreement.median_sigmas > options.most_median_sigmas) {
+    return fmt::format("surfaces lie {:.1f} times the expected noise apart (at most {:.1f})",
+                       agreement.median_sigmas, options.most_median_sigmas);
+  }
+  return {};
+}
+
+Result<void> run(const Options& options) {
+  const auto scene = scene::load(options.scene);
+  if (!scene) return fail(scene.error());
+  const auto views = still_views(options.recordings, *scene, options.scene);
+  if (!views) return fail(views.error());
+  nlohmann::json pairs = nlohmann::json::array();
+  std::string wrong;
+  int judged = 0;
+  for (std::size_t i = 0; i < views->size(); ++i) {
+    for (std::size_t j = i + 1; j < views->size(); ++j) {
+      const StillView &a = (*views)[i], &b = (*views)[j];
+      const alignment::Agreement agreement =
+          alignment::measure_agreement(a.surface, a.world_from_camera, b.surface, b.world_from_camera);
+      const bool says_something = agreement.overlap >= kLeastOverlap || agreement.contradicted > 0.5;
+      const std::string problem = says_something ? complaint(agreement, options) : std::string();
+      const std::string verdict =
+          !says_something   ? fmt::format("not judged: under {:.0f} % in common", 100 * kLeastOverlap)
+          : problem.empty() ? "good"
+                            : problem;
+      fmt::print("{} - {}\n  {}\n  {}\n", a.name, b.name, to_text(agreement), verdict);
+      nlohmann::json entry = to_json(agreement);
+      entry.update(
+          {{"a", a.name}, {"b", b.name}, {"good", says_something && problem.empty()}, {"verdict", verdict}});
+      pairs.push_back(std::move(entry));
+      judged += says_something;
+      if (wrong.empty() && !problem.empty()) wrong = fmt::format("{} and {}: {}", a.name, b.name, problem);
+    }
+  }
+  const bool good = wrong.empty() && judged > 0;
+  if (!options.json.empty()) {
+    const nlohmann::json told{{"pairs", pairs},
+                              {"good", good},
+                              {"limits",
+                               {{"median_sigmas", options.most_median_sigmas},
+                                {"median_mm", options.most_median_mm},
+                                {"contradicted_percent", options.most_contradicted_percent},
+                                {"least_overlap", kLeastOverlap}}}};
+    if (auto written = write_json(told, options.json); !written) return written;
+  }
+  if (!wrong.empty()) {
+    return fail(ErrorCode::kRefused,
+                wrong + "; run `calibrate refine`, and `calibrate markers` where that does not help");
+  }
+  if (!judged) {
+    return fail(ErrorCode::kRefused,
+                "no two cameras see enough of the same surfaces to tell how good their poses are");
+  }
+  return {};
+}
+
+}  // namespace
 
 Command check_command(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand("check", "says how well the cameras' surfaces agree");
-  return {parser, [] { return Result<void>(fail(ErrorCode::kUnsupported, "is not there yet")); }};
+  CLI::App* parser = program.add_subcommand(
+      "check",
+      "Says for each pair of cameras how far apart they see the surfaces that both see, and judges it. "
+      "Leaves with 0 "
+      "when every pair that overlaps is good, with 1 when one is not or none overlaps.");
+  const auto options = std::make_shared<Options>();
+  parser->add_option("--scene", options->scene, "the scene file with the cameras' poses")->required();
+  add_recording_option(*parser, options->recordings)->required()->expected(2, 64);
+  parser->add_option("--json", options->json, "also tells everything to this file");
+  parser
+      ->add_option("--most-sigmas", options->most_median_sigmas,
+                   "largest good median, in units of the sensors' expected noise")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  parser->add_option("--most-mm", options->most_median_mm, "largest good median, mm")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  parser
+      ->add_option("--most-contradicted", options->most_contradicted_percent,
+                   "largest good share of points of one camera where another sees through, percent")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 100.0));
+  return {parser, [options] { return run(*options); }};
 }
 
 }  // namespace copresence::calibrate

@@ -1,11 +1,173 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "common/scene/scene.h"
+#include "common/scene/write_scene.h"
+#include "tools/calibrate/alignment/refinement.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/report.h"
+#include "tools/calibrate/still_view.h"
 
 namespace copresence::calibrate {
+namespace {
+
+using alignment::CameraRefinement;
+using Outcome = CameraRefinement::Outcome;
+
+struct Options {
+  std::string scene, out, json;
+  std::vector<NamedRecording> recordings;
+};
+
+std::string_view name(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kReference:
+      return "reference";
+    case Outcome::kRefined:
+      return "refined";
+    case Outcome::kKept:
+      return "kept";
+    case Outcome::kNoOverlap:
+      return "no_overlap";
+  }
+  return "";
+}
+
+std::string describe(const alignment::Direction& direction) {
+  const auto list = [](const Eigen::Vector3d& v) {
+    return fmt::format("{:.2f} {:.2f} {:.2f}", v.x(), v.y(), v.z());
+  };
+  const bool shifts = direction.shift.norm() > 0.3, turns = direction.turn.norm() > 0.3;
+  if (shifts && turns) {
+    return fmt::format("a shift along ({}) with a turn about ({})", list(direction.shift),
+                       list(direction.turn));
+  }
+  return turns ? fmt::format("a turn about ({})", list(direction.turn))
+               : fmt::format("a shift along ({})", list(direction.shift));
+}
+
+std::string tell(const CameraRefinement& camera) {
+  switch (camera.outcome) {
+    case Outcome::kReference:
+      return "the reference, not moved";
+    case Outcome::kKept:
+      return "kept as given: no pose nearby makes the surfaces agree better";
+    case Outcome::kNoOverlap:
+      return fmt::format(
+          "kept as given: it has less than {:.0f} % in common with the others; turn the cameras so that "
+          "they see more of the same surfaces, or add markers",
+          100 * alignment::kLeastOverlap);
+    case Outcome::kRefined:
+      break;
+  }
+  std::string text = fmt::format("moved {:.1f} mm and {:.2f} degrees", camera.moved_mm, camera.moved_deg);
+  for (const alignment::Direction& direction : camera.unsupported) {
+    text += fmt::format(
+        "; nothing in the overlap resists {}, so that part is as given: put something with corners "
+        "where both cameras see it",
+        describe(direction));
+  }
+  return text;
+}
+
+nlohmann::json matrix(const Rigid3& pose) {
+  nlohmann::json rows = nlohmann::json::array();
+  const Eigen::Matrix4d m = pose.matrix();
+  for (int r = 0; r < 4; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2), m(r, 3)});
+  return rows;
+}
+
+nlohmann::json to_json(const alignment::Refinement& refinement, std::span<const StillView> views) {
+  nlohmann::json cameras = nlohmann::json::array(), pairs = nlohmann::json::array();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const CameraRefinement& camera = refinement.cameras[i];
+    nlohmann::json unsupported = nlohmann::json::array();
+    for (const alignment::Direction& direction : camera.unsupported) {
+      unsupported.push_back({{"turn", {direction.turn.x(), direction.turn.y(), direction.turn.z()}},
+                             {"shift", {direction.shift.x(), direction.shift.y(), direction.shift.z()}},
+                             {"resistance", direction.resistance}});
+    }
+    cameras.push_back({{"name", views[i].name},
+                       {"outcome", name(camera.outcome)},
+                       {"says", tell(camera)},
+                       {"moved_mm", camera.moved_mm},
+                       {"moved_deg", camera.moved_deg},
+                       {"unsupported", unsupported},
+                       {"world_from_camera", matrix(camera.world_from_camera)}});
+  }
+  for (const alignment::PairRefinement& pair : refinement.pairs) {
+    pairs.push_back({{"a", views[pair.a].name},
+                     {"b", views[pair.b].name},
+                     {"before", calibrate::to_json(pair.before)},
+                     {"after", calibrate::to_json(pair.after)}});
+  }
+  return {{"cameras", cameras}, {"pairs", pairs}, {"least_resistance", refinement.least_resistance}};
+}
+
+Result<void> run(const Options& options) {
+  auto scene = scene::load(options.scene);
+  if (!scene) return fail(scene.error());
+  const auto views = still_views(options.recordings, *scene, options.scene);
+  if (!views) return fail(views.error());
+  std::vector<alignment::Surface> surfaces;
+  std::vector<Rigid3> poses;
+  for (const StillView& view : *views) {
+    surfaces.push_back(view.surface);
+    poses.push_back(view.world_from_camera);
+  }
+  const alignment::Refinement refinement = alignment::refine(surfaces, poses);
+  for (const alignment::PairRefinement& pair : refinement.pairs) {
+    fmt::print("{} - {}\n  before  {}\n  after   {}\n", (*views)[pair.a].name, (*views)[pair.b].name,
+               to_text(pair.before), to_text(pair.after));
+  }
+  bool any = false;
+  for (std::size_t i = 0; i < views->size(); ++i) {
+    const CameraRefinement& camera = refinement.cameras[i];
+    fmt::print("{}: {}\n", (*views)[i].name, tell(camera));
+    any = any || camera.outcome == Outcome::kRefined || camera.outcome == Outcome::kKept;
+  }
+  if (!options.json.empty()) {
+    if (auto written = write_json(to_json(refinement, *views), options.json); !written) return written;
+  }
+  if (!any) {
+    return fail(
+        ErrorCode::kRefused,
+        fmt::format(
+            "the cameras have less than {:.0f} % of their surfaces in common, too little to refine on; "
+            "{} is not written: turn the cameras so that they see more of the same surfaces",
+            100 * alignment::kLeastOverlap, options.out));
+  }
+  for (std::size_t i = 0; i < views->size(); ++i) {
+    if (refinement.cameras[i].outcome != Outcome::kRefined) continue;
+    for (scene::Camera& camera : scene->cameras) {
+      if (camera.name == (*views)[i].name) camera.world_from_camera = refinement.cameras[i].world_from_camera;
+    }
+  }
+  return scene::save(*scene, options.out, options.scene);
+}
+
+}  // namespace
 
 Command refine_command(CLI::App& program) {
-  CLI::App* parser =
-      program.add_subcommand("refine", "refines poses on the surfaces that cameras see in common");
-  return {parser, [] { return Result<void>(fail(ErrorCode::kUnsupported, "is not there yet")); }};
+  CLI::App* parser = program.add_subcommand(
+      "refine",
+      "Refines the cameras' poses on the surfaces that they see in common, all at once; the first camera "
+      "stays. Nothing "
+      "may move while the recordings are made; what moves all the same is left out. Tells for each pair of "
+      "cameras how "
+      "far surfaces lie apart before and after, in mm and in units of the sensors' expected noise. Leaves "
+      "with 0 when "
+      "the poses are at least as good as before, with 1 when the cameras see too little in common.");
+  const auto options = std::make_shared<Options>();
+  parser
+      ->add_option("--scene", options->scene,
+                   "the scene file with poses to start from, up to 10 cm and 5 degrees off")
+      ->required();
+  add_recording_option(*parser, options->recordings)->required()->expected(2, 64);
+  parser->add_option("--out", options->out, "the scene file to write; may be the same")->required();
+  parser->add_option("--json", options->json, "also tells everything to this file");
+  return {parser, [options] { return run(*options); }};
 }
 
 }  // namespace copresence::calibrate

@@ -1,0 +1,62 @@
+#pragma once
+
+// Refines where cameras stand on the surfaces that they see in common. The first camera stays where it is.
+//
+// Cameras are placed one after the other, each beside those that it shares most with: from its given pose and from
+// poses around it, coarsely; the start that ends with the most support (agreement.h) is followed up finely. Then all
+// move together. Directions that no matched surface resists, such as along a single wall, keep the given pose, and
+// a result that agrees worse than the given poses is thrown away.
+//
+// Thread: pure; the same input gives the same output.
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/frame/rigid3.h"
+#include "tools/calibrate/alignment/agreement.h"
+#include "tools/calibrate/alignment/surface.h"
+
+namespace copresence::alignment {
+
+inline constexpr double kLeastOverlap = 0.10;  ///< share of points below which a pair of cameras says nothing
+inline constexpr double kLeastResistance = 0.01;  ///< see Direction
+
+/// A motion of one camera that the matched surfaces resist least, of length 1.
+struct Direction {
+  Eigen::Vector3d turn;   ///< axis through the overlap's middle, world; in metres of motion at its radius
+  Eigen::Vector3d shift;  ///< world
+  /// Mean over the matches of the squared part of a motion of length 1 that goes along their normals, less what the
+  /// normals' noise makes of none: 1/3 in a room's corner, 0 along a wall.
+  double resistance = 0;
+};
+
+struct CameraRefinement {
+  enum class Outcome {
+    kReference,  ///< the first camera: never moved
+    kRefined,
+    kKept,       ///< the given pose agrees at least as well
+    kNoOverlap,  ///< too little in common with the cameras placed before it: not moved
+  };
+  Outcome outcome = Outcome::kReference;
+  Rigid3 world_from_camera;
+  double moved_mm = 0, moved_deg = 0;
+  std::vector<Direction> unsupported;  ///< in these it kept its given pose
+};
+
+struct PairRefinement {
+  std::size_t a = 0, b = 0;
+  Agreement before, after;
+};
+
+struct Refinement {
+  std::vector<CameraRefinement> cameras;
+  std::vector<PairRefinement> pairs;  ///< every pair with something in common, before or after
+  double least_resistance = 0;        ///< of all directions of all cameras that moved
+};
+
+/// surfaces  one per camera; poses: world_from_camera as given. Requires equal counts, at least one.
+Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> poses);
+
+}  // namespace copresence::alignment

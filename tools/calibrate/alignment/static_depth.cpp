@@ -1,0 +1,46 @@
+#include "tools/calibrate/alignment/static_depth.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <vector>
+
+namespace copresence::alignment {
+namespace {
+
+constexpr float kSteps = 351.3f;  // metres: a depth z is kSteps / z sensor steps
+constexpr float kStill = 2.5f;    // steps around the median
+
+}  // namespace
+
+Image<float> static_depth(std::span<const DepthImage> frames, DepthUnit unit) {
+  assert(!frames.empty());
+  const auto metres = static_cast<float>(metres_per_unit(unit));
+  Image<float> mean(frames[0].width(), frames[0].height());
+  std::vector<float> steps;
+  for (std::size_t pixel = 0; pixel < mean.pixels().size(); ++pixel) {
+    steps.clear();
+    for (const DepthImage& frame : frames) {
+      assert(same_shape(frame, frames[0]));
+      if (const std::uint16_t depth = frame.data()[pixel]) {
+        steps.push_back(kSteps / (metres * static_cast<float>(depth)));
+      }
+    }
+    if (steps.empty() || 2 * steps.size() < frames.size()) continue;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    const float median = *middle;
+    float sum = 0;
+    std::size_t still = 0;
+    for (const float value : steps) {
+      if (std::abs(value - median) > kStill) continue;
+      sum += value;
+      ++still;
+    }
+    if (5 * still < 4 * steps.size()) continue;
+    mean.data()[pixel] = kSteps * static_cast<float>(still) / sum;
+  }
+  return mean;
+}
+
+}  // namespace copresence::alignment

@@ -1,0 +1,23 @@
+#pragma once
+
+// What a still camera saw all along: the mean depth of many frames, without what moved.
+//
+// A Kinect's errors are of its disparity, so is the mean: it is taken over 1/z.
+//
+// Thread: pure.
+
+#include <span>
+
+#include "common/frame/depth_unit.h"
+#include "common/frame/image.h"
+
+namespace copresence::alignment {
+
+/// Metres along the optical axis, 0 = none. A pixel has a depth where at least half of the frames measured one and
+/// four fifths of these lie within 2.5 sensor steps of their median; else something moved there, or the sensor
+/// could not decide.
+///
+/// frames  at least one, of one size, in `unit`; 0 is a hole.
+Image<float> static_depth(std::span<const DepthImage> frames, DepthUnit unit);
+
+}  // namespace copresence::alignment

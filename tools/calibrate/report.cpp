@@ -1,0 +1,37 @@
+#include "tools/calibrate/report.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+namespace copresence::calibrate {
+
+std::string to_text(const alignment::Agreement& agreement) {
+  if (agreement.points == 0) return "no surface in common";
+  return fmt::format(
+      "{:.0f} % overlap, median {:.1f} mm ({:.1f} sigma), 95 % within {:.1f} mm ({:.1f} sigma), "
+      "{:.1f} % contradicted",
+      100 * agreement.overlap, 1000 * agreement.median_m, agreement.median_sigmas, 1000 * agreement.p95_m,
+      agreement.p95_sigmas, 100 * agreement.contradicted);
+}
+
+nlohmann::json to_json(const alignment::Agreement& agreement) {
+  return {{"overlap", agreement.overlap},
+          {"contradicted", agreement.contradicted},
+          {"median_mm", 1000 * agreement.median_m},
+          {"p95_mm", 1000 * agreement.p95_m},
+          {"median_sigmas", agreement.median_sigmas},
+          {"p95_sigmas", agreement.p95_sigmas},
+          {"rms_mm", 1000 * agreement.rms_m},
+          {"points", agreement.points}};
+}
+
+Result<void> write_json(const nlohmann::json& json, const std::string& path) {
+  std::ofstream file(path);
+  file << json.dump(2) << '\n';
+  file.close();
+  if (!file) return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be written", path));
+  return {};
+}
+
+}  // namespace copresence::calibrate

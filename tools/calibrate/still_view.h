@@ -1,0 +1,32 @@
+#pragma once
+
+// A camera's recording as the surfaces it saw all along: what refine and check work on.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/frame/rigid3.h"
+#include "common/result.h"
+#include "common/scene/scene.h"
+#include "tools/calibrate/alignment/surface.h"
+#include "tools/calibrate/capture.h"
+
+namespace copresence::calibrate {
+
+struct StillView {
+  std::string name;
+  alignment::Surface surface;
+  Rigid3 world_from_camera;  ///< the scene's, else the recording's own
+};
+
+/// At most this many frames of a recording, spread evenly, are averaged.
+inline constexpr std::size_t kFramesAveraged = 60;
+
+/// Reads every recording, in their order.
+/// Fails  as Capture::open() does, kInvalid for a camera that the scene does not have or that has no pose, kCorrupt
+///        for a recording in which hardly any pixel keeps still.
+Result<std::vector<StillView>> still_views(std::span<const NamedRecording> recordings,
+                                           const scene::Scene& scene, const std::string& scene_path);
+
+}  // namespace copresence::calibrate

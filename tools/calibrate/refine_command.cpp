@@ -112,11 +112,13 @@ Result<void> run(const Options& options) {
   if (!views) return fail(views.error());
   std::vector<alignment::Surface> surfaces;
   std::vector<Rigid3> poses;
+  std::vector<double> errors_m;
   for (const StillView& view : *views) {
     surfaces.push_back(view.surface);
     poses.push_back(view.world_from_camera);
+    errors_m.push_back(view.calibration_error_m);
   }
-  const alignment::Refinement refinement = alignment::refine(surfaces, poses);
+  const alignment::Refinement refinement = alignment::refine(surfaces, poses, errors_m);
   for (const alignment::PairRefinement& pair : refinement.pairs) {
     fmt::print("{} - {}\n  before  {}\n  after   {}\n", (*views)[pair.a].name, (*views)[pair.b].name,
                to_text(pair.before), to_text(pair.after));

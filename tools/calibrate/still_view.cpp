@@ -27,7 +27,7 @@ Result<StillView> still_view(const NamedRecording& recording, const scene::Camer
   for (RgbdFrame& frame : *frames) depths.push_back(std::move(frame.depth));
   StillView view{recording.name,
                  alignment::make_surface(alignment::static_depth(depths, capture->unit()), capture->model()),
-                 *capture->world_from_camera()};
+                 *capture->world_from_camera(), 1e-3 * known.calibration_error_mm.value_or(0)};
   const double pixels = static_cast<double>(capture->model().width) * capture->model().height;
   if (view.surface.planar < kLeastPlanar * pixels) {
     return fail(

@@ -17,7 +17,8 @@ namespace copresence::calibrate {
 struct StillView {
   std::string name;
   alignment::Surface surface;
-  Rigid3 world_from_camera;  ///< the scene's, else the recording's own
+  Rigid3 world_from_camera;        ///< the scene's, else the recording's own
+  double calibration_error_m = 0;  ///< the scene's; 0 where it says nothing
 };
 
 /// At most this many frames of a recording, spread evenly, are averaged.

@@ -37,6 +37,14 @@ Rigid3 Motions::moved(const Rigid3& pose, const Vector6& motion) const {
           rotation * (pose.translation - center) + center + motion.tail<3>()};
 }
 
+Vector6 Motions::between(const Rigid3& from, const Rigid3& to) const {
+  const Eigen::AngleAxisd turn(to.rotation * from.rotation.transpose());
+  Vector6 motion;
+  motion.head<3>() = turn.axis() * turn.angle() * radius_m;
+  motion.tail<3>() = to.translation - (turn.toRotationMatrix() * (from.translation - center) + center);
+  return motion;
+}
+
 Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const Level& level, bool keep_rows,
                     const Motions* about) {
   const MatchRules rules{level.spacing, level.reach_m};
@@ -55,6 +63,7 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
   }
   const auto unknowns = static_cast<Eigen::Index>(6 * problem.moving.size());
   equations.information = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  equations.knowledge = Eigen::MatrixXd::Zero(unknowns, unknowns);
   equations.gradient = Eigen::VectorXd::Zero(unknowns);
   if (equations.matches == 0) return equations;
   equations.motions.center = sum / equations.matches;
@@ -75,6 +84,9 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
       const double robust = inside * inside;
       const double weight = weight_of(match.sigma) * robust;
       equations.gain += weight * inside * limit * limit / 6;
+      // Both ways the same surface is matched: half of each.
+      const double known = robust * 0.5 * level.spacing * level.spacing /
+                           (kErrorBlob_px * kErrorBlob_px * match.sigma * match.sigma);
       const Eigen::Vector3d arm = 0.5 * (match.a + match.b) - equations.motions.center;
       Vector6 J;
       const Eigen::Vector3d turning = arm.cross(match.normal);
@@ -84,11 +96,14 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
         if (place < 0) continue;
         equations.gradient.segment<6>(6 * place) += sign * weight * distance * J;
         equations.information.block<6, 6>(6 * place, 6 * place) += weight * J * J.transpose();
+        equations.knowledge.block<6, 6>(6 * place, 6 * place) += known * J * J.transpose();
         if (keep_rows && robust > 0) equations.rows.block<1, 6>(row, 6 * place) = sign * J.transpose();
       }
       if (pair.a >= 0 && pair.b >= 0) {
         equations.information.block<6, 6>(6 * pair.a, 6 * pair.b) -= weight * J * J.transpose();
         equations.information.block<6, 6>(6 * pair.b, 6 * pair.a) -= weight * J * J.transpose();
+        equations.knowledge.block<6, 6>(6 * pair.a, 6 * pair.b) -= known * J * J.transpose();
+        equations.knowledge.block<6, 6>(6 * pair.b, 6 * pair.a) -= known * J * J.transpose();
       }
       ++row;
     }

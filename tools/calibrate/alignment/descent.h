@@ -40,13 +40,21 @@ struct Motions {
   double radius_m = 1;
 
   Rigid3 moved(const Rigid3& pose, const Eigen::Matrix<double, 6, 1>& motion) const;
+  /// The motion that takes `from` to `to`: the inverse of moved().
+  Eigen::Matrix<double, 6, 1> between(const Rigid3& from, const Rigid3& to) const;
 };
+
+/// A Kinect's depth is off by about half a step in patches of this size, however long it is averaged.
+inline constexpr double kErrorBlob_px = 48;
 
 /// What the matches say about motions around given poses.
 struct Equations {
   Motions motions;
   Eigen::MatrixXd information;  ///< J^T w J
   Eigen::VectorXd gradient;     ///< J^T w r
+  /// What the matches know of the motions, 1 / metre^2: J^T J / sigma^2, taking sensors' errors as alike over
+  /// kErrorBlob_px pixels, so that many pixels are one measurement.
+  Eigen::MatrixXd knowledge;
   Eigen::MatrixXd rows;  ///< J, a row per match; 0 where the match counts for nothing. Only when asked for
   /// What descend() raises: the sum over the matches of w k^2 / 6 (1 - (r / k)^2)^3, k where Tukey's kernel ends.
   double gain = 0;

@@ -1,5 +1,6 @@
 #include "tools/calibrate/alignment/refinement.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -134,10 +135,38 @@ double overlap_of(const Problem& problem, std::span<const Rigid3> poses, std::si
   return overlap;
 }
 
+// Moves poses back towards the given ones as far as these are known better than the surfaces tell: the most likely
+// poses when both err as they say.
+void weigh_against(std::span<const Rigid3> given, std::span<const double> errors_m, const Problem& problem,
+                   std::vector<Rigid3>& poses) {
+  const Equations equations = linearize(problem, poses, kJudged);
+  const auto unknowns = equations.knowledge.rows();
+  Eigen::VectorXd known_before = Eigen::VectorXd::Zero(unknowns), back(unknowns);
+  for (std::size_t i = 0; i < problem.moving.size(); ++i) {
+    const std::size_t camera = problem.moving[i];
+    const auto at = static_cast<Eigen::Index>(6 * i);
+    back.segment<6>(at) = equations.motions.between(poses[camera], given[camera]);
+    // Three shifts and two of three turns move a point: five equal parts of the mean square.
+    if (errors_m[camera] > 0)
+      known_before.segment<6>(at).setConstant(5 / (errors_m[camera] * errors_m[camera]));
+  }
+  if (known_before.isZero(0)) return;
+  Eigen::MatrixXd A = equations.knowledge;
+  A.diagonal() += known_before;
+  A.diagonal().array() += 1e-9 * A.diagonal().maxCoeff();
+  const Eigen::VectorXd step = A.ldlt().solve(known_before.cwiseProduct(back));
+  if (!step.allFinite()) return;
+  for (std::size_t i = 0; i < problem.moving.size(); ++i) {
+    Rigid3& pose = poses[problem.moving[i]];
+    pose = equations.motions.moved(pose, step.segment<6>(static_cast<Eigen::Index>(6 * i)));
+  }
+}
+
 }  // namespace
 
-Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> given) {
-  assert(!surfaces.empty() && surfaces.size() == given.size());
+Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> given,
+                  std::span<const double> errors_m) {
+  assert(!surfaces.empty() && surfaces.size() == given.size() && surfaces.size() == errors_m.size());
   using Outcome = CameraRefinement::Outcome;
   std::vector<Rigid3> poses(given.begin(), given.end());
   std::vector<Outcome> outcomes(surfaces.size(), Outcome::kNoOverlap);
@@ -200,6 +229,8 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
     if (!better) {
       poses.assign(given.begin(), given.end());
       for (const std::size_t camera : all.moving) outcomes[camera] = Outcome::kKept;
+    } else {
+      weigh_against(given, errors_m, all, poses);
     }
   }
 

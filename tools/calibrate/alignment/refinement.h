@@ -56,7 +56,12 @@ struct Refinement {
   double least_resistance = 0;        ///< of all directions of all cameras that moved
 };
 
-/// surfaces  one per camera; poses: world_from_camera as given. Requires equal counts, at least one.
-Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> poses);
+/// surfaces  one per camera. Requires as many poses and errors, at least one.
+/// poses     world_from_camera as given.
+/// errors_m  what is known of the given poses: how far off points are in the shared volume, root mean square, as
+///           `calibrate markers` says; 0 where nobody knows. A known error is weighed against what the surfaces tell:
+///           directions that they hardly resist then stay close to the given pose.
+Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> poses,
+                  std::span<const double> errors_m);
 
 }  // namespace copresence::alignment

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <numbers>
 #include <random>
@@ -102,7 +103,7 @@ double quantile(std::vector<double> values, double share) {
 }
 
 // Starts as far off as the arguments say: tenths of a millimetre and thousandths of a degree. 4 mm and 0.15 degrees
-// are what markers leave, 100 mm and 5 degrees what a tape measure does.
+// are what markers leave, 100 mm and 5 degrees what a tape measure does. The third argument: whether the error is told.
 void refine_simulated_layouts(benchmark::State& state) {
   const double metres = static_cast<double>(state.range(0)) * 1e-4,
                degrees = static_cast<double>(state.range(1)) * 1e-3;
@@ -115,7 +116,8 @@ void refine_simulated_layouts(benchmark::State& state) {
       std::mt19937 random(static_cast<unsigned>(1000 + number));
       std::vector<Rigid3> given = layout.truth;
       for (std::size_t i = 1; i < given.size(); ++i) given[i] = pushed(given[i], random, metres, degrees);
-      const Refinement refined = refine(layout.surfaces, given);
+      const double known_m = state.range(2) ? std::hypot(metres, degrees * std::numbers::pi / 180 * 0.6) : 0;
+      const Refinement refined = refine(layout.surfaces, given, std::vector(given.size(), known_m));
       ++runs;
       for (std::size_t i = 1; i < given.size(); ++i) {
         const CameraRefinement& camera = refined.cameras[i];
@@ -146,8 +148,9 @@ void refine_simulated_layouts(benchmark::State& state) {
   state.counters["not_refined"] = not_refined;
 }
 BENCHMARK(refine_simulated_layouts)
-    ->Args({40, 150})
-    ->Args({1000, 5000})
+    ->Args({40, 150, 1})
+    ->Args({40, 150, 0})
+    ->Args({1000, 5000, 0})
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
 
@@ -163,7 +166,8 @@ void refine_one_pair(benchmark::State& state) {
   const Layout& layout = layouts().front();
   std::mt19937 random(1);
   const std::vector<Rigid3> given{layout.truth[0], pushed(layout.truth[1], random, 0.1, 5)};
-  for (auto _ : state) benchmark::DoNotOptimize(refine(std::span(layout.surfaces).first(2), given));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(refine(std::span(layout.surfaces).first(2), given, std::vector(2, 0.0)));
 }
 BENCHMARK(refine_one_pair)->Unit(benchmark::kMillisecond);
 

@@ -14,6 +14,10 @@ const Eigen::Vector3d kCorner(1.0, -0.5, 1.8);
 const Rigid3 kLeft = test::look_from({-0.9, -1.5, -0.6}, kCorner);
 const Rigid3 kRight = test::look_from({0.3, -1.3, -1.0}, kCorner);
 
+std::vector<double> nothing_known(const std::vector<Rigid3>& poses) {
+  return std::vector<double>(poses.size(), 0.0);
+}
+
 Surface seen(const std::vector<test::Box>& boxes, const Rigid3& pose, unsigned seed = 0) {
   return make_surface(test::depth_of(boxes, test::small_camera(), pose, seed), test::small_camera());
 }
@@ -22,7 +26,7 @@ TEST(Refinement, FindsThePoseAgainFromTenCentimetresAndFiveDegreesOff) {
   const std::vector<Surface> surfaces{seen(test::furnished_room(), kLeft),
                                       seen(test::furnished_room(), kRight)};
   const std::vector<Rigid3> given{kLeft, test::disturbed(kRight, {0.06, -0.05, 0.06}, {1, 1, -1}, 5)};
-  const Refinement refined = refine(surfaces, given);
+  const Refinement refined = refine(surfaces, given, nothing_known(given));
   EXPECT_EQ(refined.cameras[0].outcome, Outcome::kReference);
   EXPECT_EQ(refined.cameras[0].world_from_camera, kLeft);
   EXPECT_EQ(refined.cameras[1].outcome, Outcome::kRefined);
@@ -37,13 +41,28 @@ TEST(Refinement, FindsThePoseAgainFromTenCentimetresAndFiveDegreesOff) {
 TEST(Refinement, EndsInOnePlaceWhereverItStarts) {
   const std::vector<Surface> surfaces{seen(test::furnished_room(), kLeft, 1),
                                       seen(test::furnished_room(), kRight, 2)};
-  const Rigid3 from_truth = refine(surfaces, std::vector{kLeft, kRight}).cameras[1].world_from_camera;
+  const Rigid3 from_truth =
+      refine(surfaces, std::vector{kLeft, kRight}, std::vector(2, 0.0)).cameras[1].world_from_camera;
   EXPECT_LT(test::millimetres_between(from_truth, kRight), 8);
   EXPECT_LT(test::degrees_between(from_truth, kRight), 0.3);
   const Rigid3 off = test::disturbed(kRight, {-0.07, 0.06, -0.04}, {-1, 2, 1}, 5);
-  const Rigid3 from_afar = refine(surfaces, std::vector{kLeft, off}).cameras[1].world_from_camera;
+  const Rigid3 from_afar =
+      refine(surfaces, std::vector{kLeft, off}, std::vector(2, 0.0)).cameras[1].world_from_camera;
   EXPECT_LT(test::millimetres_between(from_afar, from_truth), 2);
   EXPECT_LT(test::degrees_between(from_afar, from_truth), 0.1);
+}
+
+TEST(Refinement, TrustsAPoseThatIsKnownToBeGoodMoreThanNoisySurfaces) {
+  const std::vector<Surface> surfaces{seen(test::furnished_room(), kLeft, 1),
+                                      seen(test::furnished_room(), kRight, 2)};
+  const std::vector<Rigid3> given{kLeft, test::disturbed(kRight, {0.0005, 0, 0}, {0, 1, 0}, 0)};
+  const auto found = [&](double error_m) {
+    return refine(surfaces, given, std::vector{0.0, error_m}).cameras[1].world_from_camera;
+  };
+  EXPECT_LT(test::millimetres_between(found(0.0005), given[1]), 0.5);
+  EXPECT_LT(test::millimetres_between(found(0.0005), given[1]),
+            test::millimetres_between(found(0.01), given[1]));
+  EXPECT_LT(test::millimetres_between(found(10), found(0)), 0.1);
 }
 
 TEST(Refinement, MovesAllCamerasTogetherAlongChains) {
@@ -53,7 +72,7 @@ TEST(Refinement, MovesAllCamerasTogetherAlongChains) {
     surfaces.push_back(seen(test::furnished_room(), pose));
   const std::vector<Rigid3> given{kLeft, test::disturbed(kRight, {0.03, 0, -0.03}, {0, 1, 0}, 2),
                                   test::disturbed(far_right, {0, 0.03, 0.03}, {1, 0, 0}, 2)};
-  const Refinement refined = refine(surfaces, given);
+  const Refinement refined = refine(surfaces, given, nothing_known(given));
   EXPECT_LT(test::millimetres_between(refined.cameras[1].world_from_camera, kRight), 2);
   EXPECT_LT(test::millimetres_between(refined.cameras[2].world_from_camera, far_right), 2);
 }
@@ -64,7 +83,7 @@ TEST(Refinement, DoesNotSlideAlongAWall) {
                right = test::look_from({0.4, 0, 0}, {0, 0, 2});
   const std::vector<Surface> surfaces{seen(wall, left, 1), seen(wall, right, 2)};
   const std::vector<Rigid3> given{left, test::disturbed(right, {0.03, 0.02, 0.04}, {1, 0, 0}, 1)};
-  const Refinement refined = refine(surfaces, given);
+  const Refinement refined = refine(surfaces, given, nothing_known(given));
   ASSERT_EQ(refined.cameras[1].outcome, Outcome::kRefined);
   EXPECT_EQ(refined.cameras[1].unsupported.size(), 3u);  // two shifts and the turn in the wall's plane
   const Eigen::Vector3d moved =
@@ -79,7 +98,7 @@ TEST(Refinement, SaysNoWhereNothingIsSeenInCommon) {
   const Rigid3 away = test::look_from({0.3, -1.3, 0}, {0.2, -1.2, -1.4});
   const std::vector<Surface> surfaces{seen(test::furnished_room(), kLeft),
                                       seen(test::furnished_room(), away)};
-  const Refinement refined = refine(surfaces, std::vector{kLeft, away});
+  const Refinement refined = refine(surfaces, std::vector{kLeft, away}, std::vector(2, 0.0));
   EXPECT_EQ(refined.cameras[1].outcome, Outcome::kNoOverlap);
   EXPECT_EQ(refined.cameras[1].world_from_camera, away);
 }

@@ -25,6 +25,7 @@ constexpr std::chrono::milliseconds kDrainWhenStopped{400}, kDrainAtTheEnd{3000}
 struct Captured {
   RgbdFrame frame;
   std::uint64_t encoder_busy = 0;
+  sensor::SourceCounters pictures;
 };
 
 /// A viewer on this machine goes before new frames for it: a frame more waits, and no view stutters.
@@ -108,7 +109,7 @@ class Pipeline {
       const std::uint64_t sequence = frame->stamp.sequence;
       if (recording_) recording_->offer(*frame, waits_for_the_encoder, stop);
       if (waits_for_the_encoder) captured_.wait_until_taken(stop);
-      captured_.put({std::move(*frame), captured_.overwritten()});
+      captured_.put({std::move(*frame), captured_.overwritten(), source_->counters()});
       if (settings_.frames && sequence >= *settings_.frames) return {};
     }
     return {};
@@ -148,7 +149,8 @@ class Pipeline {
       keyframe_owed = !encoded;
       if (encoded) {
         server_->send(std::make_shared<const EncodedFrame>(std::move(*encoded)),
-                      {sequence, captured->encoder_busy, without_room});
+                      {sequence, captured->encoder_busy, without_room, captured->pictures.depth_without_color,
+                       captured->pictures.color_without_depth, captured->pictures.damaged});
       } else if (encoded.error().code == ErrorCode::kUnsupported) {
         return fail(encoded.error());
       } else {

@@ -72,7 +72,10 @@ Result<void> CameraReceiver::receive_from(wire::FrameClient& client, std::stop_t
     if (!received) return fail(received.error());
     const EncodedFrame& encoded = received->frame;
     statistics_.received(received->counters.captured, received->counters.encoder_busy,
-                         encoded.depth.size() + encoded.color.size(), received->received_at);
+                         received->counters.window_full, encoded.depth.size() + encoded.color.size(),
+                         received->received_at);
+    statistics_.sensor({received->counters.depth_without_color, received->counters.color_without_depth,
+                        received->counters.damaged});
     statistics_.stage(Stage::kWire, received->received_at - client.clock().to_local(received->sent_at));
 
     FrameDecoding::Durations durations;

@@ -15,6 +15,7 @@
 #include "common/scene/scene.h"
 #include "render_client/camera_receiver.h"
 #include "render_client/eye.h"
+#include "render_client/frame_sync.h"
 #include "render_client/live_color_matching.h"
 #include "render_client/pacing/render_pacer.h"
 #include "render_client/screenshot.h"
@@ -42,6 +43,9 @@ Result<std::vector<std::string>> addresses(const ClientSettings& settings, const
 
 /// Matching colours is in no hurry.
 constexpr int kStepsBehindTheView = 10;
+/// A camera whose newest frame is so old has stopped: it says nothing about skew.
+constexpr milliseconds kStopped{500};
+constexpr milliseconds kSaySkewEvery{10'000};
 
 /// The render thread's side of one camera: its newest frame and what is known of it.
 struct Shown {
@@ -91,6 +95,7 @@ class Pipeline {
         stop_(std::move(stop)),
         board_(servers_.size()),
         colors_(servers_.size()),
+        frames_(servers_.size(), settings_.sync),
         statistics_(servers_.size()),
         shown_(servers_.size()) {}
 
@@ -133,7 +138,7 @@ class Pipeline {
       const Instant now = steady_clock::now();
       const std::optional<Instant> due = pacer.next_render_at(now);
       if (!due || *due > now) {
-        board_.wait(stop_.get_token(), due.value_or(now + milliseconds(100)));
+        board_.wait(stop_.get_token(), frames_.wake_by(due.value_or(now + milliseconds(100))));
         for (std::size_t i : take_frames())
           pacer.frame_arrived(static_cast<int>(i), shown_[i].newest->arrived_at);
         continue;
@@ -185,9 +190,10 @@ class Pipeline {
 
   /// Takes what has arrived; returns the cameras that have a new frame.
   std::vector<std::size_t> take_frames() {
+    frames_.gather(board_, statistics_, steady_clock::now());
     std::vector<std::size_t> arrived;
     for (std::size_t i = 0; i < shown_.size(); ++i) {
-      auto received = board_.take(i);
+      auto received = frames_.take(i);
       if (!received) continue;
       Shown& shown = shown_[i];
       if (shown.is_fresh) statistics_[i].unshown();
@@ -225,6 +231,7 @@ class Pipeline {
     const Instant end = steady_clock::now();
     const bool complete = views.size() == shown_.size();
     view_statistics_.rendered(begin, end, complete);
+    note_skew(end);
     if (complete) ++view_index_;
     for (std::size_t i = 0; i < shown_.size(); ++i) {
       Shown& shown = shown_[i];
@@ -233,6 +240,27 @@ class Pipeline {
       statistics_[i].shown(shown.newest->frame.stamp.sequence, end - shown.newest->captured_at);
     }
     return {};
+  }
+
+  /// How far apart the instants are that the view shows; of cameras that deliver.
+  void note_skew(Instant now) {
+    std::optional<Instant> earliest, latest;
+    int cameras = 0;
+    for (const Shown& shown : shown_) {
+      if (!shown.newest || now - shown.newest->captured_at > kStopped) continue;
+      ++cameras;
+      earliest = std::min(earliest.value_or(shown.newest->captured_at), shown.newest->captured_at);
+      latest = std::max(latest.value_or(shown.newest->captured_at), shown.newest->captured_at);
+    }
+    if (cameras < 2) return;
+    view_statistics_.skew(*latest - *earliest);
+    if (now < say_skew_at_) return;
+    if (say_skew_at_ != Instant{}) {
+      const auto& skew = view_statistics_.skew();
+      spdlog::info("the cameras' pictures in a view are {:.1f} ms apart (p95 {:.1f} ms){}",
+                   skew.percentile_ms(50), skew.percentile_ms(95), settings_.sync ? ", synchronised" : "");
+    }
+    say_skew_at_ = now + kSaySkewEvery;
   }
 
   Result<void> write_results() {
@@ -260,11 +288,13 @@ class Pipeline {
   std::stop_source stop_;
   flow::LatestOfEach<Received> board_;
   LiveColorMatching colors_;
+  FrameSync frames_;
   std::deque<CameraStatistics> statistics_;  // a deque, since they cannot move
   std::vector<Shown> shown_;
   ViewStatistics view_statistics_;
   std::uint64_t view_index_ = 0;
   std::optional<renderer::VirtualCamera> last_eye_;  ///< of the last view
+  Instant say_skew_at_{};
   std::mutex refusal_mutex_;
   std::optional<Error> refusal_;
 };

@@ -59,6 +59,8 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
   app.add_option("--fov", settings.fov_degrees, "vertical field of view, degrees")
       ->capture_default_str()
       ->check(CLI::Range(5.0, 150.0));
+  app.add_flag("--sync", settings.sync,
+               "show frames of nearest instants together; a frame waits for half a period at most");
   app.add_option(
          "--view", settings.view,
          "mouse (default in a window), path:FILE (lines \"view x y z look_x look_y look_z\", metres) or "

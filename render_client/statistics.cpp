@@ -28,7 +28,12 @@ ordered_json to_json(const std::string& name, const CameraStatistics::Snapshot& 
                       {"frames_decoded", s.decoded},
                       {"frames_dropped", s.dropped},
                       {"drops", s.drops},
+                      {"frames_shown", s.latency.count()},
                       {"frames_unshown", s.unshown},
+                      {"pictures",
+                       {{"depth_without_color", s.pictures.depth_without_color},
+                        {"color_without_depth", s.pictures.color_without_depth},
+                        {"damaged", s.pictures.damaged}}},
                       {"last_shown_sequence", s.last_shown_sequence},
                       {"mbps", s.mbps},
                       {"latency_ms", percentiles(s.latency, {50, 95, 99})}};
@@ -44,16 +49,18 @@ ordered_json to_json(const std::string& name, const CameraStatistics::Snapshot& 
 
 }  // namespace
 
-void CameraStatistics::received(std::uint64_t captured, std::uint64_t encoder_busy, std::size_t bytes,
-                                Instant now) {
+void CameraStatistics::received(std::uint64_t captured, std::uint64_t encoder_busy, std::uint64_t window_full,
+                                std::size_t bytes, Instant now) {
   std::lock_guard lock(mutex_);
-  if (!last_ || captured <= last_->captured || encoder_busy < last_->encoder_busy) {
+  if (!last_ || captured <= last_->captured || encoder_busy < last_->encoder_busy ||
+      window_full < last_->window_full) {
     sums_.captured += 1;  // joined a stream: what it captured before is not ours to count
   } else {
     sums_.captured += captured - last_->captured;
     encoder_busy_ += encoder_busy - last_->encoder_busy;
+    window_full_ += window_full - last_->window_full;
   }
-  last_ = Totals{captured, encoder_busy};
+  last_ = Totals{captured, encoder_busy, window_full};
   sums_.received += 1;
   if (!first_) {
     first_ = now;
@@ -61,6 +68,20 @@ void CameraStatistics::received(std::uint64_t captured, std::uint64_t encoder_bu
     bytes_ += bytes;  // the first frame opens the interval that the rate is measured over
   }
   newest_ = now;
+}
+
+void CameraStatistics::sensor(const Pictures& totals) {
+  std::lock_guard lock(mutex_);
+  // A total that falls is a server's that started anew.
+  const auto growth = [&](std::uint64_t Pictures::*total) {
+    return last_pictures_ && totals.*total >= (*last_pictures_).*total
+               ? totals.*total - (*last_pictures_).*total
+               : std::uint64_t{0};
+  };
+  for (auto total : {&Pictures::depth_without_color, &Pictures::color_without_depth, &Pictures::damaged}) {
+    sums_.pictures.*total += growth(total);
+  }
+  last_pictures_ = totals;
 }
 
 void CameraStatistics::decoded() {
@@ -99,8 +120,11 @@ CameraStatistics::Snapshot CameraStatistics::snapshot() const {
   std::lock_guard lock(mutex_);
   Snapshot s = sums_;
   const std::uint64_t missing = s.captured - std::min(s.captured, s.received);
-  const std::uint64_t busy = std::min(encoder_busy_, missing);
-  s.drops = {{"encoder_busy", busy}, {"window_full", missing - busy}, {"decode_error", not_decoded_}};
+  const std::uint64_t known = encoder_busy_ + window_full_;
+  s.drops = {{"encoder_busy", encoder_busy_},
+             {"window_full", window_full_},
+             {"decode_error", not_decoded_},
+             {"unaccounted", missing - std::min(missing, known)}};
   s.dropped = missing + not_decoded_;
   if (first_ && *newest_ > *first_) {
     s.mbps = static_cast<double>(bytes_) * 8e-6 / std::chrono::duration<double>(*newest_ - *first_).count();
@@ -134,6 +158,7 @@ Result<void> write_statistics(const std::string& path, const std::vector<std::st
   root["view"] = {{"frames", view.frames()},
                   {"fps", view.fps()},
                   {"render_ms", percentiles(view.render_time(), {50, 95})},
+                  {"skew_ms", percentiles(view.skew(), {50, 95, 99})},
                   {"renderer", renderer},
                   {"size", fmt::format("{}x{}", width, height)}};
   const auto least_sure = std::max_element(

@@ -25,11 +25,21 @@ enum class Stage { kCapture, kFill, kDepthEncode, kVideoEncode, kWire, kVideoDec
 inline constexpr std::array<const char*, 7> kStageNames{
     "capture", "fill", "depth_encode", "video_encode", "wire", "video_decode", "depth_decode"};
 
+/// Pictures of a sensor that found no partner of their instant, or came damaged.
+struct Pictures {
+  std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none
+  std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
+  std::uint64_t damaged = 0;              ///< pictures that did not decode or went missing
+};
+
 class CameraStatistics {
  public:
-  /// Everything is counted from the first received() on. `captured`, `encoder_busy`: the server's running
-  /// totals as they came with this frame; a total that falls means that the server started anew.
-  void received(std::uint64_t captured, std::uint64_t encoder_busy, std::size_t bytes, Instant now);
+  /// Everything is counted from the first received() on. `captured`, `encoder_busy`, `window_full`: the server's
+  /// running totals as they came with this frame; a total that falls means that the server started anew.
+  void received(std::uint64_t captured, std::uint64_t encoder_busy, std::uint64_t window_full,
+                std::size_t bytes, Instant now);
+  /// What became of the sensor's pictures, the server's running totals; counted like these.
+  void sensor(const Pictures& totals);
   void decoded();
   void not_decoded();  ///< received, but damaged or dependent on something that is missing
   void unshown();      ///< decoded, but replaced before any view
@@ -38,6 +48,7 @@ class CameraStatistics {
   void clock(Duration offset, Duration uncertainty);
 
   struct Snapshot {
+    Pictures pictures;
     std::uint64_t captured = 0, received = 0, decoded = 0, unshown = 0, last_shown_sequence = 0;
     std::map<std::string, std::uint64_t> drops;  ///< by cause; every cause is there, also with 0
     std::uint64_t dropped = 0;
@@ -50,12 +61,13 @@ class CameraStatistics {
 
  private:
   struct Totals {
-    std::uint64_t captured, encoder_busy;
+    std::uint64_t captured, encoder_busy, window_full;
   };
 
   mutable std::mutex mutex_;
   std::optional<Totals> last_;
-  std::uint64_t encoder_busy_ = 0, not_decoded_ = 0, bytes_ = 0;
+  std::optional<Pictures> last_pictures_;
+  std::uint64_t encoder_busy_ = 0, window_full_ = 0, not_decoded_ = 0, bytes_ = 0;
   std::optional<Instant> first_, newest_;
   Snapshot sums_;
 };
@@ -65,14 +77,18 @@ class ViewStatistics {
   /// `complete`: the view shows every listed camera. Views are counted from the first complete one.
   void rendered(Instant begin, Instant end, bool complete);
 
+  /// Between the earliest and the latest instant that a view shows; of two cameras or more.
+  void skew(Duration skew) { skew_.add(skew); }
+
   std::uint64_t frames() const { return frames_; }
+  const flow::StageTiming& skew() const { return skew_; }
   double fps() const;  ///< 0 below two views
   const flow::StageTiming& render_time() const { return render_time_; }
 
  private:
   std::uint64_t frames_ = 0;
   Instant first_{}, last_{};
-  flow::StageTiming render_time_;
+  flow::StageTiming render_time_, skew_;
 };
 
 /// Writes design section 7's JSON. Fails with a sentence that names the file.

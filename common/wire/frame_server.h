@@ -1,7 +1,7 @@
 #pragma once
 
 // Sends one stream's frames to every client that has room for them. An encoded frame is neither copied nor
-// written down per client: all share it, and each gets its own 72 bytes in front. A slow client delays nobody
+// written down per client: all share it, and each gets its own 96 bytes in front. A slow client delays nobody
 // and holds at most its window (client_window.h) of frames; a silent, babbling or dead one loses its
 // connection and nothing else.
 //

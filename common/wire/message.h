@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kProtocolVersion = 2;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
 inline constexpr std::size_t kHeaderBytes = 8;
-inline constexpr std::size_t kFrameHeadBytes = 64;  ///< of a frame's body, before its access units
+inline constexpr std::size_t kFrameHeadBytes = 88;  ///< of a frame's body, before its access units
 inline constexpr std::size_t kMaxMessageBytes = 8 * 1024 * 1024;  ///< body of the largest message, a frame
 inline constexpr std::size_t kMaxTextBytes = 512;                 ///< a sentence for a person, UTF-8
 inline constexpr std::size_t kMaxNameBytes = 64;   ///< a camera's, a codec's, a parameter's name
@@ -79,6 +79,11 @@ struct FrameCounters {
   std::uint64_t captured = 0;      ///< frames the server had from its sensor
   std::uint64_t encoder_busy = 0;  ///< never encoded: a newer one was there before the encoder was free
   std::uint64_t window_full = 0;   ///< not sent: this client had not acknowledged enough of the ones before
+
+  // What became of the sensor's pictures.
+  std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none
+  std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
+  std::uint64_t damaged = 0;              ///< pictures that did not decode or went missing
   friend bool operator==(const FrameCounters&, const FrameCounters&) = default;
 };
 

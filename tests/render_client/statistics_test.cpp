@@ -16,7 +16,7 @@ Instant at(int ms) { return Instant(milliseconds(ms)); }
 
 TEST(CameraStatistics, CountsFromTheFirstFrameOn) {
   CameraStatistics camera;
-  camera.received(500, 20, 1000, at(0));
+  camera.received(500, 20, 3, 1000, at(0));
   camera.decoded();
   const auto s = camera.snapshot();
   EXPECT_EQ(s.captured, 1u);
@@ -26,9 +26,9 @@ TEST(CameraStatistics, CountsFromTheFirstFrameOn) {
 
 TEST(CameraStatistics, TellsWhyFramesAreMissing) {
   CameraStatistics camera;
-  camera.received(100, 7, 1000, at(0));
-  camera.received(104, 9, 1000, at(100));  // three are missing: two of them for want of an encoder
-  camera.received(105, 9, 1000, at(200));
+  camera.received(100, 7, 40, 1000, at(0));
+  camera.received(104, 9, 41, 1000, at(100));  // three are missing: two of them for want of an encoder
+  camera.received(105, 9, 41, 1000, at(200));
   camera.not_decoded();
   const auto s = camera.snapshot();
   EXPECT_EQ(s.captured, 6u);
@@ -36,23 +36,43 @@ TEST(CameraStatistics, TellsWhyFramesAreMissing) {
   EXPECT_EQ(s.drops.at("encoder_busy"), 2u);
   EXPECT_EQ(s.drops.at("window_full"), 1u);
   EXPECT_EQ(s.drops.at("decode_error"), 1u);
+  EXPECT_EQ(s.drops.at("unaccounted"), 0u);
   EXPECT_EQ(s.dropped, 4u);
+}
+
+TEST(CameraStatistics, SaysSoWhereAFrameIsMissingThatNobodyKnowsOf) {
+  CameraStatistics camera;
+  camera.received(100, 0, 0, 1000, at(0));
+  camera.received(103, 1, 0, 1000, at(100));
+  EXPECT_EQ(camera.snapshot().drops.at("unaccounted"), 1u);
+}
+
+TEST(CameraStatistics, CountsPicturesWithoutAPartnerFromTheFirstFrameOn) {
+  CameraStatistics camera;
+  camera.sensor({10, 20, 30});
+  camera.sensor({11, 20, 33});
+  camera.sensor({0, 0, 0});  // a server that started anew
+  camera.sensor({2, 1, 0});
+  const Pictures pictures = camera.snapshot().pictures;
+  EXPECT_EQ(pictures.depth_without_color, 3u);
+  EXPECT_EQ(pictures.color_without_depth, 1u);
+  EXPECT_EQ(pictures.damaged, 3u);
 }
 
 TEST(CameraStatistics, StartsAnewWithAServerThatStartsAnew) {
   CameraStatistics camera;
-  camera.received(900, 50, 1000, at(0));
-  camera.received(1, 0, 1000, at(100));
-  camera.received(2, 0, 1000, at(133));
+  camera.received(900, 50, 0, 1000, at(0));
+  camera.received(1, 0, 0, 1000, at(100));
+  camera.received(2, 0, 0, 1000, at(133));
   EXPECT_EQ(camera.snapshot().captured, 3u);
   EXPECT_EQ(camera.snapshot().dropped, 0u);
 }
 
 TEST(CameraStatistics, MeasuresTheRateBetweenFirstAndNewestFrame) {
   CameraStatistics camera;
-  camera.received(1, 0, 999999, at(0));
-  camera.received(2, 0, 125000, at(500));
-  camera.received(3, 0, 125000, at(1000));
+  camera.received(1, 0, 0, 999999, at(0));
+  camera.received(2, 0, 0, 125000, at(500));
+  camera.received(3, 0, 0, 125000, at(1000));
   EXPECT_NEAR(camera.snapshot().mbps, 2.0, 1e-9);
 }
 
@@ -70,7 +90,7 @@ TEST(ViewStatistics, CountsFromTheFirstCompleteViewOn) {
 TEST(Statistics, WritesEveryKeyOfTheDesign) {
   testing::TemporaryFolder folder;
   CameraStatistics camera;
-  camera.received(1, 0, 10, at(0));
+  camera.received(1, 0, 0, 10, at(0));
   camera.stage(Stage::kWire, milliseconds(2));
   camera.shown(1, milliseconds(30));
   const std::string path = folder / "stats.json";
@@ -87,6 +107,9 @@ TEST(Statistics, WritesEveryKeyOfTheDesign) {
   EXPECT_NEAR(left.at("stages_ms").at("wire").at("p50").get<double>(), 2, 0.05);
   EXPECT_EQ(json.at("view").at("size"), "1280x720");
   EXPECT_TRUE(json.at("view").contains("render_ms"));
+  EXPECT_TRUE(json.at("view").at("skew_ms").contains("p95"));
+  EXPECT_EQ(left.at("pictures").at("damaged"), 0);
+  EXPECT_EQ(left.at("frames_shown"), 1);
   EXPECT_TRUE(json.at("clock").contains("uncertainty_us"));
 }
 

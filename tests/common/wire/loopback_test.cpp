@@ -26,7 +26,7 @@ TEST(Loopback, CarriesAFrameAsItIs) {
   EXPECT_EQ(received->frame.sequence, 1u);
   EXPECT_EQ(received->frame.depth, std::vector<std::uint8_t>(50000, 1));
   EXPECT_EQ(received->frame.color, std::vector<std::uint8_t>(25000, 0x55));
-  EXPECT_EQ(received->counters, (FrameCounters{1, 0, 0}));
+  EXPECT_EQ(received->counters, (FrameCounters{.captured = 1}));
   EXPECT_LE(received->sent_at, received->received_at);
   EXPECT_EQ(client->bytes_received(), 283 + 72 + 75000u);
 }

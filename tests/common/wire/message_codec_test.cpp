@@ -92,7 +92,7 @@ TEST(MessageCodec, SaturatesDurationsInsteadOfWrapping) {
   head.durations.fill = std::chrono::hours(3);
   head.durations.capture = -std::chrono::seconds(1);
   const FrameHeadMessage message = encode(head);
-  const auto back = decode_frame_head(std::span(message).last<kFrameHeadBytes>(), 164);
+  const auto back = decode_frame_head(std::span(message).last<kFrameHeadBytes>(), 188);
   EXPECT_EQ(back->durations.fill, std::chrono::microseconds(0xffffffff));
   EXPECT_EQ(back->durations.capture, Duration::zero());
 }
@@ -145,7 +145,7 @@ TEST(MessageCodec, RefusesAFrameThatContradictsItself) {
   const auto refuses = [](std::size_t at, std::uint8_t value) {
     FrameHeadMessage message = encode(sample_frame_head());
     message[kHeaderBytes + at] = value;
-    return !decode_frame_head(std::span(message).last<kFrameHeadBytes>(), 164);
+    return !decode_frame_head(std::span(message).last<kFrameHeadBytes>(), 188);
   };
   EXPECT_TRUE(refuses(15, 0xff));  // sent 290 years from now
   EXPECT_TRUE(refuses(56, 2));     // a flag nobody knows

@@ -21,10 +21,9 @@ namespace {
 // A stop must be over within a second, and the supervisor kills what is silent for five.
 constexpr std::chrono::milliseconds kDrainWhenStopped{400}, kDrainAtTheEnd{3000};
 
-/// A frame on its way from the capture to the encode thread, with the losses as they stood when it came.
+/// A frame on its way from the capture to the encode thread, with the sensor's losses as they stood when it came.
 struct Captured {
   RgbdFrame frame;
-  std::uint64_t encoder_busy = 0;
   sensor::SourceCounters pictures;
 };
 
@@ -109,7 +108,7 @@ class Pipeline {
       const std::uint64_t sequence = frame->stamp.sequence;
       if (recording_) recording_->offer(*frame, waits_for_the_encoder, stop);
       if (waits_for_the_encoder) captured_.wait_until_taken(stop);
-      captured_.put({std::move(*frame), captured_.overwritten(), source_->counters()});
+      captured_.put({std::move(*frame), source_->counters()});
       if (settings_.frames && sequence >= *settings_.frames) return {};
     }
     return {};
@@ -138,22 +137,27 @@ class Pipeline {
     flow::give_way(kStepsBehindTheView);
     bool keyframe_owed = false;      // a frame that was to be one failed
     std::uint64_t without_room = 0;  // frames left out since nobody was there, or nobody had room
+    std::uint64_t encoder_busy = 0;  // frames replaced by newer ones before they were taken, or that failed
+    std::uint64_t last = 0;          // sequence
     while (auto captured = captured_.take({})) {
+      const std::uint64_t sequence = captured->frame.stamp.sequence;
+      if (sequence > last) encoder_busy += sequence - last - 1;
+      last = sequence;
       if (!server_->wants_frames()) {
         ++without_room;
         continue;
       }
-      const std::uint64_t sequence = captured->frame.stamp.sequence;
       const bool keyframe = server_->take_keyframe_request() || keyframe_owed;
       auto encoded = encoding_.encode(std::move(captured->frame), keyframe);
       keyframe_owed = !encoded;
       if (encoded) {
         server_->send(std::make_shared<const EncodedFrame>(std::move(*encoded)),
-                      {sequence, captured->encoder_busy, without_room, captured->pictures.depth_without_color,
+                      {sequence, encoder_busy, without_room, captured->pictures.depth_without_color,
                        captured->pictures.color_without_depth, captured->pictures.damaged});
       } else if (encoded.error().code == ErrorCode::kUnsupported) {
         return fail(encoded.error());
       } else {
+        ++encoder_busy;
         spdlog::warn("{}: frame {} is left out: {}", settings_.name, sequence, encoded.error().what);
       }
     }

@@ -77,7 +77,9 @@ void RecordingThread::write(const RgbdFrame& frame) {
   ++left_out_;
   if (written.error().code == ErrorCode::kUnavailable) {
     stop_recording(written.error());
-  } else {
+  } else if (const Instant now = steady_clock::now(); now >= said_at_ + kSayEvery) {
+    said_at_ = now;
+    said_left_out_ = left_out_;
     spdlog::warn("frame {} is left out of the recording: {}", frame.stamp.sequence, written.error().what);
   }
 }

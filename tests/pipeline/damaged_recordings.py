@@ -41,8 +41,8 @@ def records(data):
 
 
 class Damage:
-    def __init__(self, whole, seed):
-        self.whole, self.random = whole, random.Random(seed)
+    def __init__(self, whole):
+        self.whole, self.random = whole, None
         self.records = records(whole)
         self.frames = [r for r in self.records if r[1] == NEW_DATA and r[3] > 100]
         self.definitions = [r for r in self.records if r[1] == NODE_ADDED or FIRST_PROPERTY <= r[1] <= LAST_PROPERTY]
@@ -53,6 +53,10 @@ class Damage:
             begin, end = self.random.choice(places)
             data[self.random.randrange(begin, end)] = self.random.randrange(256)
         return bytes(data)
+
+    def make(self, kind, seed):
+        self.random = random.Random(seed)
+        return getattr(self, kind)()
 
     def truncated(self):
         return self.whole[:self.random.randrange(len(self.whole))]
@@ -133,7 +137,7 @@ def play(server, path, port):
         verdict = "HUNG, and its parent said so"
     elif process.returncode == 1 and len(sentences) != 1:
         verdict = "NO SENTENCE"
-    elif seconds > WITHIN_S:
+    elif process.returncode == 1 and seconds > WITHIN_S:
         verdict = "TOO LONG"
     elif cpu > WITHIN_S:
         verdict = "SPUN"
@@ -145,6 +149,7 @@ def play(server, path, port):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=830)
+    parser.add_argument("--first", type=int, default=0, help="the first one's number: each is made by its own")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--port", type=int, default=7870)
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
@@ -156,23 +161,26 @@ def main():
         short = pathlib.Path(folder) / "short.oni"
         subprocess.run([options.bin / "record", "cut", options.recording, "--to", "0.4", "--out", short], check=True,
                        stdout=subprocess.DEVNULL)
-        damage = Damage(short.read_bytes(), options.seed)
+        damage = Damage(short.read_bytes())
         # Round robin in proportion, so that every count has a bit of everything.
         plan = [kind for kind, count in KINDS.items() for _ in range(count)]
-        damage.random.shuffle(plan)
+        random.Random(options.seed).shuffle(plan)
         results = collections.defaultdict(collections.Counter)
-        worst_s = worst_cpu = 0.0
+        longest = {"played": 0.0, "refused": 0.0}
+        worst_cpu = 0.0
         faults = []
         path = pathlib.Path(folder) / "damaged.oni"
-        for index in range(options.count):
+        for index in range(options.first, options.first + options.count):
             kind = plan[index % len(plan)]
-            data = getattr(damage, kind)()
+            data = damage.make(kind, f"{options.seed}:{index}")
             path.write_bytes(data)
             verdict, seconds, cpu, words = play(options.bin / "capture_server", path, options.port + index % 50)
+            if verdict in longest:
+                longest[verdict] = max(longest[verdict], seconds)
             if kind == "payload" and verdict == "refused":
                 verdict = "REFUSED FOR ITS PAYLOADS"
             results[kind][verdict] += 1
-            worst_s, worst_cpu = max(worst_s, seconds), max(worst_cpu, cpu)
+            worst_cpu = max(worst_cpu, cpu)
             if verdict not in ("played", "refused"):
                 faults.append(f"{index} {kind}: {verdict}, {seconds:.2f} s, {cpu:.2f} s of CPU: {words.strip()[-300:]}")
                 if options.keep:
@@ -182,8 +190,8 @@ def main():
         print(f"{kind:<12} " + ", ".join(f"{n} {verdict}" for verdict, n in sorted(results[kind].items())))
     for fault in faults:
         print(fault)
-    print(f"{options.count} damaged recordings: {len(faults)} faults; the longest took {worst_s:.2f} s and "
-          f"{worst_cpu:.2f} s of CPU")
+    print(f"{options.count} damaged recordings: {len(faults)} faults; the longest refusal took {longest['refused']:.2f} s, "
+          f"the longest playing {longest['played']:.2f} s, the most CPU was {worst_cpu:.2f} s")
     return 1 if faults else 0
 
 

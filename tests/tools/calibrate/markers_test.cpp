@@ -84,7 +84,8 @@ TEST_F(CalibrateMarkers, FindsFourCamerasFromTheirPictures) {
     ASSERT_TRUE(scene->find(name)->calibration_error_mm);
   }
   for (const auto& marker : report["markers"]) {
-    const auto& placed = simulation::placed_markers()[std::stoul(marker["name"].get<std::string>())];
+    const simulation::PlacedMarker placed =
+        simulation::placed_markers()[std::stoul(marker["name"].get<std::string>())];
     const Eigen::Vector3d there(marker["world"][0], marker["world"][1], marker["world"][2]);
     EXPECT_LT((there - placed.center.cast<double>()).norm(), 0.015) << marker["name"];
   }
@@ -108,7 +109,7 @@ TEST_F(CalibrateMarkers, TakesPointsFromAFile) {
   for (const char* name : {"camera0", "camera1"}) {
     const scene::Camera& camera = *truth_.find(name);
     for (int id = 0; id < 6; ++id) {
-      const auto& marker = simulation::placed_markers()[static_cast<std::size_t>(id)];
+      const simulation::PlacedMarker marker = simulation::placed_markers()[static_cast<std::size_t>(id)];
       const Eigen::Vector2d pixel =
           project(camera.model, camera.world_from_camera->inverse() * marker.center.cast<double>());
       file << name << " point" << id << " " << std::lround(pixel.x()) << " " << std::lround(pixel.y())

@@ -89,7 +89,7 @@ FrameEncoding::FrameEncoding(StreamDescription description, registration::Regist
       depth_(std::move(depth)),
       video_(std::move(video)) {}
 
-Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe) {
+Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Workers* workers) {
   using std::chrono::steady_clock;
   frame.stamp.world_from_camera = description_.world_from_camera;
   const Instant begin = steady_clock::now();
@@ -104,7 +104,7 @@ Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe) {
   if (frame.color) color::rgb_to_yuv420(*frame.color, planar.color.emplace());
   const Instant planes = steady_clock::now();
 
-  auto encoded = video_.encode(planar);
+  auto encoded = video_.encode(planar, workers);
   if (!encoded) return fail(encoded.error());
   encoded->durations.fill = filled - begin;
   encoded->durations.depth_encode = planes - filled;

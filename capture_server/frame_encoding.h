@@ -32,7 +32,7 @@ class FrameEncoding {
   const StreamDescription& description() const { return description_; }
 
   /// One frame in, one out. `keyframe`: this one must need nothing of earlier frames.
-  Result<EncodedFrame> encode(RgbdFrame frame, bool keyframe);
+  Result<EncodedFrame> encode(RgbdFrame frame, bool keyframe, Workers* workers = nullptr);
 
  private:
   FrameEncoding(StreamDescription description, registration::Registration registration,

@@ -13,6 +13,7 @@
 #include "capture_server/source.h"
 #include "common/flow/latest.h"
 #include "common/flow/thread_priority.h"
+#include "common/flow/worker_pool.h"
 #include "common/wire/frame_server.h"
 
 namespace copresence::server {
@@ -135,6 +136,7 @@ class Pipeline {
   /// Until the capture ends and its last frame is encoded. Fails with what no later frame can mend.
   Result<void> encode_frames() {
     flow::give_way(kStepsBehindTheView);
+    flow::WorkerPool workers(std::thread::hardware_concurrency() > 1 ? 2 : 1, "encode");
     bool keyframe_owed = false;      // a frame that was to be one failed
     std::uint64_t without_room = 0;  // frames left out since nobody was there, or nobody had room
     std::uint64_t encoder_busy = 0;  // frames replaced by newer ones before they were taken, or that failed
@@ -148,7 +150,7 @@ class Pipeline {
         continue;
       }
       const bool keyframe = server_->take_keyframe_request() || keyframe_owed;
-      auto encoded = encoding_.encode(std::move(captured->frame), keyframe);
+      auto encoded = encoding_.encode(std::move(captured->frame), keyframe, &workers);
       keyframe_owed = !encoded;
       if (encoded) {
         server_->send(std::make_shared<const EncodedFrame>(std::move(*encoded)),

@@ -50,7 +50,7 @@ FrameEncoder::FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budg
                            std::optional<PictureEncoder> color)
     : depth_(std::move(depth)), budget_(budget), color_(std::move(color)) {}
 
-Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
+Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame, Workers* workers) {
   const bool keyframe = frame.depth.keyframe;
   assert(keyframe || previous_ != 0);
   assert(frame.stamp.sequence > previous_ && (!frame.color || color_));
@@ -70,14 +70,22 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   data.state_mask = frame.depth.state_mask;
 
   if (budget_) depth_.set_rate(budget_->picture_rate(side_data_bytes(data)));
-  auto depth = encode_depth(frame.depth);
+  Result<std::vector<std::uint8_t>> depth, encoded_color;
+  const auto encode_picture = [&](int number, int) {
+    if (number == 0) {
+      depth = encode_depth(frame.depth);
+    } else {
+      encoded_color = color_->encode(*frame.color, color_keyframe_needed_);
+    }
+  };
+  NoWorkers alone;
+  (workers ? *workers : alone).run(frame.color ? 2 : 1, encode_picture);
   if (!depth) return fail(depth.error());
   if (!flat_) data.quantiser = static_cast<std::uint8_t>(depth_.quantiser());
   std::vector<std::uint8_t> color;
   if (frame.color) {
-    auto encoded = color_->encode(*frame.color, color_keyframe_needed_);
-    if (!encoded) return fail(encoded.error());
-    color = std::move(*encoded);
+    if (!encoded_color) return fail(encoded_color.error());
+    color = std::move(*encoded_color);
     color_keyframe_needed_ = false;
   }
 

@@ -9,6 +9,7 @@
 #include "common/frame/encoded_frame.h"
 #include "common/frame/planar_frame.h"
 #include "common/frame/stream_description.h"
+#include "common/frame/workers.h"
 #include "common/result.h"
 #include "common/video/depth_budget.h"
 #include "common/video/flat_picture.h"
@@ -26,7 +27,8 @@ class FrameEncoder {
   /// Requires pictures of the stream's format and size, or samples and no picture; a keyframe where one follows the other; a
   /// keyframe first; sequence numbers from 1 upward;
   /// after a failure, a keyframe.
-  Result<EncodedFrame> encode(const PlanarFrame& frame);
+  /// With `workers` the two pictures are encoded side by side.
+  Result<EncodedFrame> encode(const PlanarFrame& frame, Workers* workers = nullptr);
 
   /// From the next frame on. Requires kMinKbps <= kbps <= kMaxKbps; set_depth_kbps an encoder opened with
   /// depth_kbps.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/flow/worker_pool.h"
+#include "render_client/renderer/band_merge.h"
 #include "render_client/renderer/cpu_renderer.h"
 #include "render_client/renderer/depth_mesh.h"
 #include "render_client/renderer/source_texture.h"
@@ -105,6 +106,55 @@ void new_frame(benchmark::State& state) {
   state.counters["quads"] = double(mesh.quads.size());
 }
 BENCHMARK(new_frame)->Unit(benchmark::kMillisecond);
+
+// Merging alone, colours included: cameras that are drawn already, a 1280x720 view on one thread. What a second camera
+// adds to one is the difference.
+void merge(benchmark::State& state) {
+  constexpr int kRows = 16;
+  Room room(int(state.range(0)));
+  const VirtualCamera eye = orbiting_eye(1280, 720, 10, 2);
+  const auto ray = rays(kinect_model());
+  std::vector<Texture> textures(room.cameras.size());
+  std::vector<std::vector<Band>> bands(eye.lens.height / kRows, std::vector<Band>(room.cameras.size()));
+  for (std::size_t i = 0; i < room.cameras.size(); ++i) {
+    InverseDepth inverse;
+    FlatBlocks blocks;
+    Image<float> cosines;
+    BlockOutlines outlines;
+    DepthMesh mesh;
+    invert_depth(room.frames[i].depth, 1e-4, inverse);
+    find_flat_blocks(inverse, 1 / 585.0F, blocks);
+    measure_tilts(inverse, blocks, kinect_model(), cosines);
+    make_texture(room.frames[i], cosines, Eigen::Matrix<float, 3, 4>::Identity(), textures[i]);
+    outlines.draw(blocks, 16, inverse);
+    build_mesh(inverse, blocks, 16, ray, 1 / 585.0F, mesh);
+    const ProjectionMatrix matrix = projection_matrix(eye, room.cameras[i].world_from_camera);
+    std::vector<ViewVertex> vertices(mesh.vertices());
+    std::vector<PatchExtent> extents(mesh.patches.size());
+    const auto near_m = float(eye.near_m);
+    project_patches(mesh, 0, mesh.patches.size(), matrix, near_m, vertices, extents);
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+      Band& band = bands[b][i];
+      band.begin(eye.lens.width, int(b) * kRows, kRows, float(eye.far_m), 640, 480);
+      for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
+        draw_patch(mesh, mesh.patches[p], extents[p], vertices, matrix, near_m, band);
+      }
+    }
+  }
+  std::vector<MergeSource> sources;
+  for (std::size_t i = 0; i < room.cameras.size(); ++i) {
+    sources.push_back(merge_source(room.cameras[i], eye, textures[i]));
+  }
+  MergedView view;
+  view.width = eye.lens.width;
+  view.height = eye.lens.height;
+  view.color.resize(view.width, view.height);
+  for (auto _ : state) {
+    for (int y = 0; y < view.height; ++y) merge_row(sources, bands[y / kRows], y, {.color = true}, view);
+    benchmark::DoNotOptimize(view.color.data());
+  }
+}
+BENCHMARK(merge)->ArgName("cameras")->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace copresence::renderer

@@ -13,7 +13,7 @@ Result<ViewOutput> ViewOutput::open(const ClientSettings& settings, Workers& wor
     if (!window) return fail(window.error());
     output.window_ = std::move(*window);
     context = &output.window_->context();
-  } else if (settings.renderer != "cpu") {
+  } else if (settings.renderer == "gl" || (settings.renderer == "auto" && gl::has_graphics_card())) {
     auto headless = gl::Context::headless();
     if (!headless && settings.renderer == "gl") return fail(headless.error());
     if (headless) {

@@ -7,6 +7,7 @@
 #include "capture_server/hole_filling/gl_joint_filling.h"
 #include "capture_server/hole_filling/joint_filling.h"
 #include "capture_server/hole_filling/median_filling.h"
+#include "common/gl/context.h"
 
 namespace copresence::hole_filling {
 namespace {
@@ -55,7 +56,7 @@ Result<std::unique_ptr<HoleFiller>> open(Method method, Compute compute, const F
                                              "\" has no shaders: use --compute cpu, or --hole-filling joint");
   }
   if (compute == Compute::kGl) return open_gl_joint_filling(format, false);
-  if (compute == Compute::kAuto && method == Method::kJoint) {
+  if (compute == Compute::kAuto && method == Method::kJoint && gl::has_graphics_card()) {
     if (auto filler = open_gl_joint_filling(format, true)) return filler;
   }
   switch (method) {

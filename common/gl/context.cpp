@@ -9,6 +9,7 @@
 #include <array>
 #include <cassert>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <mutex>
 
@@ -237,6 +238,16 @@ Result<void> Context::check(std::string_view doing) {
   const std::vector<std::string> errors = take_errors();
   if (errors.empty()) return {};
   return fail(ErrorCode::kUnavailable, std::string(doing) + ": " + errors.front());
+}
+
+bool has_graphics_card() {
+  std::error_code problem;
+  if (std::filesystem::exists("/dev/nvidia0", problem)) return true;
+  std::filesystem::directory_iterator devices("/dev/dri", problem);
+  if (problem) return false;
+  return std::any_of(begin(devices), end(devices), [](const std::filesystem::directory_entry& device) {
+    return device.path().filename().string().starts_with("renderD");
+  });
 }
 
 bool is_software_renderer(std::string_view renderer_name) {

@@ -84,6 +84,10 @@ class Context {
   Name<delete_vertex_array> vertex_array_;  // without attributes: vertices are pulled from textures
 };
 
+/// Whether the system shows a graphics card at all. Asked before a context is made only to find that it is software:
+/// that alone loads a compiler and 50 MB.
+bool has_graphics_card();
+
 /// Whether a renderer of this name (GL_RENDERER) is a program and no graphics card.
 bool is_software_renderer(std::string_view renderer_name);
 

@@ -31,7 +31,8 @@ class FrameEncoding {
 
   const StreamDescription& description() const { return description_; }
 
-  /// One frame in, one out. `keyframe`: this one must need nothing of earlier frames.
+  /// One frame in, one out. `keyframe`: this one must need nothing of earlier frames. With `workers` depth and colour are
+  /// encoded side by side.
   Result<EncodedFrame> encode(RgbdFrame frame, bool keyframe, Workers* workers = nullptr);
 
  private:

@@ -3,7 +3,8 @@
 // Keeps every camera's colours matched to the first one's while frames come in (thesis 2.6.2): now and then, on a thread
 // of its own, the newest frames are compared, and the render thread takes what is known.
 //
-// Only cameras whose place is known take part, and only those for which the scene file gives no `color_matching`.
+// Only cameras whose place is known take part. What the scene file gives as a camera's `color_matching` is shown instead of
+// what is found here.
 // Thread: run() on one thread, the rest on the render thread.
 
 #include <chrono>

@@ -9,8 +9,8 @@
 
 namespace copresence::flow {
 
-/// The calling thread gives way to others of its user, by so many steps of nice (1 to 19), for good. Where nothing
-/// else wants the core it loses nothing.
+/// The calling thread, and those it makes from now on, give way to others by so many steps of nice (1 to 19), for good.
+/// Where nothing else wants the core they lose nothing.
 inline void give_way(int steps) {
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));
   setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + steps);

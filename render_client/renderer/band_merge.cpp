@@ -1,8 +1,9 @@
 #include "render_client/renderer/band_merge.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cassert>
+#include <cstring>
 
 #include "render_client/renderer/lanes.h"
 #include "render_client/renderer/merge_rules.h"
@@ -13,198 +14,208 @@ namespace {
 
 constexpr float kPerAlpha = 1.0F / 255;
 
-// Eight neighbouring pixels of the view on their way through the merge.
-struct Group {
-  Ints shown;             // all bits set where there is anything
-  bool is_shown = false;  // anywhere
-  bool is_weighed =
-      false;              // several cameras' fragments may count; then quality, texels and weights are known
-  bool is_mixed = false;  // some colour has several cameras' share; else best's counts alone
-  Ints best;              // camera
-  Floats depth;           // its, inverse
-  Floats quality;         // its quality index; only where asked for
-  Floats sum;             // of the weights
-  Texels texels[kMostCameras];
-  Floats weight[kMostCameras];
+// A row is merged in spans of this many pixels, and a span in three short passes: one long loop body would wait for
+// its own results, since a processor looks only a few hundred instructions ahead.
+constexpr int kSpan = 64;
+constexpr int kGroups = kSpan / kLanes;
+
+// What the passes tell each other about one camera's fragments.
+struct CameraSpan {
+  alignas(32) std::array<float, kSpan> worth_per_cosine;  // 0: does not count; 1 where no other camera's does
+  alignas(32) std::array<std::uint32_t, kSpan> colors;    // where it counts; alpha as in Texture
 };
 
-// One camera's fragments in a group.
-struct Candidate {
-  Floats w, z;      // inverse depth and depth, m, from the eye
-  Floats source_z;  // m, in its own camera
-  Floats range;     // m, that it may lie behind the nearest fragment
-  Floats room;      // m, that are left of it
-  Ints counts;
+struct Span {
+  std::array<CameraSpan, kMostCameras> cameras;
+  alignas(32) std::array<std::int32_t, kSpan> first;  // the nearest fragment's camera
+  alignas(32) std::array<std::int32_t, kSpan> shown;  // all bits set where there is anything
+  std::array<bool, kGroups> is_contested;             // several cameras may count somewhere in the group
 };
 
-Floats clamped(const Floats& v) {
-  return smaller(larger(v, Floats{}), all(1.0F));
-}
-
-class RowMerge {
+class SpanMerge {
  public:
-  RowMerge(std::span<const MergeSource> sources, std::span<const Band> bands, int y, bool quality_wanted)
-      : sources_(sources),
-        empty_(bands[0].empty()),
-        y_(static_cast<float>(y)),
-        quality_wanted_(quality_wanted) {
-    for (std::size_t i = 0; i < bands.size(); ++i) {
-      depths_[i] = bands[i].depths(y);
-      texels_[i] = bands[i].texels(y);
-    }
-  }
+  SpanMerge(std::span<const MergeSource> sources, std::span<const Band> bands, MergedView& view)
+      : sources_(sources), bands_(bands), empty_(bands[0].empty()), view_(view) {}
 
-  // What the eight pixels from x on show.
-  void look(int x, Group& group) const {
-    Floats nearest = all(empty_);
-    Ints first{};  // the nearest fragment's camera
-    Ints overlap{}, shown{};
+  // Merges `groups` groups of eight pixels from (x, y) on. The last may reach beyond the view.
+  void run(int x, int y, int groups, HostPixels wanted) {
+    y_ = y;
     for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const Floats w = load<Floats>(depths_[i] + x);
-      const Ints there = w > empty_;
-      overlap |= shown & there;
-      shown |= there;
-      const Ints nearer = w > nearest;
-      first = nearer ? all(static_cast<std::int32_t>(i)) : first;
-      nearest = larger(w, nearest);
+      depths_[i] = bands_[i].depths(y) + x;
+      texels_[i] = bands_[i].texels(y) + x;
     }
-    group.shown = shown;
-    group.is_shown = bits(shown) != 0;
-    group.is_weighed = group.is_mixed = false;
-    group.best = first;
-    group.depth = nearest;
-    if (bits(overlap) || (quality_wanted_ && group.is_shown)) find_rivals(x, first, group);
-  }
-
-  // r, g, b, a of the eight pixels. Requires that something is shown.
-  Ints color(int x, const Group& group) const {
-    const Ints opaque = all(static_cast<std::int32_t>(0xFF000000U)) & group.shown;
-    return (group.is_mixed ? mixture(group) : best_colors(x, group)) | opaque;
+    survey(x, groups);
+    for (std::size_t i = 0; i < sources_.size(); ++i) sample(i, groups);
+    for (int g = 0; g < groups; ++g) {
+      const int at = g * kLanes;
+      Ints best = load<Ints>(&span_.first[at]);
+      const Ints colors = span_.is_contested[g] ? mixture(at, best) : first_colors(at);
+      const int count = std::min(kLanes, view_.width - (x + at));
+      if (wanted.color) write_colors(x + at, count, colors, load<Ints>(&span_.shown[at]));
+      if (wanted.depth) write_depths(x, at, count, best);
+    }
   }
 
  private:
-  // The texels of one camera's fragments. Only the lanes that count matter: the others take one of theirs, so that all
-  // lie close together.
-  Texels fetch_counting(std::size_t i, int x, const Ints& counts) const {
-    const Ints texels = load<Ints>(texels_[i] + x);
-    const int lane = std::countr_zero(bits(counts));
-    return fetch(*sources_[i].texture, counts ? texels : all(texels[lane]));
-  }
-
-  Ints best_colors(int x, const Group& group) const {
-    Ints colors{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const Ints won = (group.best == static_cast<std::int32_t>(i)) & group.shown;
-      if (bits(won)) {
-        colors |= won & bilinear(group.is_weighed ? group.texels[i] : fetch_counting(i, x, won));
+  // Finds what each camera's fragments would be worth.
+  void survey(int x, int groups) {
+    for (int g = 0; g < groups; ++g) {
+      const int at = g * kLanes;
+      Floats nearest = all(empty_);
+      Ints first{}, overlap{}, shown{};
+      for (std::size_t i = 0; i < sources_.size(); ++i) {
+        const Floats w = load<Floats>(depths_[i] + at);
+        const Ints there = w > empty_;
+        overlap |= shown & there;
+        shown |= there;
+        first = w > nearest ? all(static_cast<std::int32_t>(i)) : first;
+        nearest = larger(w, nearest);
+      }
+      store(&span_.first[at], first);
+      store(&span_.shown[at], shown);
+      span_.is_contested[g] = bits(overlap) != 0;
+      if (span_.is_contested[g]) {
+        weigh(x, at, first);
+      } else {
+        for (std::size_t i = 0; i < sources_.size(); ++i) {
+          const Ints is_first = shown & (first == static_cast<std::int32_t>(i));
+          store(&span_.cameras[i].worth_per_cosine[at], is_first ? all(1.0F) : Floats{});
+        }
       }
     }
-    return colors & 0x00FFFFFF;
   }
 
-  Ints mixture(const Group& group) const {
-    // Shares in 256ths that add up to 1: what rounding leaves is the best one's. Two channels are added up side
-    // by side, 16 bits each.
-    const Floats per_sum = 256.0F / group.sum;
-    Ints red_blue{}, green{}, left = all(256);
+  Floats source_depth(std::size_t i, int x, const Floats& z) const {
+    const Eigen::Vector4f& d = sources_[i].depth;
+    const Floats pixel_x = ramp() + static_cast<float>(x);
+    return z * (d[0] * pixel_x + (d[1] * static_cast<float>(y_) + d[2])) + d[3];
+  }
+
+  // fragment_worth() of merge_rules.h before its cosine, for eight pixels of every camera.
+  void weigh(int x, int at, const Ints& first) {
+    Floats depth[kMostCameras], source_z[kMostCameras];
+    Floats nearest_z = all(1.0F / empty_), first_z{}, first_error{};
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      depth[i] = 1.0F / load<Floats>(depths_[i] + at);
+      source_z[i] = source_depth(i, x + at, depth[i]);
+      nearest_z = smaller(depth[i], nearest_z);
+      const Ints is_first = first == static_cast<std::int32_t>(i);
+      first_z = is_first ? source_z[i] : first_z;
+      first_error = is_first ? all(sources_[i].calibration_error_m) : first_error;
+    }
+    const Floats first_range = kRangeSigmas * 0.5F * kStepInverse * (first_z * first_z) + first_error;
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const Floats squared = source_z[i] * source_z[i];
+      const Floats range =
+          kRangeSigmas * 0.5F * kStepInverse * squared + (first_range + sources_[i].calibration_error_m);
+      const Floats room = range - (depth[i] - nearest_z);  // that it may still lie further behind
+      const Floats fading = smaller(room + room, range);   // times the range
+      const Ints counts = (load<Floats>(depths_[i] + at) > empty_) & (room > 0);
+      store(&span_.cameras[i].worth_per_cosine[at], counts ? fading / (squared * range) : Floats{});
+    }
+  }
+
+  // Samples a camera's texture where it counts.
+  void sample(std::size_t i, int groups) {
+    CameraSpan& camera = span_.cameras[i];
+    for (int g = 0; g < groups; ++g) {
+      const int at = g * kLanes;
+      const Ints counts = load<Floats>(&camera.worth_per_cosine[at]) > 0;
+      if (!bits(counts)) continue;
+      // The other lanes take the first texel, which is always at hand.
+      store(&camera.colors[at], renderer::sample(*sources_[i].texture, counts & load<Ints>(texels_[i] + at)));
+    }
+  }
+
+  // The colours where no two cameras' fragments rival.
+  Ints first_colors(int at) const {
+    Ints colors{};
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const CameraSpan& camera = span_.cameras[i];
+      const Ints counts = load<Floats>(&camera.worth_per_cosine[at]) > 0;
+      if (bits(counts)) colors |= counts & load<Ints>(&camera.colors[at]);
+    }
+    return colors;
+  }
+
+  static Floats cosine(const Ints& colors) { return as_floats(colors >> 24 & 0xFF) * kPerAlpha; }
+
+  // blend_weight() of merge_rules.h for every camera, and the sum of their colours. `best` becomes the camera worth
+  // most.
+  Ints mixture(int at, Ints& best) const {
+    Floats worth[kMostCameras];
+    Floats best_worth{};
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const CameraSpan& camera = span_.cameras[i];
+      const Floats per_cosine = load<Floats>(&camera.worth_per_cosine[at]);
+      worth[i] = per_cosine > 0 ? cosine(load<Ints>(&camera.colors[at])) * per_cosine : Floats{};
+      best = worth[i] > best_worth ? all(static_cast<std::int32_t>(i)) : best;
+      best_worth = larger(worth[i], best_worth);
+    }
+    Floats sum{};
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      worth[i] = larger(worth[i] - kTieRatio * best_worth, Floats{});
+      sum += worth[i];
+    }
+    // Shares in 256ths that add up to 1: what rounding leaves is the best one's. Two channels are added up side by
+    // side, 16 bits each.
+    const Floats per_sum = 256.0F / sum;
+    Ints red_blue = all(0x00800080), green = all(0x80), left = all(256), best_colors{};
     const auto add = [&](const Ints& colors, const Ints& share) {
       red_blue += (colors & 0x00FF00FF) * share;
       green += (colors >> 8 & 0xFF) * share;
     };
-    Ints best_colors{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const Ints counts = (group.weight[i] > 0) & group.shown;
-      if (!bits(counts)) continue;
-      const Ints colors = bilinear(group.texels[i]);
-      const Ints is_best = group.best == static_cast<std::int32_t>(i);
+      const Ints colors = load<Ints>(&span_.cameras[i].colors[at]);
+      const Ints is_best = best == static_cast<std::int32_t>(i);
       best_colors = is_best ? colors : best_colors;
-      const Ints share = counts & ~is_best & truncated(group.weight[i] * per_sum);
+      const Ints share = (worth[i] > 0) & ~is_best & truncated(worth[i] * per_sum);
       left -= share;
       add(colors, share);
     }
     add(best_colors, left);
-    return ((red_blue + 0x00800080) >> 8 & 0x00FF00FF) | ((green + 0x80) & 0xFF00);
+    return (red_blue >> 8 & 0x00FF00FF) | (green & 0xFF00);
   }
 
-  Floats source_depth(std::size_t i, const Floats& x, const Floats& z) const {
-    const Eigen::Vector4f& d = sources_[i].depth;
-    return z * (d[0] * x + (d[1] * y_ + d[2])) + d[3];
+  void write_colors(int x, int count, const Ints& colors, const Ints& shown) {
+    static_assert(sizeof(Rgba8) == sizeof(std::uint32_t));
+    const Ints pixels = (colors | static_cast<std::int32_t>(0xFF000000U)) & shown;
+    auto* const to = reinterpret_cast<std::uint32_t*>(view_.color.row(y_).data()) + x;
+    if (count == kLanes) {
+      store(to, pixels);
+    } else {
+      for (int lane = 0; lane < count; ++lane) to[lane] = static_cast<std::uint32_t>(pixels[lane]);
+    }
   }
 
-  // Where another camera's fragment lies within the uncertainty range of the nearest, they are weighed;
-  // elsewhere the nearest is all that counts.
-  void find_rivals(int x, const Ints& first, Group& group) const {
-    const Floats pixel_x = ramp() + static_cast<float>(x);
-    Candidate candidates[kMostCameras];
-    Floats nearest_z = all(1.0F / empty_), first_z{}, first_error{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      Candidate& c = candidates[i];
-      c.w = load<Floats>(depths_[i] + x);
-      c.z = 1.0F / c.w;
-      c.source_z = source_depth(i, pixel_x, c.z);
-      const Ints is_first = first == static_cast<std::int32_t>(i);
-      nearest_z = smaller(c.z, nearest_z);
-      first_z = is_first ? c.source_z : first_z;
-      first_error = is_first ? all(sources_[i].calibration_error_m) : first_error;
+  // Of the span at x in the view.
+  void write_depths(int x, int at, int count, const Ints& best) {
+    for (int lane = 0; lane < count; ++lane) {
+      const int here = x + at + lane, camera = best[lane];
+      const bool shown = span_.shown[at + lane] != 0;
+      view_.camera(here, y_) = shown ? static_cast<std::uint8_t>(camera) : kNoCamera;
+      if (!shown) {
+        view_.depth_m(here, y_) = view_.quality(here, y_) = 0;
+        continue;
+      }
+      const float z = 1.0F / depths_[camera][at + lane];
+      const float source_z = source_depth(camera, here, all(z))[0];
+      view_.depth_m(here, y_) = z;
+      view_.quality(here, y_) =
+          cosine(all(static_cast<std::int32_t>(span_.cameras[camera].colors[at + lane])))[0] /
+          (source_z * source_z);
     }
-    Ints rivals{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      Candidate& c = candidates[i];
-      c.range = kRangeSigmas * 0.5F * kStepInverse * (c.source_z * c.source_z + first_z * first_z) +
-                first_error + sources_[i].calibration_error_m;
-      c.room = c.range - (c.z - nearest_z);
-      c.counts = (c.w > empty_) & (c.room > 0);
-      rivals |= c.counts & (first != static_cast<std::int32_t>(i));
-    }
-    if (bits(rivals) || quality_wanted_) weigh(x, candidates, group);
-  }
-
-  // The rules of merge_rules.h, for eight pixels: fragment_worth() of every camera, then blend_weight().
-  void weigh(int x, const Candidate* candidates, Group& group) const {
-    group.is_weighed = true;
-    Floats best_worth{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const Candidate& c = candidates[i];
-      group.weight[i] = Floats{};
-      if (!bits(c.counts)) continue;
-      group.texels[i] = fetch_counting(i, x, c.counts);
-      const Ints alpha = nearest(group.texels[i]) >> 24 & 0xFF;
-      const Floats cosine = as_floats(alpha) * kPerAlpha;
-      const Floats squared = c.source_z * c.source_z;
-      const Floats fading = smaller(c.room + c.room, c.range);  // times the range
-      const Floats worth = c.counts ? cosine * fading / (squared * c.range) : Floats{};
-      const Ints better = worth > best_worth;
-      best_worth = larger(worth, best_worth);
-      group.best = better ? all(static_cast<std::int32_t>(i)) : group.best;
-      if (quality_wanted_) group.quality = better ? cosine / squared : group.quality;
-      group.depth = better ? c.w : group.depth;
-      group.weight[i] = worth;
-    }
-    group.sum = Floats{};
-    const Floats per_worth = 1.0F / ((1.0F - kTieRatio) * best_worth);
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      group.weight[i] = clamped((group.weight[i] - kTieRatio * best_worth) * per_worth);
-      group.sum += group.weight[i];
-    }
-    group.is_mixed = bits((group.sum > 1.0F) & group.shown) != 0;
   }
 
   std::span<const MergeSource> sources_;
+  std::span<const Band> bands_;
   float empty_;
-  float y_;
-  bool quality_wanted_;
-  const float* depths_[kMostCameras];
+  int y_ = 0;
+  const float* depths_[kMostCameras];  // of the span
   const std::uint32_t* texels_[kMostCameras];
+  MergedView& view_;
+  Span span_;
 };
-
-void write_depths(const Group& group, int x, int y, int count, MergedView& view) {
-  for (int lane = 0; lane < count; ++lane) {
-    const bool shown = group.shown[lane];
-    view.depth_m(x + lane, y) = shown ? 1.0F / group.depth[lane] : 0.0F;
-    view.camera(x + lane, y) = shown ? static_cast<std::uint8_t>(group.best[lane]) : kNoCamera;
-    view.quality(x + lane, y) = shown ? group.quality[lane] : 0.0F;
-  }
-}
 
 }  // namespace
 
@@ -221,28 +232,15 @@ MergeSource merge_source(const CameraView& camera, const VirtualCamera& eye, con
   return source;
 }
 
-void merge_row(std::span<const MergeSource> sources, std::span<const Band> bands, int y, HostPixels wanted,
-               MergedView& view) {
+void merge_band(std::span<const MergeSource> sources, std::span<const Band> bands, HostPixels wanted,
+                MergedView& view) {
   assert(!sources.empty() && sources.size() <= kMostCameras && sources.size() == bands.size());
-  static_assert(sizeof(Rgba8) == sizeof(std::uint32_t));
-  const RowMerge merge(sources, bands, y, wanted.depth);
-  const std::span<Rgba8> row = wanted.color ? view.color.row(y) : std::span<Rgba8>{};
-  auto* const colors = reinterpret_cast<std::uint32_t*>(row.data());
-  Group group;
-  int x = 0;
-  for (; x + kLanes <= view.width; x += kLanes) {
-    merge.look(x, group);
-    if (colors) store(colors + x, group.is_shown ? merge.color(x, group) : Ints{});
-    if (wanted.depth) write_depths(group, x, y, kLanes, view);
+  SpanMerge merge(sources, bands, view);
+  // Down before across: the next row of a span reads nearly the same texels again.
+  for (int x = 0; x < view.width; x += kSpan) {
+    const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
+    for (int y = bands[0].top(); y < bands[0].top() + bands[0].rows(); ++y) merge.run(x, y, groups, wanted);
   }
-  const int rest = view.width - x;
-  if (rest == 0) return;
-  merge.look(x, group);
-  if (colors) {
-    const Ints last = group.is_shown ? merge.color(x, group) : Ints{};
-    for (int lane = 0; lane < rest; ++lane) colors[x + lane] = static_cast<std::uint32_t>(last[lane]);
-  }
-  if (wanted.depth) write_depths(group, x, y, rest, view);
 }
 
 }  // namespace copresence::renderer

@@ -1,7 +1,7 @@
 #pragma once
 
-// Merges the cameras' fragments of one row of the view, and colours what is left: a texture is read only
-// where its camera counts. Private to the CPU renderer. Thread: distinct rows may be merged side by side.
+// Merges the cameras' fragments of some rows of the view, and colours what is left: a texture is read only
+// where its camera counts. Private to the CPU renderer. Thread: distinct bands may be merged side by side.
 
 #include <span>
 
@@ -23,9 +23,9 @@ MergeSource merge_source(const CameraView& camera, const VirtualCamera& eye, con
 
 inline constexpr std::size_t kMostCameras = 32;
 
-/// Merges row y; bands[i] belongs to sources[i]. Images of `view` that `wanted` names have the view's shape.
-/// Requires 1 to kMostCameras sources, and bands of the same rows.
-void merge_row(std::span<const MergeSource> sources, std::span<const Band> bands, int y, HostPixels wanted,
-               MergedView& view);
+/// Merges a band; bands[i] belongs to sources[i], and all lie at the same rows. Images of `view` that `wanted` names
+/// have the view's shape.
+void merge_band(std::span<const MergeSource> sources, std::span<const Band> bands, HostPixels wanted,
+                MergedView& view);
 
 }  // namespace copresence::renderer

@@ -153,16 +153,13 @@ class CpuRenderer : public Renderer {
                    static_cast<float>(eye.near_m), bands[i]);
       }
     }
+    if (!bands.empty()) return merge_band(merge_sources_, bands, wanted, view);
     for (int y = top; y < top + rows; ++y) {
-      if (bands.empty()) {
-        if (wanted.color) std::fill(view.color.row(y).begin(), view.color.row(y).end(), Rgba8{0, 0, 0, 0});
-        if (wanted.depth) {
-          std::fill(view.depth_m.row(y).begin(), view.depth_m.row(y).end(), 0.0F);
-          std::fill(view.camera.row(y).begin(), view.camera.row(y).end(), kNoCamera);
-          std::fill(view.quality.row(y).begin(), view.quality.row(y).end(), 0.0F);
-        }
-      } else {
-        merge_row(merge_sources_, bands, y, wanted, view);
+      if (wanted.color) std::fill(view.color.row(y).begin(), view.color.row(y).end(), Rgba8{0, 0, 0, 0});
+      if (wanted.depth) {
+        std::fill(view.depth_m.row(y).begin(), view.depth_m.row(y).end(), 0.0F);
+        std::fill(view.camera.row(y).begin(), view.camera.row(y).end(), kNoCamera);
+        std::fill(view.quality.row(y).begin(), view.quality.row(y).end(), 0.0F);
       }
     }
   }

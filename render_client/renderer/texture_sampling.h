@@ -1,7 +1,7 @@
 #pragma once
 
-// Bilinear samples of a Texture, eight at a time, in whole numbers: the portable path gives the same bits as
-// AVX2's. Private to the CPU renderer. Thread: pure.
+// Samples of a Texture, eight at a time, in whole numbers: the portable path gives the same bits as AVX2's.
+// Private to the CPU renderer. Thread: pure.
 
 #include <cstdint>
 #include <cstring>
@@ -18,68 +18,85 @@ namespace copresence::renderer {
 inline constexpr int kTexelBits = 4;
 static_assert(1 << kTexelBits == kTexelSteps);
 
-/// The four texels around each of eight texture coordinates, and where between them each lies.
-struct Texels {
-  Ints upper_left, upper_right, lower_left, lower_right;
-  Ints right, lower;  // of the upper left one, in 1/kTexelSteps, 0 <= right, lower < kTexelSteps
-};
-
-/// The texels at eight texture coordinates (Band::texels).
-inline Texels fetch(const Texture& texture, const Ints& texel) {
-  Texels t;
-  const Ints u = texel & 0xFFFF;
-  const Ints v = texel >> 16 & 0xFFFF;
-  t.right = u & (kTexelSteps - 1);
-  t.lower = v & (kTexelSteps - 1);
-  const Ints at = (v >> kTexelBits) * texture.width() + (u >> kTexelBits);
-  const std::uint32_t* const upper = texture.data();
-  const std::uint32_t* const lower = texture.data() + texture.width();
+/// What the texture shows at eight texture coordinates (Band::texels), in its layout: r, g and b bilinear and rounded,
+/// alpha that of the nearest texel. Requires a texture of at most 32767 columns.
+inline Ints sample(const Texture& texture, const Ints& coordinates) {
+  const std::uint32_t* const upper_row = texture.data();
+  const std::uint32_t* const lower_row = texture.data() + texture.width();
 #if defined(__AVX2__)
-  // Two neighbouring texels at once, since a gather of single ones takes longer: of lanes 0, 1, 4, 5 and of 2, 3, 6, 7.
-  const auto pairs = [&](const std::uint32_t* row, Ints& left, Ints& right) {
-    const auto pair = [&](int i) {
-      long long two;
-      std::memcpy(&two, row + at[i], sizeof two);
-      return two;
+  const auto words = reinterpret_cast<__m256i>(coordinates);
+  // v * width + u, from (v, u) in whole texels.
+  const __m256i whole = _mm256_srli_epi16(words, kTexelBits);
+  const __m256i at = _mm256_madd_epi16(whole, _mm256_set1_epi32(texture.width() << 16 | 1));
+  const auto two = [&](const __m128i& four, int half) {
+    return static_cast<std::uint64_t>(half ? _mm_extract_epi64(four, 1) : _mm_cvtsi128_si64(four));
+  };
+  const __m128i at_0123 = _mm256_castsi256_si128(at), at_4567 = _mm256_extracti128_si256(at, 1);
+  const std::uint64_t at_01 = two(at_0123, 0), at_23 = two(at_0123, 1), at_45 = two(at_4567, 0),
+                      at_67 = two(at_4567, 1);
+  // Each load takes a texel and its right neighbour.
+  const auto pairs = [](const std::uint32_t* row, std::uint64_t low, std::uint64_t high) {
+    const auto pair = [row](std::uint64_t index) {
+      long long texels;
+      std::memcpy(&texels, row + index, sizeof texels);
+      return texels;
     };
-    const __m256 some = _mm256_castsi256_ps(_mm256_set_epi64x(pair(5), pair(4), pair(1), pair(0)));
-    const __m256 others = _mm256_castsi256_ps(_mm256_set_epi64x(pair(7), pair(6), pair(3), pair(2)));
-    left = reinterpret_cast<Ints>(_mm256_shuffle_ps(some, others, 0x88));
-    right = reinterpret_cast<Ints>(_mm256_shuffle_ps(some, others, 0xDD));
+    return _mm256_set_epi64x(pair(high >> 32), pair(high & 0xFFFFFFFF), pair(low >> 32),
+                             pair(low & 0xFFFFFFFF));
   };
-  pairs(upper, t.upper_left, t.upper_right);
-  pairs(lower, t.lower_left, t.lower_right);
+  // Per pixel, of a pair of texels: r and r, g and g, b and b, alpha and alpha side by side.
+  const __m256i side_by_side =
+      _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15));
+  // Weights per pixel, in the order left, right, and for alpha all to one of them; then upper likewise from lower.
+  const __m256i fraction = _mm256_and_si256(words, _mm256_set1_epi16(kTexelSteps - 1));
+  const __m256i rounded = _mm256_and_si256(_mm256_slli_epi16(fraction, 1), _mm256_set1_epi16(kTexelSteps));
+  const __m256i right = _mm256_blend_epi16(fraction, _mm256_slli_epi32(rounded, 16), 0xAA);
+  const __m256i across =
+      _mm256_or_si256(_mm256_sub_epi16(_mm256_set1_epi16(kTexelSteps), right), _mm256_slli_epi16(right, 8));
+  const __m256i down = _mm256_blend_epi16(_mm256_srli_epi32(fraction, 16), rounded, 0xAA);
+  const auto spread = [](const __m256i& weights, int first) {
+    // One pixel's r, g and b have the weight of the low word, its alpha that of the high one.
+    const int f = 4 * first, s = 4 * first + 4;
+    const __m128i order = _mm_setr_epi8(char(f), char(f + 1), char(f), char(f + 1), char(f), char(f + 1),
+                                        char(f + 2), char(f + 3), char(s), char(s + 1), char(s), char(s + 1),
+                                        char(s), char(s + 1), char(s + 2), char(s + 3));
+    return _mm256_shuffle_epi8(weights, _mm256_broadcastsi128_si256(order));
+  };
+  // Of pixels first, first + 1, first + 4 and first + 5, 16 bits per channel: at most 255 * 16 * 16.
+  const auto blend = [&](int first, std::uint64_t low, std::uint64_t high) {
+    const __m256i columns = spread(across, first), lower_share = spread(down, first);
+    const __m256i upper_share = _mm256_sub_epi16(_mm256_set1_epi16(kTexelSteps), lower_share);
+    const auto row = [&](const std::uint32_t* texels) {
+      return _mm256_maddubs_epi16(_mm256_shuffle_epi8(pairs(texels, low, high), side_by_side), columns);
+    };
+    const __m256i sum = _mm256_add_epi16(_mm256_mullo_epi16(row(upper_row), upper_share),
+                                         _mm256_mullo_epi16(row(lower_row), lower_share));
+    return _mm256_srli_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(128)), 2 * kTexelBits);
+  };
+  return reinterpret_cast<Ints>(_mm256_packus_epi16(blend(0, at_01, at_45), blend(2, at_23, at_67)));
 #else
-  t.upper_left = gather(upper, at);
-  t.upper_right = gather(upper + 1, at);
-  t.lower_left = gather(lower, at);
-  t.lower_right = gather(lower + 1, at);
+  Ints result{};
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int u = coordinates[lane] & 0xFFFF, v = coordinates[lane] >> 16 & 0xFFFF;
+    const int at = (v >> kTexelBits) * texture.width() + (u >> kTexelBits);
+    const int right = u & (kTexelSteps - 1), lower = v & (kTexelSteps - 1);
+    const auto blended = [&](int channel, int to_right, int to_lower) {
+      const auto texel = [&](const std::uint32_t* row, int x) {
+        return static_cast<int>(row[at + x] >> 8 * channel & 0xFF);
+      };
+      const auto row = [&](const std::uint32_t* texels) {
+        return texel(texels, 0) * (kTexelSteps - to_right) + texel(texels, 1) * to_right;
+      };
+      return (row(upper_row) * (kTexelSteps - to_lower) + row(lower_row) * to_lower + 128) >> 2 * kTexelBits;
+    };
+    const auto nearest = [](int fraction) { return fraction >= kTexelSteps / 2 ? kTexelSteps : 0; };
+    for (int channel = 0; channel < 3; ++channel)
+      result[lane] |= blended(channel, right, lower) << 8 * channel;
+    result[lane] |= static_cast<std::int32_t>(
+        static_cast<std::uint32_t>(blended(3, nearest(right), nearest(lower))) << 24);
+  }
+  return result;
 #endif
-  return t;
-}
-
-/// The texel nearest to each texture coordinate.
-inline Ints nearest(const Texels& t) {
-  const Ints is_right = t.right >= kTexelSteps / 2;
-  const Ints upper = is_right ? t.upper_right : t.upper_left;
-  const Ints lower = is_right ? t.lower_right : t.lower_left;
-  return t.lower >= kTexelSteps / 2 ? lower : upper;
-}
-
-/// What the texture shows, in Texture's layout, rounded.
-inline Ints bilinear(const Texels& t) {
-  using Words = std::uint16_t __attribute__((vector_size(sizeof(Ints))));
-  const auto words = [](const Ints& i) { return reinterpret_cast<Words>(i); };
-  const Words right = words(t.right | t.right << 16), lower = words(t.lower | t.lower << 16);
-  const Words left = kTexelSteps - right, upper = kTexelSteps - lower;
-  // Two channels of each texel side by side. At most 255 * 16, then 255 * 16 * 16, which a word holds.
-  const auto two_channels = [&](int shift) {
-    const auto channels = [&](const Ints& texels) { return words(texels >> shift & 0x00FF00FF); };
-    const Words left_column = channels(t.upper_left) * upper + channels(t.lower_left) * lower;
-    const Words right_column = channels(t.upper_right) * upper + channels(t.lower_right) * lower;
-    return reinterpret_cast<Ints>((left_column * left + right_column * right + 128) >> 2 * kTexelBits);
-  };
-  return two_channels(0) | two_channels(8) << 8;
 }
 
 }  // namespace copresence::renderer

@@ -95,16 +95,35 @@ Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Worke
   const Instant begin = steady_clock::now();
   frame = registration_.apply(std::move(frame));
   keep_range(frame, to_units(description_.range, description_.unit));
-  if (auto filled = filler_->fill(frame); !filled) return fail(filled.error());
-  const Instant filled = steady_clock::now();
 
-  auto depth = depth_.encode(frame.depth, frame.state, keyframe);
+  Instant filled, planes;
+  Result<void> filling;
+  Result<PlanarDepth> depth;
+  const auto fill = [&] {
+    filling = filler_->fill(frame);
+    filled = steady_clock::now();
+  };
+  const bool fills_here = !filler_->is_free_of_threads();
+  if (fills_here) fill();
+  PlanarFrame planar{frame.stamp, {}, std::nullopt, frame.durations};
+  const auto half = [&](int number, int) {
+    if (number == 0) {
+      if (!fills_here) fill();
+      if (!filling) return;
+      depth = depth_.encode(frame.depth, frame.state, keyframe);
+      planes = steady_clock::now();
+    } else {
+      color::rgb_to_yuv420(*frame.color, planar.color.emplace());
+      video_.encode_color_ahead(*planar.color, keyframe);
+    }
+  };
+  NoWorkers alone;
+  (workers ? *workers : alone).run(frame.color ? 2 : 1, half);
+  if (!filling) return fail(filling.error());
   if (!depth) return fail(depth.error());
-  PlanarFrame planar{frame.stamp, std::move(*depth), std::nullopt, frame.durations};
-  if (frame.color) color::rgb_to_yuv420(*frame.color, planar.color.emplace());
-  const Instant planes = steady_clock::now();
+  planar.depth = std::move(*depth);
 
-  auto encoded = video_.encode(planar, workers);
+  auto encoded = video_.encode(planar);
   if (!encoded) return fail(encoded.error());
   encoded->durations.fill = filled - begin;
   encoded->durations.depth_encode = planes - filled;

@@ -14,6 +14,7 @@
 #include "common/depth/depth_codec.h"
 #include "common/frame/encoded_frame.h"
 #include "common/frame/stream_description.h"
+#include "common/frame/workers.h"
 #include "common/scene/scene.h"
 #include "common/video/frame_encoder.h"
 
@@ -31,8 +32,8 @@ class FrameEncoding {
 
   const StreamDescription& description() const { return description_; }
 
-  /// One frame in, one out. `keyframe`: this one must need nothing of earlier frames. With `workers` depth and colour are
-  /// encoded side by side.
+  /// One frame in, one out. `keyframe`: this one must need nothing of earlier frames. With `workers` colour is
+  /// encoded beside the filling and coding of depth.
   Result<EncodedFrame> encode(RgbdFrame frame, bool keyframe, Workers* workers = nullptr);
 
  private:

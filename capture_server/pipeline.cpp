@@ -28,8 +28,9 @@ struct Captured {
   sensor::SourceCounters pictures;
 };
 
-/// A viewer on this machine goes before new frames for it: a frame more waits, and no view stutters.
-constexpr int kStepsBehindTheView = 5;
+/// A viewer on this machine goes before new frames for it: a frame more waits, and no view stutters. What a recording's
+/// player reads ahead is wanted last: it begins with the next frame just when the one it gave away is in a hurry.
+constexpr int kStepsBehindTheView = 5, kStepsBehindAll = 10;
 
 void name_this_thread(const char* name) {
   pthread_setname_np(pthread_self(), name);
@@ -46,6 +47,18 @@ Result<std::optional<scene::Camera>> camera_in_scene(const ServerSettings& setti
                             settings.scene, settings.name));
   }
   return std::optional(*camera);
+}
+
+/// A recording's player runs on threads that OpenNI2 makes here, with the nice of the one that opens it. A camera's do
+/// not give way: they have the USB to serve.
+Result<std::unique_ptr<sensor::FrameSource>> open_source_to_play(const ServerSettings& settings) {
+  Result<std::unique_ptr<sensor::FrameSource>> source;
+  std::jthread opener([&] {
+    if (is_recording(settings.source)) flow::give_way(kStepsBehindAll);
+    source = open_source(settings.source, {settings.pace, settings.loop, settings.controls});
+  });
+  opener.join();
+  return source;
 }
 
 /// Nothing where none is asked for.
@@ -182,7 +195,7 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
                           std::stop_token stop, const std::function<void()>& alive) {
   const auto camera = camera_in_scene(settings);
   if (!camera) return fail(camera.error());
-  auto source = open_source(settings.source, {settings.pace, settings.loop, settings.controls});
+  auto source = open_source_to_play(settings);
   if (!source) return fail(source.error());
   auto encoding = FrameEncoding::open((*source)->description(), *camera ? &**camera : nullptr, settings);
   if (!encoding) return fail(encoding.error());

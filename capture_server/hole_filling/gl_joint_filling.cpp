@@ -51,6 +51,7 @@ class OwnContext final : public HoleFiller {
   OwnContext(std::unique_ptr<gl::Context> context, std::unique_ptr<GlJointFilling> filler)
       : context_(std::move(context)), filler_(std::move(filler)) {}
   std::string_view name() const override { return filler_->name(); }
+  bool is_free_of_threads() const override { return filler_->is_free_of_threads(); }
   Result<void> fill(RgbdFrame& frame) override { return filler_->fill(frame); }
 
  private:

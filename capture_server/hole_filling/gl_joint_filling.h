@@ -22,6 +22,7 @@ class GlJointFilling final : public HoleFiller {
   static Result<std::unique_ptr<GlJointFilling>> open(gl::Context& context, const FrameFormat& format);
 
   std::string_view name() const override { return "gl"; }
+  bool is_free_of_threads() const override { return false; }
   Result<void> fill(RgbdFrame& frame) override;
 
  private:

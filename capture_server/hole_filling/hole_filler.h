@@ -6,7 +6,7 @@
 // never changed. Every method exists as one interface with implementations for CPU and GL, and open()
 // chooses.
 //
-// Thread: one thread makes, uses and destroys a filler (a GL filler's context belongs to that thread).
+// Thread: one at a time; a GL filler, whose context belongs to a thread, is made, used and destroyed by one.
 
 #include <array>
 #include <memory>
@@ -47,6 +47,9 @@ class HoleFiller {
   virtual ~HoleFiller() = default;
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --compute
+
+  /// Whether fill() may be called from any thread, one at a time; else from the one that opened this.
+  virtual bool is_free_of_threads() const { return true; }
 
   /// Closes the holes of `frame` that can be closed sensibly. Depth and state change only where the state is
   /// kHole. Requires depth and state of the format's size, depth 0 exactly where the state is kHole, and

@@ -50,11 +50,20 @@ FrameEncoder::FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budg
                            std::optional<PictureEncoder> color)
     : depth_(std::move(depth)), budget_(budget), color_(std::move(color)) {}
 
-Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame, Workers* workers) {
+void FrameEncoder::encode_color_ahead(const Picture& color, bool keyframe) {
+  assert(color_);
+  color_keyframe_needed_ = color_keyframe_needed_ || keyframe;
+  color_ahead_ = color_->encode(color, color_keyframe_needed_);
+}
+
+Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   const bool keyframe = frame.depth.keyframe;
   assert(keyframe || previous_ != 0);
   assert(frame.stamp.sequence > previous_ && (!frame.color || color_));
   color_keyframe_needed_ = color_keyframe_needed_ || keyframe;
+  if (frame.color && !color_ahead_) encode_color_ahead(*frame.color, keyframe);
+  Result<AccessUnit> color = frame.color ? std::move(*color_ahead_) : AccessUnit();
+  color_ahead_.reset();
 
   SideData data;
   data.sequence = frame.stamp.sequence;
@@ -70,30 +79,17 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame, Workers* wor
   data.state_mask = frame.depth.state_mask;
 
   if (budget_) depth_.set_rate(budget_->picture_rate(side_data_bytes(data)));
-  Result<std::vector<std::uint8_t>> depth, encoded_color;
-  const auto encode_picture = [&](int number, int) {
-    if (number == 0) {
-      depth = encode_depth(frame.depth);
-    } else {
-      encoded_color = color_->encode(*frame.color, color_keyframe_needed_);
-    }
-  };
-  NoWorkers alone;
-  (workers ? *workers : alone).run(frame.color ? 2 : 1, encode_picture);
+  const auto depth = encode_depth(frame.depth);
   if (!depth) return fail(depth.error());
   if (!flat_) data.quantiser = static_cast<std::uint8_t>(depth_.quantiser());
-  std::vector<std::uint8_t> color;
-  if (frame.color) {
-    if (!encoded_color) return fail(encoded_color.error());
-    color = std::move(*encoded_color);
-    color_keyframe_needed_ = false;
-  }
+  if (!color) return fail(color.error());
+  if (frame.color) color_keyframe_needed_ = false;
 
   EncodedFrame encoded;
   encoded.keyframe = keyframe;
   encoded.sequence = frame.stamp.sequence;
-  encoded.depth = add_side_data(*depth, color, data);
-  encoded.color = std::move(color);
+  encoded.depth = add_side_data(*depth, *color, data);
+  encoded.color = std::move(*color);
   encoded.durations = frame.durations;
   if (budget_) budget_->spent(encoded.depth.size());
   previous_ = frame.stamp.sequence;
@@ -101,7 +97,7 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame, Workers* wor
   return encoded;
 }
 
-Result<std::vector<std::uint8_t>> FrameEncoder::encode_depth(const PlanarDepth& depth) {
+Result<FrameEncoder::AccessUnit> FrameEncoder::encode_depth(const PlanarDepth& depth) {
   const bool exact = !depth.samples.empty();
   assert(exact == flat_.has_value() || depth.keyframe);
   if (!exact) {

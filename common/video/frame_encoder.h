@@ -5,11 +5,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "common/frame/encoded_frame.h"
 #include "common/frame/planar_frame.h"
 #include "common/frame/stream_description.h"
-#include "common/frame/workers.h"
 #include "common/result.h"
 #include "common/video/depth_budget.h"
 #include "common/video/flat_picture.h"
@@ -27,8 +27,11 @@ class FrameEncoder {
   /// Requires pictures of the stream's format and size, or samples and no picture; a keyframe where one follows the other; a
   /// keyframe first; sequence numbers from 1 upward;
   /// after a failure, a keyframe.
-  /// With `workers` the two pictures are encoded side by side.
-  Result<EncodedFrame> encode(const PlanarFrame& frame, Workers* workers = nullptr);
+  Result<EncodedFrame> encode(const PlanarFrame& frame);
+
+  /// Encodes the colour of the coming frame, so that encode() finds it done: its colour does not have to wait for
+  /// its depth. `keyframe` as the frame will have it. Where the frame comes to nothing, so does this. Thread: beside whatever does not use this encoder.
+  void encode_color_ahead(const Picture& color, bool keyframe);
 
   /// From the next frame on. Requires kMinKbps <= kbps <= kMaxKbps; set_depth_kbps an encoder opened with
   /// depth_kbps.
@@ -38,13 +41,15 @@ class FrameEncoder {
  private:
   FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budget, std::optional<PictureEncoder> color);
 
-  Result<std::vector<std::uint8_t>> encode_depth(const PlanarDepth& depth);
+  using AccessUnit = std::vector<std::uint8_t>;
+  Result<AccessUnit> encode_depth(const PlanarDepth& depth);
 
   PictureEncoder depth_;
   std::optional<FlatPictureWriter> flat_;  // instead of depth_, since the last keyframe
   std::optional<DepthBudget> budget_;
   std::optional<PictureEncoder> color_;
-  std::uint64_t previous_ = 0;  // sequence of the last frame, 0 before the first
+  std::optional<Result<AccessUnit>> color_ahead_;  // of the coming frame
+  std::uint64_t previous_ = 0;                     // sequence of the last frame, 0 before the first
   std::optional<Rigid3> previous_pose_;
   bool color_keyframe_needed_ = true;  // set until the first colour picture after a keyframe
 };

@@ -73,10 +73,10 @@ class SpanMerge {
       }
       store(&span_.first[at], first);
       store(&span_.shown[at], shown);
-      span_.is_contested[g] = bits(overlap) != 0;
-      if (span_.is_contested[g]) {
-        weigh(x, at, first);
+      if (bits(overlap)) {
+        span_.is_contested[g] = weigh(x, at, first);
       } else {
+        span_.is_contested[g] = false;
         for (std::size_t i = 0; i < sources_.size(); ++i) {
           const Ints is_first = shown & (first == static_cast<std::int32_t>(i));
           store(&span_.cameras[i].worth_per_cosine[at], is_first ? all(1.0F) : Floats{});
@@ -91,8 +91,9 @@ class SpanMerge {
     return z * (d[0] * pixel_x + (d[1] * static_cast<float>(y_) + d[2])) + d[3];
   }
 
-  // fragment_worth() of merge_rules.h before its cosine, for eight pixels of every camera.
-  void weigh(int x, int at, const Ints& first) {
+  // fragment_worth() of merge_rules.h before its cosine, for eight pixels of every camera. Returns whether any but the
+  // nearest counts.
+  bool weigh(int x, int at, const Ints& first) {
     Floats depth[kMostCameras], source_z[kMostCameras];
     Floats nearest_z = all(1.0F / empty_), first_z{}, first_error{};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
@@ -103,6 +104,7 @@ class SpanMerge {
       first_z = is_first ? source_z[i] : first_z;
       first_error = is_first ? all(sources_[i].calibration_error_m) : first_error;
     }
+    Ints rivals{};
     const Floats first_range = kRangeSigmas * 0.5F * kStepInverse * (first_z * first_z) + first_error;
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       const Floats squared = source_z[i] * source_z[i];
@@ -111,8 +113,10 @@ class SpanMerge {
       const Floats room = range - (depth[i] - nearest_z);  // that it may still lie further behind
       const Floats fading = smaller(room + room, range);   // times the range
       const Ints counts = (load<Floats>(depths_[i] + at) > empty_) & (room > 0);
+      rivals |= counts & (first != static_cast<std::int32_t>(i));
       store(&span_.cameras[i].worth_per_cosine[at], counts ? fading / (squared * range) : Floats{});
     }
+    return bits(rivals) != 0;
   }
 
   // Samples a camera's texture where it counts.

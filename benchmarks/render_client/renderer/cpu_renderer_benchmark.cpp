@@ -37,11 +37,12 @@ struct Room {
   std::vector<RgbdFrame> frames;
   std::vector<CameraView> cameras;
 
-  explicit Room(int count) {
+  explicit Room(int count, bool is_one_room = true) {
     frames.reserve(count);
     for (int i = 0; i < count; ++i) {
       const double x_m = 0.4 * (i - (count - 1) / 2.0);
-      frames.push_back(frame_of(kinect_model(), room_seen_from(x_m), Paint(gradient)));
+      const Surface seen = is_one_room ? room_seen_from(x_m) : wall(1.5 + i);
+      frames.push_back(frame_of(kinect_model(), seen, Paint(gradient)));
       measure_like_a_kinect(frames.back(), 0.04, unsigned(i));
       CameraView camera;
       camera.frame = &frames.back();
@@ -109,10 +110,11 @@ void new_frame(benchmark::State& state) {
 BENCHMARK(new_frame)->Unit(benchmark::kMillisecond);
 
 // Merging alone, colours included, on one thread of a 1280x720 view: each band is merged when it has just been drawn, as
-// the renderer does it, and only that is timed. What a second camera adds to one is the difference.
+// the renderer does it, and only that is timed. What a second camera adds to one is the difference. `one_room`: whether
+// the cameras see the same surfaces, which are mixed nearly everywhere, or walls behind each other.
 void merge(benchmark::State& state) {
   constexpr int kRows = 16;
-  Room room(int(state.range(0)));
+  Room room(int(state.range(0)), state.range(1) != 0);
   const VirtualCamera eye = orbiting_eye(1280, 720, 10, 2);
   const auto near_m = float(eye.near_m);
   const auto ray = rays(kinect_model());
@@ -168,7 +170,11 @@ void merge(benchmark::State& state) {
     benchmark::DoNotOptimize(view.color.data());
   }
 }
-BENCHMARK(merge)->ArgName("cameras")->Arg(1)->Arg(2)->Arg(4)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(merge)
+    ->ArgNames({"cameras", "one_room"})
+    ->ArgsProduct({{1, 2, 4}, {1, 0}})
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace copresence::renderer

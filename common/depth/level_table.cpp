@@ -3,37 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <optional>
 
 namespace copresence::depth {
-namespace {
-
-void write_number(std::uint32_t value, std::vector<std::uint8_t>& out) {
-  for (; value >= 128; value >>= 7) out.push_back(static_cast<std::uint8_t>(value | 128));
-  out.push_back(static_cast<std::uint8_t>(value));
-}
-
-// Numbers here stay below 2^21: three bytes at most.
-std::optional<std::uint32_t> read_number(std::span<const std::uint8_t>& bytes) {
-  std::uint32_t value = 0;
-  for (int shift = 0; shift < 21; shift += 7) {
-    if (bytes.empty()) return std::nullopt;
-    const std::uint8_t byte = bytes.front();
-    bytes = bytes.subspan(1);
-    value |= (byte & 127u) << shift;
-    if (byte < 128) return value;
-  }
-  return std::nullopt;
-}
-
-std::uint32_t zigzag(std::int32_t value) {
-  return static_cast<std::uint32_t>(value << 1 ^ value >> 31);
-}
-std::int32_t unzigzag(std::uint32_t value) {
-  return static_cast<std::int32_t>(value >> 1) ^ -static_cast<std::int32_t>(value & 1);
-}
-
-}  // namespace
 
 LevelTable::LevelTable(DepthRangeUnits range, DepthUnit unit)
     : range_(range),
@@ -135,51 +106,6 @@ bool LevelTable::insert(std::uint16_t level) {
     levels_[above] = level;
   }
   return true;
-}
-
-void LevelTable::write_change(const LevelTable& earlier, std::vector<std::uint8_t>& out) const {
-  std::uint32_t entries = 0;
-  for (int code = 0; code < kCodes; ++code) entries += levels_[code] != earlier.levels_[code];
-  if (entries == 0) return;
-  write_number(entries, out);
-  int last_code = -1, last_level = 0;
-  for (int code = 0; code < kCodes; ++code) {
-    if (levels_[code] == earlier.levels_[code]) continue;
-    write_number(static_cast<std::uint32_t>(code - last_code - 1), out);
-    write_number(zigzag(levels_[code] - last_level), out);
-    last_code = code;
-    last_level = levels_[code];
-  }
-}
-
-Result<void> LevelTable::read_change(std::span<const std::uint8_t> bytes) {
-  if (bytes.empty()) return {};
-  const auto corrupt = [](const char* why) {
-    return fail(ErrorCode::kCorrupt, std::string("level table: ") + why);
-  };
-  const auto entries = read_number(bytes);
-  if (!entries || *entries == 0 || *entries > kCodes) return corrupt("the number of entries makes no sense");
-  std::vector<std::uint16_t> levels = levels_;
-  std::int64_t code = -1, level = 0;
-  for (std::uint32_t i = 0; i < *entries; ++i) {
-    const auto skip = read_number(bytes), change = read_number(bytes);
-    if (!skip || !change) return corrupt("it ends too early");
-    code += std::int64_t{*skip} + 1;
-    level += unzigzag(*change);
-    if (code >= kCodes) return corrupt("a code is too large");
-    if (level != 0 && (level < range_.near || level > range_.far))
-      return corrupt("a level lies outside the range");
-    levels[static_cast<std::size_t>(code)] = static_cast<std::uint16_t>(level);
-  }
-  if (!bytes.empty()) return corrupt("bytes are left over");
-  std::uint16_t last = 0;
-  for (const std::uint16_t each : levels) {
-    if (each == 0) continue;
-    if (each <= last) return corrupt("levels do not ascend");
-    last = each;
-  }
-  levels_ = std::move(levels);
-  return {};
 }
 
 std::vector<std::uint16_t> LevelTable::depth_of_code() const {

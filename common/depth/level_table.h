@@ -8,9 +8,7 @@
 // step), so that a level met later mostly finds its place without moving another. A code without a level
 // stands for a depth between its neighbours', evenly in 1/z.
 //
-// The bytes of a change (docs/codecs.md): numbers in LEB128; how many entries; then for each, in the order of
-// codes, the code less the code before it less 1, and its level less the level of the entry before (zigzag);
-// level 0 is "none".
+// The bytes of a change are those of docs/codecs.md (level_table_change.cpp).
 //
 // Thread: a value.
 

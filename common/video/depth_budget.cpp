@@ -12,10 +12,15 @@ constexpr double kShare = 0.99;
 /// three times the mean, and so little that a second that begins frugal and ends in a keyframe stays
 /// below 1.1 times the rate.
 constexpr double kBufferFrames = 2.5;
-/// Debt is paid back within about so many frames, and no more than kMostSaved frames' worth are kept for
-/// later.
-constexpr double kRepayFrames = 8;
-constexpr double kMostSaved = 3;
+/// What is saved is spent within about so many frames, and no more than kMostSaved frames' worth are kept for later: as much
+/// again as a keyframe runs ahead, so that both in one second stay inside the promise.
+constexpr double kSpendFrames = 8;
+constexpr double kMostSaved = 1.5;
+/// A keyframe's debt, up to kUsualDebt frames' worth, is paid back within about so many frames: faster, and where the mask takes
+/// most of the rate, the pictures after it would get next to nothing and be bad for longer than that. More is paid back as
+/// savings are spent.
+constexpr double kRepayFrames = 40;
+constexpr double kUsualDebt = 2;
 /// More is forgiven: when side data alone exceeds the rate for long, the picture must recover within a second
 /// after.
 constexpr double kMostOwed = 30;
@@ -42,7 +47,9 @@ void DepthBudget::set_kbps(int kbps) {
 
 PictureRate DepthBudget::picture_rate(std::size_t side_bytes) const {
   const double share = frame_bits() * kShare;
-  const double wanted = share - 8.0 * static_cast<double>(side_bytes) - debt_bits_ / kRepayFrames;
+  const double slow = std::clamp(debt_bits_, 0.0, kUsualDebt * share);
+  const double repaid = slow / kRepayFrames + (debt_bits_ - slow) / kSpendFrames;
+  const double wanted = share - 8.0 * static_cast<double>(side_bytes) - repaid;
   const double bits = std::max(wanted, share * kLeastShare);
   return {bits * frames_per_second_ / 1000, frame_bits() * kBufferFrames / 1000};
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <random>
 
 #include "common/depth/level_spacing.h"
@@ -142,46 +143,59 @@ TEST(LevelTable, ChangesTravel) {
 
 TEST(LevelTable, HasTheFormatThatIsDocumented) {
   LevelTable table = empty_table();
-  assign(table, {400, 405});
+  assign(table, {400, 405, 411, 500});
   std::vector<std::uint8_t> bytes;
   table.write_change(empty_table(), bytes);
-  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{
-                       2,           // entries
-                       0,           // code 0
-                       0xa0, 0x06,  // level 400: zigzag 800 = 0x320
-                       10,          // code 11: a Kinect has eleven steps from 400 to 405 mm
-                       10,          // level 405: 5 more
-                   }));
-  EXPECT_TRUE(bytes.empty() || empty_table().read_change(bytes));
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x3f, 0x07, 0xa5, 0x0c, 0x99, 0x23, 0x04}));
   const LevelTable same = table;
   bytes.clear();
   table.write_change(same, bytes);
   EXPECT_TRUE(bytes.empty());
 }
 
+TEST(LevelTable, TakesHalfAByteForALevelThatTheOthersForetell) {
+  LevelTable table = empty_table();
+  assign(table, kinect_levels());
+  std::vector<std::uint8_t> bytes;
+  table.write_change(empty_table(), bytes);
+  EXPECT_LT(bytes.size(), kinect_levels().size() / 2);
+}
+
 TEST(LevelTable, RefusesBytesThatMakeNoTableAndStaysAsItWas) {
-  using Bytes = std::vector<std::uint8_t>;
   LevelTable table = empty_table();
   assign(table, {500, 600});
   const std::vector<std::uint16_t> before(table.levels().begin(), table.levels().end());
-  for (const Bytes& bytes : {
-           Bytes{0},                             // no entries
-           Bytes{0x81, 0x08},                    // 1025 entries
-           Bytes{1},                             // nothing behind
-           Bytes{1, 0, 0xa0},                    // ends inside a number
-           Bytes{1, 0xff, 0xff, 0xff, 0x7f, 2},  // a number that never ends
-           Bytes{1, 0x80, 0x08, 0xa0, 0x06},     // code 1024
-           Bytes{1, 0, 2},                       // level 1, below the range
-           Bytes{1, 0, 0xff, 0xff, 0x7f},        // a level far outside
-           Bytes{2, 0, 0xa2, 0x06, 0, 1},        // levels 401, 400: they fall
-           Bytes{1, 0xff, 0x07, 0xa0, 0x06},     // code 1023 = 400, behind 600
-           Bytes{1, 0, 0xa0, 0x06, 0},           // a byte too many
-       }) {
-    const auto read = table.read_change(bytes);
-    ASSERT_FALSE(read) << ::testing::PrintToString(bytes);
-    EXPECT_EQ(read.error().code, ErrorCode::kCorrupt);
-    EXPECT_TRUE(std::equal(before.begin(), before.end(), table.levels().begin()));
+  std::minstd_rand random(7);
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::uint8_t> bytes(1 + random() % 24);
+    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random() >> 8);
+    LevelTable read = table;
+    const auto done = read.read_change(bytes);
+    const auto levels = present(read);
+    ASSERT_TRUE(std::is_sorted(levels.begin(), levels.end(), std::less_equal<>()) &&
+                kRange.contains(levels.front()) && kRange.contains(levels.back()));
+    if (done) continue;
+    ++refused;
+    ASSERT_EQ(done.error().code, ErrorCode::kCorrupt);
+    ASSERT_TRUE(std::equal(before.begin(), before.end(), read.levels().begin()));
   }
+  EXPECT_GT(refused, 500);
+}
+
+TEST(LevelTable, RefusesLevelsThatDoNotAscendOrLieOutsideTheRange) {
+  const auto code_3 = [](std::uint16_t level) {
+    LevelTable table = empty_table();
+    table.assign(std::vector{level}, std::vector<double>{3});
+    std::vector<std::uint8_t> bytes;
+    table.write_change(empty_table(), bytes);
+    return bytes;
+  };
+  LevelTable table = empty_table();
+  assign(table, {400, 4000});
+  EXPECT_TRUE(LevelTable(table).read_change(code_3(405)));
+  EXPECT_FALSE(LevelTable(table).read_change(code_3(4500)));  // before 4000
+  EXPECT_FALSE(LevelTable({400, 449}, DepthUnit::kMillimetre).read_change(code_3(450)));
 }
 
 }  // namespace

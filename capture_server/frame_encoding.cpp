@@ -56,6 +56,7 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   if (!filler) return fail(filler.error());
   auto depth = depth::Encoder::open(settings.codec, {model.width, model.height, sensor.unit, settings.range});
   if (!depth) return fail(depth.error());
+  depth->set_sensor_levels(sensor.levels);  // registration leaves depth as it was measured
   depth->set_lossless(settings.depth_qp == 0 && !settings.depth_kbps);
 
   StreamDescription stream;

@@ -252,6 +252,7 @@ Result<void> DeviceSource::start() {
   description_.unit = depth_mode.getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_100_UM
                           ? DepthUnit::k100Micrometres
                           : DepthUnit::kMillimetre;
+  description_.levels = levels_of(depth_);
   description_.frames_per_second = std::max(depth_mode.getFps(), 1);
   half_period_us_ = static_cast<std::int64_t>(500'000 / description_.frames_per_second);
   pairing_.emplace(half_period_us_, kReuseColorUs);

@@ -29,10 +29,12 @@ struct SensorDescription {
   std::string uri;   ///< of a device: what open_device() takes for this very one
   CameraModel depth;
   DepthUnit unit = DepthUnit::kMillimetre;
-  bool has_color = false;                   ///< where false, `color` is meaningless and no frame has colour
-  CameraModel color;                        ///< before registration: the colour camera's own
-  Rigid3 color_from_depth;                  ///< metres; identity where registered
-  bool registered = false;                  ///< depth and colour already share one camera model
+  bool has_color = false;   ///< where false, `color` is meaningless and no frame has colour
+  CameraModel color;        ///< before registration: the colour camera's own
+  Rigid3 color_from_depth;  ///< metres; identity where registered
+  bool registered = false;  ///< depth and colour already share one camera model
+  /// Every depth that the sensor can report, in `unit`, ascending; empty where it does not tell.
+  std::vector<std::uint16_t> levels;
   double frames_per_second = 30;            ///< nominal
   std::optional<Rigid3> world_from_camera;  ///< where the recording says it
   bool is_recording = false;

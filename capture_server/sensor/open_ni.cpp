@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "capture_server/drivers/contract/device_properties.h"
 #include "capture_server/drivers/contract/driver_choice.h"
 
 namespace copresence::sensor {
@@ -37,6 +38,24 @@ std::string last_open_ni_error() {
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\t' || c == '\r'; }, ' ');
   while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
   return text.empty() ? "no reason given" : text;
+}
+
+std::vector<std::uint16_t> levels_of(const openni::VideoStream& depth) {
+  // Some drivers want the size that their table has, which is 2048 entries everywhere seen; some write without asking for
+  // the room. So there is always room for the largest that can be.
+  constexpr std::size_t kUsual = 2048, kLargest = 65536;
+  std::vector<std::uint16_t> levels(kLargest);
+  for (const std::size_t entries : {kUsual, kLargest}) {
+    int bytes = static_cast<int>(entries * sizeof(levels[0]));
+    if (depth.getProperty(drivers::kDepthOfDisparity, levels.data(), &bytes) != openni::STATUS_OK) continue;
+    levels.resize(std::clamp<std::size_t>(static_cast<std::size_t>(std::max(bytes, 0)) / sizeof(levels[0]), 0,
+                                          kLargest));
+    std::erase(levels, std::uint16_t{0});
+    std::sort(levels.begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+    return levels;
+  }
+  return {};
 }
 
 bool is_whole(const openni::VideoFrameRef& frame, const CameraModel& camera, int bytes_per_pixel) {

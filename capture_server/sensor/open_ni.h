@@ -5,8 +5,10 @@
 
 #include <OpenNI.h>
 
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/frame/camera_model.h"
 #include "common/frame/rgbd_frame.h"
@@ -35,6 +37,9 @@ class OpenNiSession {
 
 /// OpenNI2's own words about its last error, on one line; "no reason given" where it has none.
 std::string last_open_ni_error();
+
+/// Every depth that a stream can have, ascending, from its table of disparities; empty where it has none.
+std::vector<std::uint16_t> levels_of(const openni::VideoStream& depth);
 
 /// Whether a frame is what its stream promised: OpenNI2 hands on short and odd ones.
 bool is_whole(const openni::VideoFrameRef& frame, const CameraModel& camera, int bytes_per_pixel);

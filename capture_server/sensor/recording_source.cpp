@@ -129,7 +129,7 @@ class RecordingSource final : public FrameSource {
   bool read_one();
   void halt();
 
-  const CheckedRecording recording_;
+  CheckedRecording recording_;
   const SourceSettings settings_;
   const OpenNiSession session_{drivers::kNoDriver};
   const FileDescriptor file_;
@@ -175,6 +175,7 @@ Result<void> RecordingSource::start() {
       (has_color && color_.create(device_, openni::SENSOR_COLOR) != openni::STATUS_OK)) {
     return refused("its streams do not open");
   }
+  recording_.description.levels = levels_of(depth_);
   playing_ = true;
   if (depth_.start() != openni::STATUS_OK || (has_color && color_.start() != openni::STATUS_OK)) {
     return refused("its streams do not start");

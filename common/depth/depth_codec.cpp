@@ -75,6 +75,10 @@ const DepthCodecDescription& Encoder::description() const {
   return parts_->description;
 }
 
+void Encoder::set_sensor_levels(std::span<const std::uint16_t> levels) {
+  parts_->planes->set_sensor_levels(levels);
+}
+
 void Encoder::set_lossless(bool lossless) {
   Parts& parts = *parts_;
   if (lossless == parts.lossless) return;

@@ -10,6 +10,7 @@
 // Units: depth in the stream's DepthUnit along the optical axis. Thread: distinct objects are independent;
 // one object is used by one thread at a time.
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -35,6 +36,10 @@ class Encoder {
   Encoder& operator=(Encoder&&) noexcept;
 
   const DepthCodecDescription& description() const;
+
+  /// Tells which depths the sensor can report, ascending, in the stream's unit, before the first frame. Codecs with a level table
+  /// then have it from the beginning instead of learning it; it need not be complete.
+  void set_sensor_levels(std::span<const std::uint16_t> levels);
 
   /// Tells whether depth is coded without loss from the next frame on, which is a keyframe where that changes. Codecs with monochrome
   /// pictures then give samples (sample_coder.h) instead; the others' pictures must come through video coding as they are. It is

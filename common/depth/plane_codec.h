@@ -5,6 +5,9 @@
 //
 // Thread: distinct objects are independent.
 
+#include <cstdint>
+#include <span>
+
 #include "common/depth/depth_format.h"
 #include "common/frame/image.h"
 #include "common/frame/planar_frame.h"
@@ -26,6 +29,9 @@ class PlaneEncoder {
 
   /// From the next frame on the pictures are coded without loss, or no longer.
   virtual void set_lossless(bool) {}
+
+  /// The depths that the sensor can report, ascending; before the first frame.
+  virtual void set_sensor_levels(std::span<const std::uint16_t>) {}
 };
 
 class PlaneDecoder {

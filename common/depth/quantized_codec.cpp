@@ -26,6 +26,12 @@ class QuantizedEncoder final : public PlaneEncoder {
 
   void set_lossless(bool lossless) override { lossless_ = lossless; }
 
+  void set_sensor_levels(std::span<const std::uint16_t> levels) override {
+    for (const std::uint16_t level : levels) {
+      if (range_.contains(level)) told_.push_back(level);
+    }
+  }
+
   Result<void> encode(const DepthImage& depth, const StateImage& states, PlanarDepth& out) override {
     const LevelTable earlier = table_;
     if (adaptive_) {
@@ -74,11 +80,28 @@ class QuantizedEncoder final : public PlaneEncoder {
       code = 0;  // each level once
       fresh.push_back(depth.data()[i]);
     }
-    const bool anew = levels_.empty() || levels_.size() + fresh.size() > LevelTable::kCodes;
+    const bool full = static_cast<std::size_t>(table_.count()) + fresh.size() > LevelTable::kCodes;
+    if (full && !told_.empty()) {
+      // Too many with those that were only told: from here on the ones that are met count.
+      told_.clear();
+      levels_.clear();
+      std::fill(code_of_depth_.begin(), code_of_depth_.end(), kUnknown);
+      return learn(depth, states);
+    }
+    const bool anew = full || table_.count() == 0;
     levels_.insert(levels_.end(), fresh.begin(), fresh.end());
     if (anew) return lay_out();
     for (const std::uint16_t level : fresh) table_.insert(level);
     index();
+  }
+
+  // What the table is to hold, ascending: adaptive has no codes to spare for levels that were only told, but where nothing may be lost.
+  std::vector<std::uint16_t> levels_to_hold() const {
+    std::vector<std::uint16_t> levels = levels_;
+    if (!adaptive_ || lossless_) levels.insert(levels.end(), told_.begin(), told_.end());
+    std::sort(levels.begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+    return levels.size() <= LevelTable::kCodes ? levels : levels_;
   }
 
   void lay_out() {
@@ -91,7 +114,8 @@ class QuantizedEncoder final : public PlaneEncoder {
       for (const std::uint16_t level : levels_) pixels.push_back(pixels_[level]);
       table_.assign(levels_, scene_spacing(levels_, pixels, range_, unit_));
     } else {
-      table_.assign(levels_, sensor_spacing(levels_, range_, unit_));
+      const std::vector<std::uint16_t> levels = levels_to_hold();
+      table_.assign(levels, sensor_spacing(levels, range_, unit_));
     }
     index();
   }
@@ -165,7 +189,8 @@ class QuantizedEncoder final : public PlaneEncoder {
   bool adaptive_;
   LevelTable table_;
   const LevelTable none_;
-  std::vector<std::uint16_t> levels_;  // learnt so far, in any order
+  std::vector<std::uint16_t> told_;    // by the sensor
+  std::vector<std::uint16_t> levels_;  // learnt so far beyond them, in any order
   std::vector<std::uint32_t> pixels_ =
       std::vector<std::uint32_t>(65536);  // of every depth in the frame counted last
   int frames_since_layout_ = 0;

@@ -3,13 +3,13 @@
 // quantized and adaptive: one 10-bit plane whose codes are the sensor's own depth levels (level_table.h).
 // Without loss in video coding both are exact: every measured pixel comes back as it was.
 //
-// The table is learnt from measured pixels as they come; what a frame adds travels with it. A keyframe
-// carries the whole table, laid out anew. Filled pixels take the nearest level and never add one. Depth with
+// The table begins with the levels that the sensor tells (Encoder::set_sensor_levels), and learns others from measured pixels as
+// they come; what a frame adds travels with it. A keyframe carries the whole table, laid out anew. Filled pixels take the nearest level and never add one. Depth with
 // more than 1024 levels gets levels even in 1/z instead, from the frame on that showed it: no longer exact,
 // so refused where the coding is lossless.
 //
 // They differ in how far levels lie apart (level_spacing.h): quantized gives every sensor step one code,
-// adaptive spends all codes on the depths that the scene has; without loss it does as quantized. Where the scene has left them, adaptive makes a
+// adaptive spends all codes on the depths that the scene has, and gives none to what it has not shown yet; without loss it does as quantized. Where the scene has left them, adaptive makes a
 // keyframe and lays its table out anew, at most once in two seconds.
 //
 // Parameters: none; the range and the unit come with the format. Source: thesis 3.3.3.2 and 3.3.3.3.

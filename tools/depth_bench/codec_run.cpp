@@ -15,6 +15,7 @@ Result<Row> run_codec(const DepthRecording& recording, const std::string& codec,
   const depth::DepthFormat& format = recording.format;
   auto depth_encoder = depth::Encoder::open(codec, format);
   if (!depth_encoder) return fail(depth_encoder.error());
+  depth_encoder->set_sensor_levels(recording.levels);
   depth_encoder->set_lossless(setting.qp == 0);
   auto depth_decoder = depth::Decoder::open(depth_encoder->description(), format);
   if (!depth_decoder) return fail(depth_decoder.error());

@@ -12,6 +12,7 @@ Result<DepthRecording> load(const std::filesystem::path& recording, const DepthR
   const sensor::SensorDescription& description = (*source)->description();
   DepthRecording loaded;
   loaded.format = {description.depth.width, description.depth.height, description.unit, range};
+  loaded.levels = description.levels;
   if (const auto checked = depth::check(loaded.format); !checked) return fail(checked.error());
   const DepthRangeUnits units = loaded.format.units();
   while (frames == 0 || static_cast<int>(loaded.depth.size()) < frames) {

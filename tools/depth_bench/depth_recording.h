@@ -2,6 +2,7 @@
 
 // A recording's depth in memory, as every codec is given it: what lies outside the range is a hole.
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace copresence::depth_bench {
 
 struct DepthRecording {
   depth::DepthFormat format;
+  std::vector<std::uint16_t> levels;  ///< that the sensor told, as SensorDescription::levels
   std::vector<DepthImage> depth;
   std::vector<StateImage> states;
 };

@@ -18,6 +18,10 @@ using Pose = std::array<double, 12>;
 inline constexpr int kIntrinsics = 0x43500002;
 using Intrinsics = std::array<double, 4>;
 
+/// Depth stream, read, std::uint16_t for each disparity: the depth it stands for, in the stream's unit, 0 for none.
+/// PrimeSense's own property, XN_STREAM_PROPERTY_S2D_TABLE of PS1080.h: cameras and recordings of others have it too.
+inline constexpr int kDepthOfDisparity = 0x10801010;
+
 /// Device, read and write, double: degrees of the camera's tilt above the horizon, -30 to 30.
 inline constexpr int kTilt = 0x43500003;
 

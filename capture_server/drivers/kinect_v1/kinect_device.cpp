@@ -1,10 +1,13 @@
 #include "capture_server/drivers/kinect_v1/kinect_device.h"
 
+#include <libfreenect_registration.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <vector>
 
 namespace copresence::drivers {
 namespace {
@@ -13,6 +16,7 @@ constexpr int kWidth = 640, kHeight = 480, kFps = 30;
 constexpr int kMaxDepth = FREENECT_DEPTH_MM_MAX_VALUE + 1;  // greater than every pixel's
 constexpr std::int64_t kPeriodUs = 1'000'000 / kFps;
 constexpr double kMostTilt = 30;
+constexpr int kDisparities = 2048;  // of 11 bits
 
 // Nominal: no calibration of the device's own is asked for. 575.8 pixels of focal length for depth (a PrimeSense sensor's),
 // 525 for colour (OpenKinect, ROS openni_camera).
@@ -249,8 +253,22 @@ OniStatus KinectDevice::setProperty(int property, const void* data, int size) {
   }
 }
 
+// libfreenect makes millimetres with this table, registered or not.
+OniStatus KinectDevice::depth_of_disparity(void* data, int* size) {
+  std::vector<std::uint16_t> table;
+  thread_->run([&](freenect_device* kinect) {
+    freenect_registration registration = freenect_copy_registration(kinect);
+    if (registration.raw_to_mm_shift)
+      table.assign(registration.raw_to_mm_shift, registration.raw_to_mm_shift + kDisparities);
+    return freenect_destroy_registration(&registration);
+  });
+  if (table.empty()) return ONI_STATUS_NOT_SUPPORTED;
+  return answer(table.data(), static_cast<int>(table.size() * sizeof(table[0])), data, size);
+}
+
 OniStatus KinectDevice::get_of(PushStream& stream, int property, void* data, int* size) {
   if (stream.type() == ONI_SENSOR_DEPTH) {
+    if (property == kDepthOfDisparity) return depth_of_disparity(data, size);
     const std::lock_guard lock(settings_);
     const Lens lens = depth_lens();
     if (property == ONI_STREAM_PROPERTY_HORIZONTAL_FOV)

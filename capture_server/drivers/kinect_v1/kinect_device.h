@@ -55,6 +55,7 @@ class KinectDevice final : public oni::driver::DeviceBase, public StreamOwner {
   OniStatus set_registration(int mode);
   OniStatus set_flag(freenect_flag flag, bool on, const char* what);
   Lens depth_lens() const;
+  OniStatus depth_of_disparity(void* data, int* size);
 
   const std::string serial_;
   const Explain explain_;

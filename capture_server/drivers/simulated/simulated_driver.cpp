@@ -23,6 +23,7 @@
 #include "capture_server/drivers/simulated/frame_clock.h"
 #include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/simulation/frame_marker.h"
+#include "capture_server/simulation/kinect_noise.h"
 #include "capture_server/simulation/simulated_kinect.h"
 
 namespace copresence::drivers {
@@ -122,6 +123,12 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
   }
   OniBool isImageRegistrationModeSupported(OniImageRegistrationMode mode) override {
     return mode == ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
+  }
+
+  OniStatus get_of(PushStream& stream, int property, void* data, int* size) override {
+    if (property != kDepthOfDisparity || stream.type() != ONI_SENSOR_DEPTH) return ONI_STATUS_NOT_SUPPORTED;
+    static const std::vector<std::uint16_t> levels = simulation::kinect_levels(DepthUnit::kMillimetre);
+    return answer(levels.data(), static_cast<int>(levels.size() * sizeof(levels[0])), data, size);
   }
 
   OniStatus begin(PushStream& stream) override {

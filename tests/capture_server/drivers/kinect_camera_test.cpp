@@ -67,6 +67,7 @@ TEST_F(KinectCamera, GivesRegisteredDepthAndColour) {
   EXPECT_TRUE(description.has_color);
   EXPECT_TRUE(description.registered);
   EXPECT_NEAR(description.depth.fx, 525, 0.5);  // seen through the colour camera
+  EXPECT_EQ(description.levels, fake::levels());
   for (std::uint64_t i = 1; i <= 30; ++i) {
     const auto frame = (*source)->next({});
     ASSERT_TRUE(frame) << frame.error().what;

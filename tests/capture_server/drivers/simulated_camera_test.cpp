@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
 #include "capture_server/simulation/frame_marker.h"
+#include "capture_server/simulation/kinect_noise.h"
 #include "capture_server/simulation/simulated_kinect.h"
 #include "capture_server/source.h"
 #include "tests/support/process.h"
@@ -27,12 +29,15 @@ TEST(SimulatedCamera, IsALiveKinectThatKnowsItsPlace) {
   EXPECT_FALSE(description.is_recording);
   ASSERT_TRUE(description.world_from_camera);
   EXPECT_TRUE(description.world_from_camera->rotation.isApprox(simulation::kinect_poses(2)[1].rotation));
+  EXPECT_EQ(description.levels, simulation::kinect_levels(DepthUnit::kMillimetre));
   const auto begin = std::chrono::steady_clock::now();
   for (std::uint64_t i = 1; i <= 15; ++i) {
     const auto frame = (*source)->next({});
     ASSERT_TRUE(frame) << frame.error().what;
     EXPECT_EQ(frame->stamp.sequence, i);
     ASSERT_TRUE(frame->color);
+    for (const std::uint16_t z : frame->depth.pixels())
+      ASSERT_TRUE(z == 0 || std::binary_search(description.levels.begin(), description.levels.end(), z)) << z;
     EXPECT_GT(
         std::count_if(frame->depth.pixels().begin(), frame->depth.pixels().end(), [](auto z) { return z; }),
         640 * 480 / 2);

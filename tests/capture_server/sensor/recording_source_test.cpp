@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <random>
 #include <thread>
 
@@ -63,6 +65,20 @@ TEST_F(RecordingSource, PlaysEveryFrameExactlyAndThenEnds) {
   const SourceCounters counters = source->counters();
   EXPECT_EQ(counters.frames, 12u);
   EXPECT_EQ(counters.depth_without_color + counters.color_without_depth + counters.damaged, 0u);
+}
+
+TEST_F(RecordingSource, KnowsTheSensorsLevelsWhereTheRecordingHasThem) {
+  EXPECT_TRUE(open(recording({}), kFast)->description().levels.empty());
+  const auto path = test::real_recording("arm_small.oni");
+  if (!path) GTEST_SKIP() << "../shared/recordings/arm_small.oni is not here: its level table goes unread";
+  const auto source = open(*path, kFast);
+  const std::vector<std::uint16_t>& levels = source->description().levels;
+  EXPECT_GT(levels.size(), 500u);
+  EXPECT_TRUE(std::is_sorted(levels.begin(), levels.end(), std::less_equal<>()));
+  for (auto frame = source->next({}); frame; frame = source->next({})) {
+    for (const std::uint16_t z : frame->depth.pixels())
+      ASSERT_TRUE(z == 0 || std::binary_search(levels.begin(), levels.end(), z)) << z;
+  }
 }
 
 TEST_F(RecordingSource, LosesNoFrameInTwentyRuns) {

@@ -396,6 +396,54 @@ TEST_P(CodedByLevels, RefusesMoreLevelsThanCodesOnlyWhereItMustBeExact) {
   }
 }
 
+std::vector<std::uint16_t> told_levels() {
+  std::vector<std::uint16_t> levels;
+  for (int z = 400; z <= 5000; ++z) levels.push_back(testing::kinect_level(z));
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  return levels;
+}
+
+TEST_P(CodedByLevels, LearnsNothingThatTheSensorHasTold) {
+  Stream stream(GetParam());
+  stream.encoder.set_sensor_levels(told_levels());
+  for (int time = 0; time < 6; ++time) {
+    const Scene scene = kinect_scene(160, 120, time);
+    const PlanarDepth planes = stream.send(scene);
+    EXPECT_EQ(planes.table.empty(), time > 0);
+    ASSERT_TRUE(stream.receive(planes));
+    for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
+      if (scene.state.data()[i] != DepthState::kMeasured) continue;
+      ASSERT_EQ(stream.depth.data()[i], scene.depth.data()[i]);
+    }
+  }
+}
+
+TEST_P(CodedByLevels, IsExactWhereTheSensorHasToldTooManyLevelsOrWrongOnes) {
+  for (const int step : {4, 9}) {  // 1150 levels, and 511 that leave no room for those of the scene
+    Stream stream(GetParam());
+    std::vector<std::uint16_t> told;
+    for (int z = 401; z <= 5000; z += step) told.push_back(static_cast<std::uint16_t>(z));
+    stream.encoder.set_sensor_levels(told);
+    for (int time = 0; time < 4; ++time) {
+      Scene scene = flat_scene(160, 120, 400);
+      for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i)
+        scene.depth.data()[i] =
+            static_cast<std::uint16_t>(1000 + (i + 100 * static_cast<std::size_t>(time)) % 900);
+      stream.carry(scene);
+      ASSERT_EQ(stream.depth, scene.depth);
+    }
+  }
+}
+
+TEST(Adaptive, GivesNoCodeToLevelsThatWereOnlyTold) {
+  Stream told("adaptive"), learnt("adaptive");
+  told.encoder.set_sensor_levels(told_levels());
+  told.encoder.set_lossless(false);
+  learnt.encoder.set_lossless(false);
+  const Scene scene = kinect_scene(160, 120);
+  EXPECT_EQ(told.send(scene).picture, learnt.send(scene).picture);
+}
+
 TEST(EdgeRepair, PutsAPixelThatHangsBetweenTwoSurfacesBackOnTheNearerOne) {
   DepthImage depth(16, 8, 1000);
   for (int y = 0; y < 8; ++y) {

@@ -12,6 +12,7 @@
 // Removing the file unplugs the Kinect. Its clock wraps half a second after its start.
 
 #include <libfreenect.h>
+#include <libfreenect_registration.h>
 #include <sys/time.h>
 
 #include <algorithm>
@@ -302,6 +303,19 @@ int freenect_stop_video(freenect_device* device) {
   const bool running = device->video.running;
   device->video.running = false;
   return running ? 0 : -1;
+}
+
+freenect_registration freenect_copy_registration(freenect_device*) {
+  freenect_registration registration{};
+  registration.raw_to_mm_shift = new std::uint16_t[2048];
+  for (int disparity = 0; disparity < 2048; ++disparity)
+    registration.raw_to_mm_shift[disparity] = fake::depth_of_disparity(disparity);
+  return registration;
+}
+int freenect_destroy_registration(freenect_registration* registration) {
+  delete[] registration->raw_to_mm_shift;
+  registration->raw_to_mm_shift = nullptr;
+  return 0;
 }
 
 freenect_frame_mode freenect_find_depth_mode(freenect_resolution resolution, freenect_depth_format format) {

@@ -5,6 +5,7 @@
 // Thread: pure.
 
 #include <cstdint>
+#include <vector>
 
 namespace copresence::fake_freenect {
 
@@ -21,6 +22,20 @@ constexpr std::uint16_t depth_at(int x, int y, std::uint64_t frame, bool registe
   if (x >= kWidth - 8) return 0;
   const int seen = registered ? x + kRegisteredShift : x;
   return on_disc(seen, y, frame) ? std::uint16_t{1200} : static_cast<std::uint16_t>(2000 + seen);
+}
+
+/// The depth that each of 2048 disparities stands for, millimetres, 0 for none, farther with larger ones, as of a Kinect.
+constexpr std::uint16_t depth_of_disparity(int disparity) {
+  return disparity < 80 ? std::uint16_t{0} : static_cast<std::uint16_t>(351300 / (2128 - disparity));
+}
+/// All of these depths, ascending, each once.
+inline std::vector<std::uint16_t> levels() {
+  std::vector<std::uint16_t> levels;
+  for (int disparity = 80; disparity < 2048; ++disparity) {
+    const std::uint16_t level = depth_of_disparity(disparity);
+    if (levels.empty() || level > levels.back()) levels.push_back(level);
+  }
+  return levels;
 }
 
 struct Color {

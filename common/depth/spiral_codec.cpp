@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -58,15 +57,22 @@ class SpiralEncoder final : public PlaneEncoder {
     return static_cast<std::uint8_t>(coded ^ (variant_.fold && (upper & 1) ? 255u : 0u));
   }
 
+  // A row of Y, every pixel's chroma saying what it would itself; vector instructions do it.
+  void write_luma_row(const std::uint16_t* coded, int width, std::uint8_t* y) const {
+    const unsigned mirrored = variant_.fold ? 255 : 0;
+    for (int x = 0; x < width; ++x)
+      y[x] = static_cast<std::uint8_t>(coded[x] ^ ((0u - (coded[x] >> 8 & 1u)) & mirrored));
+  }
+
   void write_full(Picture& picture) const {
-    std::uint8_t* const y = picture.plane8(0).data();
+    write_luma_row(coded_.data(), static_cast<int>(coded_.pixels().size()), picture.plane8(0).data());
     std::uint8_t* const u = picture.plane8(1).data();
     std::uint8_t* const v = picture.plane8(2).data();
-    for (std::size_t i = 0; i < coded_.pixels().size(); ++i) {
-      const unsigned coded = coded_.data()[i], upper = coded >> 8;
-      y[i] = luma(coded, upper);
-      u[i] = points_[upper].u;
-      v[i] = points_[upper].v;
+    const std::size_t size = coded_.pixels().size();
+    for (std::size_t i = 0; i < size; ++i) {
+      const ChromaPoint point = points_[coded_.data()[i] >> 8];
+      u[i] = point.u;
+      v[i] = point.v;
     }
   }
 
@@ -76,15 +82,22 @@ class SpiralEncoder final : public PlaneEncoder {
     std::uint8_t* v = picture.plane8(2).data();
     for (int y = 0; y < coded_.height(); y += 2) {
       std::uint8_t* const line = picture.plane8(0).data() + static_cast<std::size_t>(y) * width;
+      const std::uint16_t* const above = coded_.row(y).data();
+      const std::uint16_t* const below = coded_.row(y + 1).data();
+      write_luma_row(above, width, line);
+      write_luma_row(below, width, line + width);
       for (int x = 0; x < width; x += 2) {
-        const auto voted = static_cast<unsigned>(agreed_value(coded_, states, x, y, kSameSurface)) >> 8;
-        *u++ = points_[voted].u;
-        *v++ = points_[voted].v;
-        for (int row = 0; row < 2; ++row) {
-          for (int column = 0; column < 2; ++column) {
-            line[row * width + x + column] = luma_beside(coded_(x + column, y + row), voted);
+        unsigned voted = above[x] >> 8;
+        const unsigned differ = (above[x] ^ above[x + 1]) | (above[x] ^ below[x]) | (above[x] ^ below[x + 1]);
+        if (differ >> 8 != 0) {
+          voted = static_cast<unsigned>(agreed_value(coded_, states, x, y, kSameSurface)) >> 8;
+          for (int row = 0; row < 2; ++row) {
+            for (int column = 0; column < 2; ++column)
+              line[row * width + x + column] = luma_beside(coded_(x + column, y + row), voted);
           }
         }
+        *u++ = points_[voted].u;
+        *v++ = points_[voted].v;
       }
     }
   }
@@ -120,70 +133,80 @@ class SpiralDecoder final : public PlaneDecoder {
 
   Result<void> decode(const PlanarDepth& in, const StateImage& states, DepthImage& out) override {
     const Picture& picture = in.picture;
-    read_upper_parts(picture);
+    read_chroma(picture);
     const int width = out.width(), block = variant_.full_chroma ? 1 : 2;
     spread_.resize(static_cast<std::size_t>(width));
     for (int y = 0; y < out.height(); ++y) {
-      if (y % block == 0) {
-        const std::uint8_t* const upper = upper_.row(y / block).data();
-        for (int x = 0; x < width; ++x) {
-          const unsigned part = upper[x / block];
-          spread_[x] = static_cast<std::uint16_t>(part << 8 | (variant_.fold && (part & 1) ? 255u : 0u));
-        }
-      }
+      if (y % block == 0) spread(upper_.row(y / block).data());
       const std::uint8_t* const luma = picture.plane8(0).data() + static_cast<std::size_t>(y) * width;
+      const std::uint16_t* const upper = spread_.data();
       std::uint16_t* const coded = out.row(y).data();
-      for (int x = 0; x < width; ++x) coded[x] = static_cast<std::uint16_t>(spread_[x] ^ luma[x]);
+      for (int x = 0; x < width; ++x) coded[x] = static_cast<std::uint16_t>(upper[x] ^ luma[x]);
     }
     if (variant_.filter) {
-      find_doubtful(picture);
+      if (!variant_.full_chroma) doubt_votes();
       correct_upper_bits(out, states, doubtful_, variant_.fold);
     }
-    for (std::uint16_t& z : out.pixels()) z = depth_of_coded_[z];
+    const std::uint16_t* const depth = depth_of_coded_.data();
+    for (std::uint16_t& z : out.pixels()) z = depth[z];
     return {};
   }
 
  private:
-  void read_upper_parts(const Picture& picture) {
+  // Upper bits of every chroma sample. One may be wrong for its pixels where video coding moved it off its point.
+  void read_chroma(const Picture& picture) {
     upper_.resize(picture.plane_width(1), picture.plane_height(1));
+    doubtful_.resize(picture.plane_width(1), picture.plane_height(1));
     const std::uint8_t* const u = picture.plane8(1).data();
     const std::uint8_t* const v = picture.plane8(2).data();
-    for (std::size_t i = 0; i < upper_.pixels().size(); ++i) upper_.data()[i] = nearest_[u[i] * 256u + v[i]];
+    const std::uint8_t* const nearest = nearest_.data();
+    std::uint8_t* const upper = upper_.data();
+    std::uint8_t* const doubt = doubtful_.data();
+    const std::size_t size = upper_.pixels().size();
+    for (std::size_t i = 0; i < size; ++i) upper[i] = nearest[u[i] * 256u + v[i]];
+    for (std::size_t i = 0; i < size; ++i) {
+      doubt[i] = upper[i] & kOffPoint;
+      upper[i] &= static_cast<std::uint8_t>(~kOffPoint);
+    }
   }
 
-  // A chroma sample may be wrong for its pixels where video coding moved it off its point, and, if several
-  // pixels voted on it, where its neighbours say something else.
-  void find_doubtful(const Picture& picture) {
-    const int width = upper_.width(), height = upper_.height();
-    const std::uint8_t* const u = picture.plane8(1).data();
-    const std::uint8_t* const v = picture.plane8(2).data();
-    doubtful_.resize(width, height);
-    for (std::size_t i = 0; i < upper_.pixels().size(); ++i) {
-      const ChromaPoint point = points_[upper_.data()[i]];
-      doubtful_.data()[i] = std::abs(point.u - u[i]) + std::abs(point.v - v[i]) > kMoved;
+  // A row's upper bits, one for each pixel, with the lower ones set where luma is mirrored.
+  void spread(const std::uint8_t* upper) {
+    std::uint16_t* const out = spread_.data();
+    const std::size_t width = spread_.size();
+    const unsigned mirrored = variant_.fold ? 255 : 0;
+    const auto bits = [&](unsigned part) {
+      return static_cast<std::uint16_t>(part << 8 | ((0u - (part & 1)) & mirrored));
+    };
+    if (variant_.full_chroma) {
+      for (std::size_t x = 0; x < width; ++x) out[x] = bits(upper[x]);
+    } else {
+      for (std::size_t x = 0; x < width / 2; ++x) out[2 * x] = out[2 * x + 1] = bits(upper[x]);
     }
-    if (variant_.full_chroma) return;
+  }
+
+  // Where several pixels voted on a chroma sample, it may also be wrong where its neighbours say something else.
+  void doubt_votes() {
+    const int width = upper_.width(), height = upper_.height();
     for (int y = 0; y < height; ++y) {
       const std::uint8_t* const here = upper_.row(y).data();
       const std::uint8_t* const above = upper_.row(std::max(y - 1, 0)).data();
       const std::uint8_t* const below = upper_.row(std::min(y + 1, height - 1)).data();
       std::uint8_t* const doubt = doubtful_.row(y).data();
-      for (int x = 0; x < width; ++x) {
-        const int left = std::max(x - 1, 0), right = std::min(x + 1, width - 1);
-        doubt[x] |= (here[x] != here[left]) | (here[x] != here[right]) | (here[x] != above[x]) |
-                    (here[x] != below[x]);
-      }
+      for (int x = 0; x < width; ++x)
+        doubt[x] = static_cast<std::uint8_t>(doubt[x] | (here[x] ^ above[x]) | (here[x] ^ below[x]));
+      for (int x = 1; x < width; ++x)
+        doubt[x] = static_cast<std::uint8_t>(doubt[x] | (here[x] ^ here[x - 1]));
+      for (int x = 0; x + 1 < width; ++x)
+        doubt[x] = static_cast<std::uint8_t>(doubt[x] | (here[x] ^ here[x + 1]));
     }
   }
 
-  static constexpr int kMoved = 8;  // codes in U and V together; the points lie 38 apart
-
   SpiralVariant variant_;
-  std::array<ChromaPoint, kSpiralPoints> points_ = spiral_points();
   std::vector<std::uint8_t> nearest_;
   std::vector<std::uint16_t> depth_of_coded_;
   Image<std::uint8_t> upper_, doubtful_;  // of every chroma sample
-  std::vector<std::uint16_t> spread_;  // a row's upper bits, with the lower ones set where luma is mirrored
+  std::vector<std::uint16_t> spread_;     // see spread()
 };
 
 }  // namespace

@@ -26,43 +26,40 @@ int nearest_alias(int coded, int target, bool fold) {
   return best;
 }
 
-class Correction {
- public:
-  Correction(DepthImage& coded, const StateImage& states, int block, bool fold)
-      : coded_(coded), states_(states), block_(block), fold_(fold) {}
-
-  void pixel(int x, int y) const {
-    if (states_(x, y) == DepthState::kHole) return;
-    const int first_x = x - x % block_, first_y = y - y % block_;
-    const int here = coded_(x, y);
-    int best = here, least = kClose + 1;
-    const auto axis = [&](int before, int behind) {
-      const auto agrees = [&](int side) { return side != kNone && std::abs(side - here) <= kOff; };
-      if (agrees(before) || agrees(behind)) return;
-      for (const int side : {before, behind}) {
-        if (side == kNone) continue;
-        const int alias = nearest_alias(here, side, fold_), distance = std::abs(alias - side);
-        if (distance >= least) continue;
-        least = distance;
-        best = alias;
-      }
-    };
-    axis(at(first_x - 1, y), at(first_x + block_, y));
-    axis(at(x, first_y - 1), at(x, first_y + block_));
-    coded_(x, y) = static_cast<std::uint16_t>(best);
-  }
-
- private:
-  int at(int x, int y) const {
-    const bool inside = x >= 0 && x < coded_.width() && y >= 0 && y < coded_.height();
-    return inside && states_(x, y) != DepthState::kHole ? int{coded_(x, y)} : kNone;
-  }
-
-  DepthImage& coded_;
-  const StateImage& states_;
-  const int block_;
-  const bool fold_;
+// One row of pixels and the rows beside its chroma samples; null where there is none.
+struct Rows {
+  std::uint16_t* here;
+  const std::uint16_t *above, *below;
+  const DepthState *states, *states_above, *states_below;
+  int width;
 };
+
+// A side that the pixel may be compared with; kNone where it is outside or a hole.
+int side(const std::uint16_t* row, const DepthState* states, int x) {
+  return row && states[x] != DepthState::kHole ? int{row[x]} : kNone;
+}
+
+// The pixel at x, whose chroma sample has the columns from first_x to before end_x.
+void correct(const Rows& rows, int x, int first_x, int end_x, bool fold) {
+  if (rows.states[x] == DepthState::kHole) return;
+  const int here = rows.here[x];
+  int best = here, least = kClose + 1;
+  const auto axis = [&](int before, int behind) {
+    const auto agrees = [&](int value) { return value != kNone && std::abs(value - here) <= kOff; };
+    if (agrees(before) || agrees(behind)) return;
+    for (const int value : {before, behind}) {
+      if (value == kNone) continue;
+      const int alias = nearest_alias(here, value, fold), distance = std::abs(alias - value);
+      if (distance >= least) continue;
+      least = distance;
+      best = alias;
+    }
+  };
+  axis(first_x > 0 ? side(rows.here, rows.states, first_x - 1) : kNone,
+       end_x < rows.width ? side(rows.here, rows.states, end_x) : kNone);
+  axis(side(rows.above, rows.states_above, x), side(rows.below, rows.states_below, x));
+  rows.here[x] = static_cast<std::uint16_t>(best);
+}
 
 }  // namespace
 
@@ -71,12 +68,21 @@ void correct_upper_bits(DepthImage& coded, const StateImage& states, const Image
   assert(same_shape(coded, states));
   const int block = coded.width() / doubtful.width();
   assert(doubtful.width() * block == coded.width() && doubtful.height() * block == coded.height());
-  const Correction correction(coded, states, block, fold);
   for (int y = 0; y < coded.height(); ++y) {
+    const int first_y = y / block * block, end_y = first_y + block;
+    const bool has_above = first_y > 0, has_below = end_y < coded.height();
+    const Rows rows{coded.row(y).data(),
+                    has_above ? coded.row(first_y - 1).data() : nullptr,
+                    has_below ? coded.row(end_y).data() : nullptr,
+                    states.row(y).data(),
+                    has_above ? states.row(first_y - 1).data() : nullptr,
+                    has_below ? states.row(end_y).data() : nullptr,
+                    coded.width()};
     const auto doubt = doubtful.row(y / block);
     for (int sample = 0; sample < doubtful.width(); ++sample) {
       if (!doubt[sample]) continue;
-      for (int i = 0; i < block; ++i) correction.pixel(sample * block + i, y);
+      const int first_x = sample * block;
+      for (int x = first_x; x < first_x + block; ++x) correct(rows, x, first_x, first_x + block, fold);
     }
   }
 }

@@ -1,6 +1,7 @@
 #include "common/depth/spiral_points.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 
@@ -9,6 +10,8 @@ namespace {
 
 constexpr double kFirst = 5.0;     // t of the first point: nearer to the centre, turns would crowd
 constexpr double kRadius = 127.0;  // of the last point
+
+constexpr int kMoved = 8;  // codes in U and V together; the points lie 38 apart
 
 double arc_length(double t) {
   return 0.5 * (t * std::sqrt(t * t + 1) + std::asinh(t));
@@ -51,7 +54,8 @@ std::vector<std::uint8_t> nearest_spiral_point() {
         const int du = u - points[i].u, dv = v - points[i].v, distance = du * du + dv * dv;
         if (distance >= least) continue;
         least = distance;
-        nearest[u * 256 + v] = static_cast<std::uint8_t>(i);
+        const bool off = std::abs(du) + std::abs(dv) > kMoved;
+        nearest[u * 256 + v] = static_cast<std::uint8_t>(i | (off ? kOffPoint : 0));
       }
     }
   }

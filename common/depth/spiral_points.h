@@ -18,7 +18,10 @@ inline constexpr int kSpiralPoints = 32;
 /// Neighbours on the spiral and on its next turn are 38 codes apart or more.
 std::array<ChromaPoint, kSpiralPoints> spiral_points();
 
-/// Index of the nearest point for every UV: entry u * 256 + v.
+/// What every UV stands for, entry u * 256 + v: the index of the nearest point, and kOffPoint where it lies off that point by
+/// more than video coding without much loss moves it.
 std::vector<std::uint8_t> nearest_spiral_point();
+
+inline constexpr std::uint8_t kOffPoint = 0x80;
 
 }  // namespace copresence::depth

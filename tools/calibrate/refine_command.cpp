@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "common/scene/scene.h"
@@ -27,6 +29,8 @@ std::string_view name(Outcome outcome) {
     case Outcome::kRefined:
       return "refined";
     case Outcome::kKept:
+    case Outcome::kKnownBetter:
+    case Outcome::kNotConfirmed:
       return "kept";
     case Outcome::kNoOverlap:
       return "no_overlap";
@@ -52,7 +56,16 @@ std::string tell(const CameraRefinement& camera) {
     case Outcome::kReference:
       return "the reference, not moved";
     case Outcome::kKept:
-      return "kept as given: no pose nearby makes the surfaces agree better";
+      return "kept as given: the surfaces agree better so than in any pose found nearby";
+    case Outcome::kKnownBetter:
+      return fmt::format(
+          "kept as given: it is known to {:.1f} mm, and the surfaces alone tell it to {:.1f} mm only",
+          camera.told_mm, camera.surfaces_mm);
+    case Outcome::kNotConfirmed:
+      return fmt::format(
+          "kept as given, known to {:.1f} mm: surfaces that had no part in the fit agree no better where it "
+          "puts the camera",
+          camera.told_mm);
     case Outcome::kNoOverlap:
       return fmt::format(
           "kept as given: it has less than {:.0f} % in common with the others; turn the cameras so that "
@@ -62,6 +75,13 @@ std::string tell(const CameraRefinement& camera) {
       break;
   }
   std::string text = fmt::format("moved {:.1f} mm and {:.2f} degrees", camera.moved_mm, camera.moved_deg);
+  if (camera.error_mm > 0) text += fmt::format(", expected to be {:.1f} mm off now", camera.error_mm);
+  if (camera.contradicts_told) {
+    text += fmt::format(
+        "; the surfaces lie farther from the given pose than its error of {:.1f} mm explains, so it was "
+        "trusted less: has the camera been touched since the markers were seen?",
+        camera.told_mm);
+  }
   for (const alignment::Direction& direction : camera.unsupported) {
     text += fmt::format(
         "; nothing in the overlap resists {}, so that part is as given: put something with corners "
@@ -93,6 +113,10 @@ nlohmann::json to_json(const alignment::Refinement& refinement, std::span<const 
                        {"says", tell(camera)},
                        {"moved_mm", camera.moved_mm},
                        {"moved_deg", camera.moved_deg},
+                       {"told_mm", camera.told_mm},
+                       {"surfaces_mm", camera.surfaces_mm},
+                       {"error_mm", camera.error_mm},
+                       {"contradicts_told", camera.contradicts_told},
                        {"unsupported", unsupported},
                        {"world_from_camera", matrix(camera.world_from_camera)}});
   }
@@ -127,7 +151,7 @@ Result<void> run(const Options& options) {
   for (std::size_t i = 0; i < views->size(); ++i) {
     const CameraRefinement& camera = refinement.cameras[i];
     fmt::print("{}: {}\n", (*views)[i].name, tell(camera));
-    any = any || camera.outcome == Outcome::kRefined || camera.outcome == Outcome::kKept;
+    any = any || (camera.outcome != Outcome::kReference && camera.outcome != Outcome::kNoOverlap);
   }
   if (!options.json.empty()) {
     if (auto written = write_json(to_json(refinement, *views), options.json); !written) return written;
@@ -143,7 +167,11 @@ Result<void> run(const Options& options) {
   for (std::size_t i = 0; i < views->size(); ++i) {
     if (refinement.cameras[i].outcome != Outcome::kRefined) continue;
     for (scene::Camera& camera : scene->cameras) {
-      if (camera.name == (*views)[i].name) camera.world_from_camera = refinement.cameras[i].world_from_camera;
+      if (camera.name != (*views)[i].name) continue;
+      camera.world_from_camera = refinement.cameras[i].world_from_camera;
+      // To a tenth of a millimetre, never less: a refined pose is not known exactly.
+      const double error_mm = std::max(0.1, std::round(10 * refinement.cameras[i].error_mm) / 10);
+      if (refinement.cameras[i].error_mm > 0) camera.calibration_error_mm = error_mm;
     }
   }
   return scene::save(*scene, options.out, options.scene);

@@ -19,6 +19,24 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 struct PairMatches {
   std::ptrdiff_t a, b;  // places among the moving cameras; -1 for one that stands still
   std::vector<Match> matches;
+  std::vector<int> blocks;  // of each match
+};
+
+// The blocks of one pair's first picture, numbered from `first` on.
+struct BlockGrid {
+  int first, width, columns, rows;
+
+  BlockGrid(int first_block, const CameraModel& model)
+      : first(first_block),
+        width(model.width),
+        columns((model.width + kBlock_px - 1) / kBlock_px),
+        rows((model.height + kBlock_px - 1) / kBlock_px) {}
+  int count() const { return columns * rows; }
+  int at(int pixel) const { return first + pixel / width / kBlock_px * columns + pixel % width / kBlock_px; }
+  bool is_in(int pixel, Blocks blocks) const {
+    const bool white = (pixel / width / kBlock_px + pixel % width / kBlock_px) % 2 == 0;
+    return blocks == Blocks::kAll || white == (blocks == Blocks::kWhite);
+  }
 };
 
 std::ptrdiff_t place_of(const Problem& problem, std::size_t camera) {
@@ -51,19 +69,31 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
   std::vector<PairMatches> all;
   Equations equations;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int blocks = 0;
   for (const auto& [first, second] : problem.pairs) {
+    const BlockGrid grid(blocks, problem.surfaces[first].model);
+    blocks += grid.count();
     for (const auto& [a, b] : {std::pair(first, second), std::pair(second, first)}) {
-      PairMatches pair{place_of(problem, a), place_of(problem, b), {}};
+      PairMatches pair{place_of(problem, a), place_of(problem, b), {}, {}};
       if (pair.a < 0 && pair.b < 0) continue;
       append_matches(problem.surfaces[a], poses[a], problem.surfaces[b], poses[b], rules, pair.matches);
-      for (const Match& match : pair.matches) sum += match.a;
+      const auto pixel_in_first = [&, forth = a == first](const Match& match) {
+        return forth ? match.pixel_a : match.pixel_b;
+      };
+      std::erase_if(pair.matches,
+                    [&](const Match& match) { return !grid.is_in(pixel_in_first(match), problem.blocks); });
+      for (const Match& match : pair.matches) {
+        sum += match.a;
+        pair.blocks.push_back(grid.at(pixel_in_first(match)));
+      }
       equations.matches += static_cast<int>(pair.matches.size());
       all.push_back(std::move(pair));
     }
   }
   const auto unknowns = static_cast<Eigen::Index>(6 * problem.moving.size());
   equations.information = Eigen::MatrixXd::Zero(unknowns, unknowns);
-  equations.knowledge = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  equations.scatter = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  equations.block_gains.assign(static_cast<std::size_t>(blocks), 0);
   equations.gradient = Eigen::VectorXd::Zero(unknowns);
   if (equations.matches == 0) return equations;
   equations.motions.center = sum / equations.matches;
@@ -75,18 +105,19 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
   if (about) equations.motions = *about;
   if (keep_rows) equations.rows = Eigen::MatrixXd::Zero(equations.matches, unknowns);
   Eigen::Index row = 0;
+  Eigen::MatrixXd block_gradients = Eigen::MatrixXd::Zero(unknowns, blocks);
   for (const PairMatches& pair : all) {
-    for (const Match& match : pair.matches) {
+    for (std::size_t i = 0; i < pair.matches.size(); ++i) {
+      const Match& match = pair.matches[i];
       const double distance = match.distance();
-      const double limit = 0.5 * level.reach_m + 2.5 * match.sigma;
+      const double limit = 0.5 * level.reach_m + 4 * match.sigma;
       const double beyond = distance / limit;
       const double inside = std::max(0.0, 1 - beyond * beyond);
       const double robust = inside * inside;
       const double weight = weight_of(match.sigma) * robust;
-      equations.gain += weight * inside * limit * limit / 6;
-      // Both ways the same surface is matched: half of each.
-      const double known = robust * 0.5 * level.spacing * level.spacing /
-                           (kErrorBlob_px * kErrorBlob_px * match.sigma * match.sigma);
+      const double gain = weight * inside * limit * limit / 6;
+      equations.gain += gain;
+      equations.block_gains[static_cast<std::size_t>(pair.blocks[i])] += gain;
       const Eigen::Vector3d arm = 0.5 * (match.a + match.b) - equations.motions.center;
       Vector6 J;
       const Eigen::Vector3d turning = arm.cross(match.normal);
@@ -95,19 +126,18 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
       for (const auto& [place, sign] : {std::pair(pair.a, 1.0), std::pair(pair.b, -1.0)}) {
         if (place < 0) continue;
         equations.gradient.segment<6>(6 * place) += sign * weight * distance * J;
+        block_gradients.col(pair.blocks[i]).segment<6>(6 * place) += sign * weight * distance * J;
         equations.information.block<6, 6>(6 * place, 6 * place) += weight * J * J.transpose();
-        equations.knowledge.block<6, 6>(6 * place, 6 * place) += known * J * J.transpose();
         if (keep_rows && robust > 0) equations.rows.block<1, 6>(row, 6 * place) = sign * J.transpose();
       }
       if (pair.a >= 0 && pair.b >= 0) {
         equations.information.block<6, 6>(6 * pair.a, 6 * pair.b) -= weight * J * J.transpose();
         equations.information.block<6, 6>(6 * pair.b, 6 * pair.a) -= weight * J * J.transpose();
-        equations.knowledge.block<6, 6>(6 * pair.a, 6 * pair.b) -= known * J * J.transpose();
-        equations.knowledge.block<6, 6>(6 * pair.b, 6 * pair.a) -= known * J * J.transpose();
       }
       ++row;
     }
   }
+  equations.scatter = block_gradients * block_gradients.transpose();
   return equations;
 }
 

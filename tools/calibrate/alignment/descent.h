@@ -26,11 +26,19 @@ struct Level {
   int iterations;  ///< at most
 };
 
+/// A Kinect's depth is off in patches of about this size, however long it is averaged, and so is what a lens makes of it:
+/// matches whose points lie in one block of a pair's first picture err together, those of different blocks do not.
+inline constexpr int kBlock_px = 48;
+
+/// The blocks may be dealt out like the squares of a chessboard, to fit on one colour and to judge on the other.
+enum class Blocks { kAll, kWhite, kBlack };
+
 /// Which cameras may move, and which pairs see something in common.
 struct Problem {
   std::span<const Surface> surfaces;
   std::vector<std::size_t> moving;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  Blocks blocks = Blocks::kAll;
 };
 
 /// Small motions of all moving cameras, six numbers each (three of rotation, then three of translation), about one
@@ -44,20 +52,18 @@ struct Motions {
   Eigen::Matrix<double, 6, 1> between(const Rigid3& from, const Rigid3& to) const;
 };
 
-/// A Kinect's depth is off by about half a step in patches of this size, however long it is averaged.
-inline constexpr double kErrorBlob_px = 48;
-
 /// What the matches say about motions around given poses.
 struct Equations {
   Motions motions;
   Eigen::MatrixXd information;  ///< J^T w J
   Eigen::VectorXd gradient;     ///< J^T w r
-  /// What the matches know of the motions, 1 / metre^2: J^T J / sigma^2, taking sensors' errors as alike over
-  /// kErrorBlob_px pixels, so that many pixels are one measurement.
-  Eigen::MatrixXd knowledge;
+  /// Sum over the blocks of g g^T, g a block's part of the gradient: with the information it says how far the matches'
+  /// errors, alike over a block as they are, may have moved the poses.
+  Eigen::MatrixXd scatter;
   Eigen::MatrixXd rows;  ///< J, a row per match; 0 where the match counts for nothing. Only when asked for
   /// What descend() raises: the sum over the matches of w k^2 / 6 (1 - (r / k)^2)^3, k where Tukey's kernel ends.
   double gain = 0;
+  std::vector<double> block_gains;  ///< the same by block, pair after pair; 0 for one without matches
   int matches = 0;
 };
 

@@ -32,6 +32,8 @@ void append_matches(const Surface& a, const Rigid3& world_from_a, const Surface&
       match.a = world_from_b * point;
       match.b = world_from_b * other;
       match.normal = world_from_b.rotation * (normal_a + normal_b).normalized();
+      match.pixel_a = y * a.model.width + x;
+      match.pixel_b = v * b.model.width + u;
       match.sigma = sigma;
       matches.push_back(match);
     }

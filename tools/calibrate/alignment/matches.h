@@ -13,9 +13,10 @@
 namespace copresence::alignment {
 
 struct Match {
-  Eigen::Vector3d a, b;    ///< the two points, world, metres
-  Eigen::Vector3d normal;  ///< mean of both normals, world, length 1
-  double sigma = 0;        ///< expected error of the distance along the normal, metres
+  Eigen::Vector3d a, b;          ///< the two points, world, metres
+  Eigen::Vector3d normal;        ///< mean of both normals, world, length 1
+  int pixel_a = 0, pixel_b = 0;  ///< where in either picture: y * width + x
+  double sigma = 0;              ///< expected error of the distance along the normal, metres
   double distance() const { return normal.dot(a - b); }
 };
 

@@ -1,6 +1,5 @@
 #include "tools/calibrate/alignment/refinement.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 
 #include "tools/calibrate/alignment/descent.h"
 #include "tools/calibrate/alignment/resistance.h"
+#include "tools/calibrate/alignment/weighing.h"
 
 namespace copresence::alignment {
 namespace {
@@ -20,7 +20,8 @@ using Pair = std::pair<std::size_t, std::size_t>;
 constexpr std::array<Level, 3> kCoarse{{{0.2, 10, 15}, {0.1, 10, 10}, {0.05, 10, 10}}};
 constexpr std::array<Level, 2> kFine{{{0.1, 4, 20}, {0.05, 4, 40}}};
 constexpr std::array<Level, 1> kFinest{{{0.05, 2, 25}}};
-constexpr Level kJudged{0.05, 8, 1}, kCompared{0.05, 2, 1};
+constexpr Level kJudged{0.05, 8, 1};
+constexpr double kWorse = -2;  // standard errors below which what was found is thrown away
 constexpr int kScoreSpacing = 6;
 // What lies farther from the given pose is another place that looks alike.
 constexpr double kFarthest_m = 0.35, kFarthest_rad = 0.3;
@@ -135,31 +136,16 @@ double overlap_of(const Problem& problem, std::span<const Rigid3> poses, std::si
   return overlap;
 }
 
-// Moves poses back towards the given ones as far as these are known better than the surfaces tell: the most likely
-// poses when both err as they say.
-void weigh_against(std::span<const Rigid3> given, std::span<const double> errors_m, const Problem& problem,
-                   std::vector<Rigid3>& poses) {
-  const Equations equations = linearize(problem, poses, kJudged);
-  const auto unknowns = equations.knowledge.rows();
-  Eigen::VectorXd known_before = Eigen::VectorXd::Zero(unknowns), back(unknowns);
-  for (std::size_t i = 0; i < problem.moving.size(); ++i) {
-    const std::size_t camera = problem.moving[i];
-    const auto at = static_cast<Eigen::Index>(6 * i);
-    back.segment<6>(at) = equations.motions.between(poses[camera], given[camera]);
-    // Three shifts and two of three turns move a point: five equal parts of the mean square.
-    if (errors_m[camera] > 0)
-      known_before.segment<6>(at).setConstant(5 / (errors_m[camera] * errors_m[camera]));
+CameraRefinement::Outcome outcome_of(Weighed::Verdict verdict) {
+  switch (verdict) {
+    case Weighed::Verdict::kMoved:
+      return CameraRefinement::Outcome::kRefined;
+    case Weighed::Verdict::kKnownBetter:
+      return CameraRefinement::Outcome::kKnownBetter;
+    case Weighed::Verdict::kNotConfirmed:
+      return CameraRefinement::Outcome::kNotConfirmed;
   }
-  if (known_before.isZero(0)) return;
-  Eigen::MatrixXd A = equations.knowledge;
-  A.diagonal() += known_before;
-  A.diagonal().array() += 1e-9 * A.diagonal().maxCoeff();
-  const Eigen::VectorXd step = A.ldlt().solve(known_before.cwiseProduct(back));
-  if (!step.allFinite()) return;
-  for (std::size_t i = 0; i < problem.moving.size(); ++i) {
-    Rigid3& pose = poses[problem.moving[i]];
-    pose = equations.motions.moved(pose, step.segment<6>(static_cast<Eigen::Index>(6 * i)));
-  }
+  return CameraRefinement::Outcome::kRefined;
 }
 
 }  // namespace
@@ -205,6 +191,7 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
   Refinement refinement;
   Resistances resistances;
   Frozen frozen;
+  std::vector<Weighed> weighed;
   if (!all.moving.empty()) {
     descend(all, kFinest, {}, poses);
     const Equations equations = linearize(all, poses, kJudged, true);
@@ -224,25 +211,37 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
         poses.assign(given.begin(), given.end());
       }
     }
-    // By the measure that was descended on: then the same place wins whatever the given poses were.
-    const bool better = linearize(all, poses, kCompared).gain > linearize(all, given, kCompared).gain;
-    if (!better) {
+    // Not by a plain comparison: of two places that agree about as well that one must win which does not depend on
+    // where the cameras were thought to be.
+    if (advantage(all, poses, given) < kWorse) {
       poses.assign(given.begin(), given.end());
       for (const std::size_t camera : all.moving) outcomes[camera] = Outcome::kKept;
     } else {
-      weigh_against(given, errors_m, all, poses);
+      weighed = weigh(all, frozen, given, errors_m, poses);
+      for (std::size_t i = 0; i < weighed.size(); ++i) {
+        poses[all.moving[i]] = weighed[i].pose;
+        outcomes[all.moving[i]] = outcome_of(weighed[i].verdict);
+      }
     }
   }
 
   for (std::size_t camera = 0; camera < surfaces.size(); ++camera) {
-    CameraRefinement result{outcomes[camera], poses[camera], 0, 0, {}};
+    CameraRefinement result;
+    result.outcome = outcomes[camera];
+    result.world_from_camera = poses[camera];
+    result.told_mm = 1000 * errors_m[camera];
     const Rigid3 motion = poses[camera] * given[camera].inverse();
     result.moved_mm = 1000 * (poses[camera].translation - given[camera].translation).norm();
     result.moved_deg = Eigen::AngleAxisd(motion.rotation).angle() * 180 / std::numbers::pi;
     const auto moving = std::find(all.moving.begin(), all.moving.end(), camera);
+    const auto place = static_cast<std::size_t>(moving - all.moving.begin());
     if (moving != all.moving.end() && frozen.directions.size() > 0) {
-      result.unsupported = directions_of(frozen.directions, resistances,
-                                         static_cast<std::size_t>(moving - all.moving.begin()));
+      result.unsupported = directions_of(frozen.directions, resistances, place);
+    }
+    if (place < weighed.size()) {
+      result.surfaces_mm = 1000 * weighed[place].surfaces_m;
+      result.error_mm = 1000 * weighed[place].error_m;
+      result.contradicts_told = weighed[place].contradicts;
     }
     refinement.cameras.push_back(std::move(result));
   }

@@ -1,5 +1,6 @@
 #include "tools/calibrate/alignment/surface.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -22,6 +23,7 @@ constexpr float kGrazing =
 
 struct Plane {
   float along_x = 0, along_y = 0, here = 0;  // steps: steps(dx, dy) = along_x dx + along_y dy + here
+  float at(float dx, float dy) const { return along_x * dx + along_y * dy + here; }
 };
 
 struct Sample {
@@ -52,6 +54,58 @@ bool fit(const std::vector<Sample>& samples, Expected&& expected, Tolerance&& to
   plane = {solution.x(), solution.y(), solution.z()};
   return true;
 }
+
+// Height and slope at the window's middle of the quadratic surface through the samples near a plane. A plane through
+// something rounded lies inside of it, and deeper the larger the window is on it: two cameras would never agree.
+class Bowl {
+ public:
+  void fit(const std::vector<Sample>& samples, Plane& plane) const {
+    Vector6 sums = Vector6::Zero();
+    std::size_t near = 0;
+    for (const Sample& sample : samples) {
+      if (!lies_near(sample, plane)) continue;
+      sums += (sample.steps - plane.at(sample.dx, sample.dy)) * terms(sample);
+      ++near;
+    }
+    if (near == kSamples) {  // mostly, and then the equations are always the same
+      plane = bent(plane, whole_window_ * sums);
+      return;
+    }
+    Matrix6 A = stiffness();
+    for (const Sample& sample : samples) {
+      if (lies_near(sample, plane)) A += terms(sample) * terms(sample).transpose();
+    }
+    plane = bent(plane, A.llt().solve(sums));
+  }
+
+ private:
+  using Vector6 = Eigen::Matrix<float, 6, 1>;
+  using Matrix6 = Eigen::Matrix<float, 6, 6>;
+
+  static bool lies_near(const Sample& sample, const Plane& plane) {
+    return std::abs(sample.steps - plane.at(sample.dx, sample.dy)) <= 2;
+  }
+  static Vector6 terms(const Sample& s) {
+    return Vector6(1, s.dx, s.dy, s.dx * s.dx, s.dx * s.dy, s.dy * s.dy);
+  }
+  // Bends of more than some two steps over the window are not expected: holds where samples lie on one side only.
+  static Matrix6 stiffness() { return Vector6(0, 0, 0, 50, 50, 50).asDiagonal(); }
+  static Matrix6 invert_whole_window() {
+    Matrix6 A = stiffness();
+    for (int dy = -kRadius; dy <= kRadius; dy += 2) {
+      for (int dx = -kRadius; dx <= kRadius; dx += 2) {
+        const Vector6 t = terms({static_cast<float>(dx), static_cast<float>(dy), 0});
+        A += t * t.transpose();
+      }
+    }
+    return A.inverse();
+  }
+  static Plane bent(const Plane& plane, const Vector6& by) {
+    return {plane.along_x + by[1], plane.along_y + by[2], plane.here + by[0]};
+  }
+
+  Matrix6 whole_window_ = invert_whole_window();
+};
 
 // Error of a point along its normal: of depth, and of where on a slanted surface depth was taken.
 // Source: Khoshelham and Elberink 2012 (depth), Nguyen, Izadi and Lovell 2012 (lateral).
@@ -91,6 +145,7 @@ Surface make_surface(const Image<float>& depth_m, const CameraModel& model, floa
     return Eigen::Vector3f(r.x(), r.y(), 1);
   };
   std::vector<Sample> samples;
+  const Bowl bowl;
   for (int y = kRadius; y < height - kRadius; ++y) {
     for (int x = kRadius; x < width - kRadius; ++x) {
       const float center = steps(x, y);
@@ -109,12 +164,11 @@ Surface make_surface(const Image<float>& depth_m, const CameraModel& model, floa
               samples, [center](const Sample&) { return center; }, reach, plane))
         continue;
       const Plane first = plane;
-      const auto on_first = [&first](const Sample& s) {
-        return first.along_x * s.dx + first.along_y * s.dy + first.here;
-      };
+      const auto on_first = [&first](const Sample& s) { return first.at(s.dx, s.dy); };
       if (!fit(
               samples, on_first, [](const Sample&) { return 2.0f; }, plane))
         continue;
+      bowl.fit(samples, plane);
       if (std::abs(plane.here - center) > 2 || plane.here <= 1) continue;
       const float z = kSteps / plane.here;
       const Eigen::Vector3f r = ray_at(x, y);

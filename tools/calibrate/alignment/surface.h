@@ -3,7 +3,8 @@
 // The surfaces that one camera sees, as points with normals: what poses are refined on.
 //
 // Around each pixel a plane is fitted. In the picture of a pin-hole camera a plane is linear in 1/z, and so are a
-// Kinect's errors, so the fit is linear least squares on 1/z; a second pass leaves out what lies off the first plane.
+// Kinect's errors, so the fit is linear least squares on 1/z; a second pass leaves out what lies off the first plane,
+// and a third takes the bend of what is rounded into account.
 //
 // Thread: pure; a value once made.
 

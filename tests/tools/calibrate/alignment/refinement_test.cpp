@@ -52,16 +52,50 @@ TEST(Refinement, EndsInOnePlaceWhereverItStarts) {
   EXPECT_LT(test::degrees_between(from_afar, from_truth), 0.1);
 }
 
-TEST(Refinement, TrustsAPoseThatIsKnownToBeGoodMoreThanNoisySurfaces) {
+// Left and right camera with a Kinect's noise, the right one given somewhat off and said to be as good as `told_m`.
+CameraRefinement refine_told(const Eigen::Vector3d& off, double degrees_off, double told_m) {
   const std::vector<Surface> surfaces{seen(test::furnished_room(), kLeft, 1),
                                       seen(test::furnished_room(), kRight, 2)};
-  const std::vector<Rigid3> given{kLeft, test::disturbed(kRight, {0.015, 0.01, 0.01}, {0, 1, 0}, 0.3)};
-  const auto moved_mm = [&](double error_m) {
-    return refine(surfaces, given, std::vector{0.0, error_m}).cameras[1].moved_mm;
-  };
-  const double freely = moved_mm(0);
-  EXPECT_LT(moved_mm(0.0002), 0.5 * freely);
-  EXPECT_NEAR(moved_mm(10), freely, 0.2);
+  const std::vector<Rigid3> given{kLeft, test::disturbed(kRight, off, {0, 1, 0}, degrees_off)};
+  return refine(surfaces, given, std::vector{0.0, told_m}).cameras[1];
+}
+
+TEST(Refinement, KeepsAPoseThatIsKnownBetterThanSurfacesTellIt) {
+  const CameraRefinement kept = refine_told({0.0003, 0, -0.0003}, 0, 0.0005);
+  EXPECT_EQ(kept.outcome, Outcome::kKnownBetter);
+  EXPECT_EQ(kept.moved_mm, 0);
+  EXPECT_NEAR(kept.moved_deg, 0, 1e-9);
+  EXPECT_GT(kept.surfaces_mm, 0.5);
+  EXPECT_DOUBLE_EQ(kept.error_mm, 0.5);
+}
+
+TEST(Refinement, ImprovesAPoseThatIsKnownWorseThanSurfacesTellIt) {
+  const CameraRefinement moved = refine_told({0.015, 0.01, 0.01}, 0.3, 0.02),
+                         freely = refine_told({0.015, 0.01, 0.01}, 0.3, 0);
+  EXPECT_EQ(moved.outcome, Outcome::kRefined);
+  EXPECT_FALSE(moved.contradicts_told);
+  EXPECT_LT(moved.error_mm, 20);
+  EXPECT_LE(moved.error_mm, moved.surfaces_mm);
+  EXPECT_LT(test::millimetres_between(moved.world_from_camera, freely.world_from_camera), 2);
+}
+
+TEST(Refinement, SaysWhenSurfacesContradictWhatIsToldOfAPose) {
+  const CameraRefinement moved = refine_told({0.03, 0.02, 0.02}, 1, 0.0005);
+  EXPECT_EQ(moved.outcome, Outcome::kRefined);
+  EXPECT_TRUE(moved.contradicts_told);
+  EXPECT_LT(test::millimetres_between(moved.world_from_camera, kRight), 8);
+}
+
+TEST(Refinement, KeepsTheTruthWhereOnlyChanceWouldMoveIt) {
+  int worse = 0;
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    const std::vector<Surface> surfaces{seen(test::furnished_room(), kLeft, 2 * seed + 7),
+                                        seen(test::furnished_room(), kRight, 2 * seed + 8)};
+    const std::vector<Rigid3> truth{kLeft, kRight};
+    const Refinement refined = refine(surfaces, truth, std::vector{0.0, 0.004});
+    worse += refined.cameras[1].moved_mm > 0;
+  }
+  EXPECT_EQ(worse, 0);
 }
 
 TEST(Refinement, MovesAllCamerasTogetherAlongChains) {

@@ -3,49 +3,77 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "capture_server/source.h"
+#include "common/wire/host_port.h"
+#include "tools/calibrate/stream_source.h"
 
 namespace copresence::calibrate {
 
-CLI::Option* add_recording_option(CLI::App& parser, std::vector<NamedRecording>& recordings) {
+namespace {
+
+CLI::Option* add_source_option(CLI::App& parser, std::vector<NamedSource>& sources, const std::string& flag,
+                               const std::string& form, const std::string& help) {
+  const bool is_stream = flag == "--stream";
   return parser
       .add_option_function<std::vector<std::string>>(
-          "--recording",
-          [&recordings](const std::vector<std::string>& texts) {
+          flag,
+          [&sources, flag, form, is_stream](const std::vector<std::string>& texts) {
             for (const std::string& text : texts) {
               const auto equals = text.find('=');
               if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-                throw CLI::ValidationError("--recording", "\"" + text + "\" is not NAME=FILE.oni");
+                throw CLI::ValidationError(flag, "\"" + text + "\" is not " + form);
               }
-              NamedRecording recording{text.substr(0, equals), text.substr(equals + 1)};
-              const bool twice =
-                  std::any_of(recordings.begin(), recordings.end(),
-                              [&](const NamedRecording& other) { return other.name == recording.name; });
-              if (twice) throw CLI::ValidationError("--recording", "two are called " + recording.name);
-              recordings.push_back(std::move(recording));
+              NamedSource source{text.substr(0, equals), text.substr(equals + 1), is_stream};
+              if (const auto parsed = wire::parse_host_port(source.from); is_stream && !parsed) {
+                throw CLI::ValidationError(flag, parsed.error().what);
+              }
+              const bool twice = std::any_of(sources.begin(), sources.end(), [&](const NamedSource& other) {
+                return other.name == source.name;
+              });
+              if (twice) throw CLI::ValidationError(flag, "two are called " + source.name);
+              sources.push_back(std::move(source));
             }
           },
-          "a camera's name and its recording, NAME=FILE.oni; once per camera")
+          help)
       ->take_all()
       ->allow_extra_args(false);
 }
 
-Result<Capture> Capture::open(const NamedRecording& recording, const scene::Camera* known, Form form) {
+}  // namespace
+
+SourceOptions add_source_options(CLI::App& parser, std::vector<NamedSource>& sources, std::size_t fewest,
+                                 std::size_t most) {
+  SourceOptions options{
+      add_source_option(parser, sources, "--recording", "NAME=FILE.oni",
+                        "a camera's name and its recording, NAME=FILE.oni; once per camera"),
+      add_source_option(parser, sources, "--stream", "NAME=HOST:PORT",
+                        "a camera's name and where its running capture_server listens, NAME=HOST:PORT; once "
+                        "per camera, instead of a recording")};
+  parser.parse_complete_callback([&sources, fewest, most] {
+    if (sources.size() >= fewest && sources.size() <= most) return;
+    throw CLI::ValidationError("--recording and --stream", fmt::format("{} in all, but {} to {} are needed",
+                                                                       sources.size(), fewest, most));
+  });
+  return options;
+}
+
+Result<Capture> Capture::open(const NamedSource& source, const scene::Camera* known, Form form) {
   sensor::SourceSettings settings;
   settings.pace = sensor::SourceSettings::Pace::kFast;
-  auto source = open_source(recording.file, settings);
-  if (!source) return fail(source.error());
-  sensor::SensorDescription told = (*source)->description();
+  auto frames = source.is_stream ? open_stream(source.from) : open_source(source.from, settings);
+  if (!frames) return fail(frames.error());
+  sensor::SensorDescription told = (*frames)->description();
   if (known) {
     if (known->model.width != told.depth.width || known->model.height != told.depth.height) {
       return fail(ErrorCode::kInvalid,
                   fmt::format("the scene file says that camera \"{}\" gives {}x{} pixels, but {} has {}x{}",
-                              known->name, known->model.width, known->model.height, recording.file,
+                              known->name, known->model.width, known->model.height, source.from,
                               told.depth.width, told.depth.height));
     }
     told.depth = known->model;
-    if (known->color) {
+    if (known->color && !source.is_stream) {
       told.color = known->color->model;
       told.color_from_depth = known->color->color_from_depth;
       told.registered = false;
@@ -57,12 +85,14 @@ Result<Capture> Capture::open(const NamedRecording& recording, const scene::Came
       registration::Registration::open({told.depth, told.has_color ? std::optional(told.color) : std::nullopt,
                                         told.color_from_depth, told.unit, passes_through});
   if (!registration) return fail(registration.error());
-  return Capture(recording.name, std::move(*source), std::move(told), std::move(*registration));
+  return Capture(source.name, source.is_stream, std::move(*frames), std::move(told),
+                 std::move(*registration));
 }
 
-Capture::Capture(std::string name, std::unique_ptr<sensor::FrameSource> source,
+Capture::Capture(std::string name, bool is_stream, std::unique_ptr<sensor::FrameSource> source,
                  sensor::SensorDescription sensor, registration::Registration registration)
     : name_(std::move(name)),
+      is_stream_(is_stream),
       source_(std::move(source)),
       sensor_(std::move(sensor)),
       registration_(std::move(registration)) {}
@@ -73,7 +103,7 @@ Result<RgbdFrame> Capture::next() {
   return registration_.apply(std::move(*frame));
 }
 
-Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most) {
+Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most, Duration pause) {
   const std::uint64_t all = capture.frames().value_or(most);
   const std::uint64_t wanted = std::clamp<std::uint64_t>(most, 1, std::max<std::uint64_t>(all, 1));
   std::vector<RgbdFrame> kept;
@@ -81,11 +111,17 @@ Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most) {
     auto frame = capture.next();
     if (!frame && frame.error().code == ErrorCode::kEndOfStream) break;
     if (!frame) return fail(frame.error());
-    if (number >= kept.size() * all / wanted) kept.push_back(std::move(*frame));
+    const bool due = capture.is_stream()
+                         ? kept.empty() || frame->stamp.captured_at - kept.back().stamp.captured_at >= pause
+                         : number >= kept.size() * all / wanted;
+    if (!due) continue;
+    kept.push_back(std::move(*frame));
+    if (capture.is_stream() && pause > Duration::zero()) {
+      fmt::print(stderr, "{}: picture {} of {}\n", capture.name(), kept.size(), wanted);
+    }
   }
   if (kept.empty()) {
-    return fail(ErrorCode::kCorrupt,
-                fmt::format("the recording of camera \"{}\" has no frame", capture.name()));
+    return fail(ErrorCode::kCorrupt, fmt::format("camera \"{}\" has no frame", capture.name()));
   }
   return kept;
 }

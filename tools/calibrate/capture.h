@@ -1,6 +1,7 @@
 #pragma once
 
-// What calibration reads: recordings, one per camera, as frames with colour and depth in one camera model.
+// What calibration reads, one per camera: recordings, or the streams of running servers; as frames with colour and depth
+// in one camera model.
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -16,16 +17,22 @@
 
 namespace copresence::calibrate {
 
-/// NAME=FILE.oni of the command line.
-struct NamedRecording {
-  std::string name;  ///< the camera's, as in the scene file
-  std::string file;
+/// NAME=FILE.oni or NAME=HOST:PORT of the command line.
+struct NamedSource {
+  std::string name;        ///< the camera's, as in the scene file
+  std::string from;        ///< a recording's path, or where a capture_server listens
+  bool is_stream = false;  ///< the latter
 };
 
-/// `--recording NAME=FILE.oni`, once or more. A wrong one, or one name twice, is a wrong command line.
-CLI::Option* add_recording_option(CLI::App& parser, std::vector<NamedRecording>& recordings);
+/// `--recording NAME=FILE.oni` and `--stream NAME=HOST:PORT`, in any mixture. A wrong one, one name twice, and fewer than
+/// `fewest` in all are a wrong command line. Both are returned.
+struct SourceOptions {
+  CLI::Option *recording, *stream;
+};
+SourceOptions add_source_options(CLI::App& parser, std::vector<NamedSource>& sources, std::size_t fewest,
+                                 std::size_t most);
 
-/// One camera's recording, read frame by frame. Thread: one thread per object.
+/// One camera's recording or stream, read frame by frame. Thread: one thread per object.
 class Capture {
  public:
   enum class Form {
@@ -35,11 +42,12 @@ class Capture {
 
   /// known   what the scene file says of this camera; nullptr where it says nothing. Its intrinsics win over the
   ///         recording's own, its pose too.
-  /// Fails   as open_source() does, and kInvalid where the scene's picture size is not the recording's.
-  static Result<Capture> open(const NamedRecording& recording, const scene::Camera* known,
+  /// A stream is registered by its server, in whichever form. Fails  as open_source() or open_stream(), and kInvalid where the scene's picture size is not the recording's.
+  static Result<Capture> open(const NamedSource& source, const scene::Camera* known,
                               Form form = Form::kRegistered);
 
   const std::string& name() const { return name_; }
+  bool is_stream() const { return is_stream_; }
   const CameraModel& model() const { return sensor_.depth; }  ///< of depth, and of registered colour
   DepthUnit unit() const { return sensor_.unit; }
   bool has_color() const { return sensor_.has_color; }
@@ -52,17 +60,18 @@ class Capture {
   Result<RgbdFrame> next();
 
  private:
-  Capture(std::string name, std::unique_ptr<sensor::FrameSource> source, sensor::SensorDescription sensor,
-          registration::Registration registration);
+  Capture(std::string name, bool is_stream, std::unique_ptr<sensor::FrameSource> source,
+          sensor::SensorDescription sensor, registration::Registration registration);
 
   std::string name_;
+  bool is_stream_;
   std::unique_ptr<sensor::FrameSource> source_;
   sensor::SensorDescription sensor_;
   registration::Registration registration_;
 };
 
-/// At most `most` frames, spread evenly over the recording.
+/// At most `most` frames, spread evenly over a recording; of a stream, whatever it sends in this moment, one every `pause`.
 /// Fails  as Capture::next(), but not at the recording's end; kCorrupt where there is no frame at all.
-Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most);
+Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most, Duration pause = {});
 
 }  // namespace copresence::calibrate

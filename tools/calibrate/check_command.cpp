@@ -16,7 +16,7 @@ constexpr double kLeastOverlap = 0.05;
 
 struct Options {
   std::string scene, json;
-  std::vector<NamedRecording> recordings;
+  std::vector<NamedSource> sources;
   double most_median_sigmas = 2, most_median_mm = 15, most_contradicted_percent = 5;
 };
 
@@ -41,7 +41,7 @@ std::string complaint(const alignment::Agreement& agreement, const Options& opti
 Result<void> run(const Options& options) {
   const auto scene = scene::load(options.scene);
   if (!scene) return fail(scene.error());
-  const auto views = still_views(options.recordings, *scene, options.scene);
+  const auto views = still_views(options.sources, *scene, options.scene);
   if (!views) return fail(views.error());
   nlohmann::json pairs = nlohmann::json::array();
   std::string wrong;
@@ -98,7 +98,7 @@ Command check_command(CLI::App& program) {
       "when every pair that overlaps is good, with 1 when one is not or none overlaps.");
   const auto options = std::make_shared<Options>();
   parser->add_option("--scene", options->scene, "the scene file with the cameras' poses")->required();
-  add_recording_option(*parser, options->recordings)->required()->expected(2, 64);
+  add_source_options(*parser, options->sources, 2, 64);
   parser->add_option("--json", options->json, "also tells everything to this file");
   parser
       ->add_option("--most-sigmas", options->most_median_sigmas,

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -20,12 +21,13 @@ namespace copresence::calibrate {
 namespace {
 
 struct LensSettings {
-  std::vector<NamedRecording> recordings;
+  std::vector<NamedSource> sources;
   std::string images, name = "camera", out, json, scene, scene_out;
   std::string size = "9x6";
   double square_mm = 25, marker_mm = 18;
   Board board;
   std::size_t frames = 90;
+  double pause_s = 0.5;
   bool depth_to_color = false;
 };
 
@@ -52,15 +54,16 @@ void look_at(const Board& board, const ColorImage& picture, const std::string& n
   if (auto view = find_board(board, picture, name)) out.views.push_back(std::move(*view));
 }
 
-Result<Pictures> pictures_of_recording(const LensSettings& settings, const scene::Scene* scene) {
-  const NamedRecording& recording = settings.recordings[0];
+Result<Pictures> pictures_of_source(const LensSettings& settings, const scene::Scene* scene) {
+  const NamedSource& source = settings.sources[0];
   auto capture =
-      Capture::open(recording, scene ? scene->find(recording.name) : nullptr, Capture::Form::kAsDelivered);
+      Capture::open(source, scene ? scene->find(source.name) : nullptr, Capture::Form::kAsDelivered);
   if (!capture) return fail(capture.error());
-  const auto frames = frames_of(*capture, settings.frames);
+  const std::chrono::milliseconds pause(static_cast<int>(1000 * settings.pause_s));
+  const auto frames = frames_of(*capture, settings.frames, pause);
   if (!frames) return fail(frames.error());
   Pictures out;
-  out.camera = recording.name;
+  out.camera = source.name;
   out.is_depths_own = capture->sensor().registered;
   for (const RgbdFrame& frame : *frames) {
     if (frame.color)
@@ -68,7 +71,7 @@ Result<Pictures> pictures_of_recording(const LensSettings& settings, const scene
   }
   if (out.looked_at == 0) {
     return fail(ErrorCode::kInvalid,
-                fmt::format("{} has no colour pictures to look for a board in", recording.file));
+                fmt::format("{} has no colour pictures to look for a board in", source.from));
   }
   return out;
 }
@@ -158,7 +161,7 @@ Result<void> change_camera(const LensSettings& settings, std::optional<scene::Sc
 Result<void> calibrate_lens(const LensSettings& settings) {
   const auto scene = scene_of(settings);
   if (!scene) return fail(scene.error());
-  auto pictures = settings.images.empty() ? pictures_of_recording(settings, *scene ? &**scene : nullptr)
+  auto pictures = settings.images.empty() ? pictures_of_source(settings, *scene ? &**scene : nullptr)
                                           : pictures_of_folder(settings);
   if (!pictures) return fail(pictures.error());
   std::vector<DroppedView> dropped;
@@ -191,9 +194,9 @@ Result<void> calibrate_lens(const LensSettings& settings) {
 Result<void> calibrate_depth_to_color(const LensSettings& settings) {
   const auto scene = scene_of(settings);
   if (!scene) return fail(scene.error());
-  const NamedRecording& recording = settings.recordings[0];
-  const scene::Camera* known = *scene ? (*scene)->find(recording.name) : nullptr;
-  auto capture = Capture::open(recording, known, Capture::Form::kAsDelivered);
+  const NamedSource& source = settings.sources[0];
+  const scene::Camera* known = *scene ? (*scene)->find(source.name) : nullptr;
+  auto capture = Capture::open(source, known, Capture::Form::kAsDelivered);
   if (!capture) return fail(capture.error());
   const auto frames = frames_of(*capture, settings.frames);
   if (!frames) return fail(frames.error());
@@ -207,7 +210,7 @@ Result<void> calibrate_depth_to_color(const LensSettings& settings) {
       "depth camera, "
       "expected shift {:.1f} mm\n",
       fit->markers, fit->rms_px, fit->worst_px, -t.x(), -t.y(), -t.z(), 1000 * fit->expected_shift_m);
-  return change_camera(settings, *scene, recording.name, [&](scene::Camera& camera) {
+  return change_camera(settings, *scene, source.name, [&](scene::Camera& camera) {
     camera.model = sensor.depth;
     camera.color = scene::ColorCamera{sensor.color, fit->color_from_depth};
   });
@@ -222,11 +225,12 @@ Command intrinsics_command(CLI::App& program) {
       "Finds a camera's lens (focal lengths, principal point, k1 to k6, p1, p2) from pictures of a "
       "chessboard or ChArUco "
       "board; or, with --depth-to-color, where a sensor's colour camera stands to its depth camera.");
-  auto* recording = add_recording_option(*parser, settings->recordings)->expected(1);
+  const SourceOptions source = add_source_options(*parser, settings->sources, 0, 1);
   auto* images =
       parser->add_option("--images", settings->images, "folder of pictures (PNG, JPEG) of one camera")
           ->check(CLI::ExistingDirectory)
-          ->excludes(recording);
+          ->excludes(source.recording)
+          ->excludes(source.stream);
   parser->add_option("--name", settings->name, "the camera's name, with --images")
       ->capture_default_str()
       ->needs(images);
@@ -249,14 +253,19 @@ Command intrinsics_command(CLI::App& program) {
   parser->add_option("--dictionary", settings->board.dictionary, "of the ChArUco board's markers")
       ->check(CLI::IsMember(marker_dictionaries()))
       ->capture_default_str();
-  parser->add_option("--frames", settings->frames, "frames of the recording to look at, evenly spread")
+  parser->add_option("--frames", settings->frames, "frames to look at, evenly spread over a recording")
       ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  parser
+      ->add_option("--pause", settings->pause_s,
+                   "with --stream: seconds between the frames looked at, to move the board in")
+      ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
   auto* to_color =
       parser->add_flag("--depth-to-color", settings->depth_to_color,
                        "find the rigid transform from depth to colour from markers whose dark cells return "
                        "no depth; both lenses are the scene file's or the recording's");
-  to_color->excludes(images)->needs(recording);
+  to_color->excludes(images)->needs(source.recording);
   parser->add_option("--out", settings->out, "write the lens as ROS camera_info YAML")->excludes(to_color);
   parser->add_option("--json", settings->json, "also write the report as JSON")->excludes(to_color);
   parser->add_option("--scene", settings->scene, "scene file to start from")->check(CLI::ExistingFile);
@@ -265,8 +274,9 @@ Command intrinsics_command(CLI::App& program) {
   return {parser, [settings]() -> Result<void> {
             settings->board.square_m = settings->square_mm * 1e-3;
             settings->board.marker_m = settings->marker_mm * 1e-3;
-            if (settings->recordings.empty() && settings->images.empty()) {
-              return fail(ErrorCode::kInvalid, "give --recording NAME=FILE.oni or --images FOLDER");
+            if (settings->sources.empty() && settings->images.empty()) {
+              return fail(ErrorCode::kInvalid,
+                          "give --recording NAME=FILE.oni, --stream NAME=HOST:PORT or --images FOLDER");
             }
             if (settings->board.kind == Board::Kind::kCharuco &&
                 settings->board.marker_m >= settings->board.square_m) {

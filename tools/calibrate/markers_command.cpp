@@ -23,7 +23,7 @@ namespace copresence::calibrate {
 namespace {
 
 struct MarkerSettings {
-  std::vector<NamedRecording> recordings;
+  std::vector<NamedSource> sources;
   std::string scene, out, json, reference, dictionary = "4x4_50", points, save_points;
   std::string picture, chessboard;  ///< chessboard: COLUMNSxROWS; empty for markers
   Board board;
@@ -33,7 +33,7 @@ struct MarkerSettings {
   calibration::Form form = calibration::Form::kRigid;
 };
 
-// What one recording tells: its camera, the markers in its pictures, its depth.
+// What one source tells: its camera, the markers in its pictures, its depth.
 struct Looked {
   scene::Camera camera;
   std::vector<FoundMarker> markers;
@@ -45,20 +45,21 @@ struct Looked {
 
 constexpr std::size_t kMostPictures = 20;  // of those frames; a still scene looks alike in the others
 
-Result<Looked> look_at(const NamedRecording& recording, const scene::Scene* scene,
-                       const MarkerSettings& settings, Clicks& clicks) {
-  const scene::Camera* known = scene ? scene->find(recording.name) : nullptr;
-  auto capture = Capture::open(recording, known);
+Result<Looked> look_at(const NamedSource& source, const scene::Scene* scene, const MarkerSettings& settings,
+                       Clicks& clicks) {
+  const scene::Camera* known = scene ? scene->find(source.name) : nullptr;
+  auto capture = Capture::open(source, known);
   if (!capture) return fail(capture.error());
   const auto frames = frames_of(*capture, settings.frames);
   if (!frames) return fail(frames.error());
 
   Looked looked;
   if (known) looked.camera = *known;
-  looked.camera.name = recording.name;
+  looked.camera.name = source.name;
   looked.camera.model = capture->model();
   looked.camera.world_from_camera = capture->world_from_camera();
-  if (looked.camera.source.empty()) looked.camera.source = recording.file;
+  std::string& told = source.is_stream ? looked.camera.address : looked.camera.source;
+  if (told.empty()) told = source.from;
   looked.depth = calibration::DepthAverage(capture->unit());
   for (const RgbdFrame& frame : *frames) looked.depth.add(frame.depth);
 
@@ -66,7 +67,7 @@ Result<Looked> look_at(const NamedRecording& recording, const scene::Scene* scen
                                        [](const RgbdFrame& frame) { return frame.color.has_value(); });
   if (with_color == frames->end()) {
     return fail(ErrorCode::kInvalid,
-                fmt::format("{} has no colour pictures to look for markers in", recording.file));
+                fmt::format("{} has no colour pictures to look for markers in", source.from));
   }
   looked.picture = *with_color->color;
   const std::size_t every = (frames->size() + kMostPictures - 1) / kMostPictures;
@@ -76,7 +77,7 @@ Result<Looked> look_at(const NamedRecording& recording, const scene::Scene* scen
       if ((*frames)[i].color) pictures.push_back(*(*frames)[i].color);
     }
     auto board = find_still_board(settings.board, pictures, looked.camera.model);
-    if (!board) return fail(board.error().code, fmt::format("{}: {}", recording.file, board.error().what));
+    if (!board) return fail(board.error().code, fmt::format("{}: {}", source.from, board.error().what));
     looked.board = std::move(*board);
     return looked;
   }
@@ -87,14 +88,14 @@ Result<Looked> look_at(const NamedRecording& recording, const scene::Scene* scen
   }
   looked.markers = finder->found(looked.camera.model);
   for (const std::string& name : finder->moved()) {
-    looked.unused.push_back({recording.name, name, "it moved while it was recorded"});
+    looked.unused.push_back({source.name, name, "it moved while it was recorded"});
   }
   if (settings.click) {
-    auto clicked = ask_for_clicks(recording.name, *with_color->color);
+    auto clicked = ask_for_clicks(source.name, *with_color->color);
     if (!clicked) return fail(clicked.error());
-    clicks[recording.name] = std::move(*clicked);
+    clicks[source.name] = std::move(*clicked);
   }
-  for (const FoundMarker& clicked : clicks[recording.name]) {  // a person's word goes before the program's
+  for (const FoundMarker& clicked : clicks[source.name]) {  // a person's word goes before the program's
     std::erase_if(looked.markers, [&](const FoundMarker& marker) { return marker.name == clicked.name; });
     looked.markers.push_back(clicked);
   }
@@ -115,11 +116,12 @@ std::vector<std::string> marker_names(const std::vector<Looked>& cameras) {
 }
 
 Result<std::size_t> reference_of(const MarkerSettings& settings) {
-  for (std::size_t c = 0; c < settings.recordings.size(); ++c) {
-    if (settings.reference.empty() || settings.recordings[c].name == settings.reference) return c;
+  for (std::size_t c = 0; c < settings.sources.size(); ++c) {
+    if (settings.reference.empty() || settings.sources[c].name == settings.reference) return c;
   }
-  return fail(ErrorCode::kInvalid,
-              fmt::format("--reference names \"{}\", but no --recording does", settings.reference));
+  return fail(
+      ErrorCode::kInvalid,
+      fmt::format("--reference names \"{}\", but no --recording or --stream does", settings.reference));
 }
 
 Result<void> write_results(const MarkerSettings& settings, scene::Scene scene,
@@ -165,16 +167,16 @@ Result<void> calibrate_by_markers(const MarkerSettings& settings) {
 
   std::vector<Looked> cameras;
   MarkerReport report;
-  for (const NamedRecording& recording : settings.recordings) {
-    auto looked = look_at(recording, scene ? &*scene : nullptr, settings, clicks);
+  for (const NamedSource& source : settings.sources) {
+    auto looked = look_at(source, scene ? &*scene : nullptr, settings, clicks);
     if (!looked) return fail(looked.error());
     if (looked->board) {
-      fmt::print(stderr, "{}: board at {:.2f} m, error {:.2f} px\n", recording.name,
+      fmt::print(stderr, "{}: board at {:.2f} m, error {:.2f} px\n", source.name,
                  looked->board->pose.camera_from_board.translation.z(), looked->board->pose.rms_px);
     } else {
-      fmt::print(stderr, "{}: {} markers\n", recording.name, looked->markers.size());
+      fmt::print(stderr, "{}: {} markers\n", source.name, looked->markers.size());
     }
-    report.names.cameras.push_back(recording.name);
+    report.names.cameras.push_back(source.name);
     report.unused.insert(report.unused.end(), looked->unused.begin(), looked->unused.end());
     cameras.push_back(std::move(*looked));
   }
@@ -233,7 +235,7 @@ Command markers_command(CLI::App& program) {
                              "Finds where cameras stand from four or more markers that stay still in the "
                              "room, each pair of neighbouring "
                              "cameras seeing at least four in common. Prints errors in millimetres.");
-  add_recording_option(*parser, settings->recordings)->required();
+  add_source_options(*parser, settings->sources, 1, 64);
   parser
       ->add_option("--scene", settings->scene,
                    "scene file to start from: lenses, and all that is to stay as it is")
@@ -258,7 +260,7 @@ Command markers_command(CLI::App& program) {
   parser->add_option("--dictionary", settings->dictionary, "which markers: of ArUco or AprilTag")
       ->check(CLI::IsMember(marker_dictionaries()))
       ->capture_default_str();
-  parser->add_option("--frames", settings->frames, "frames of each recording to average depth over")
+  parser->add_option("--frames", settings->frames, "frames of each camera to average depth over")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   parser->add_flag("--click", settings->click,

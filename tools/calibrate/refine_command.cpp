@@ -19,7 +19,7 @@ using Outcome = CameraRefinement::Outcome;
 
 struct Options {
   std::string scene, out, json;
-  std::vector<NamedRecording> recordings;
+  std::vector<NamedSource> sources;
 };
 
 std::string_view name(Outcome outcome) {
@@ -132,7 +132,7 @@ nlohmann::json to_json(const alignment::Refinement& refinement, std::span<const 
 Result<void> run(const Options& options) {
   auto scene = scene::load(options.scene);
   if (!scene) return fail(scene.error());
-  const auto views = still_views(options.recordings, *scene, options.scene);
+  const auto views = still_views(options.sources, *scene, options.scene);
   if (!views) return fail(views.error());
   std::vector<alignment::Surface> surfaces;
   std::vector<Rigid3> poses;
@@ -194,7 +194,7 @@ Command refine_command(CLI::App& program) {
       ->add_option("--scene", options->scene,
                    "the scene file with poses to start from, up to 10 cm and 5 degrees off")
       ->required();
-  add_recording_option(*parser, options->recordings)->required()->expected(2, 64);
+  add_source_options(*parser, options->sources, 2, 64);
   parser->add_option("--out", options->out, "the scene file to write; may be the same")->required();
   parser->add_option("--json", options->json, "also tells everything to this file");
   return {parser, [options] { return run(*options); }};

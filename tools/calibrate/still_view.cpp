@@ -9,23 +9,23 @@ namespace {
 
 constexpr double kLeastPlanar = 0.02;  // share of the picture
 
-Result<StillView> still_view(const NamedRecording& recording, const scene::Camera& known,
+Result<StillView> still_view(const NamedSource& source, const scene::Camera& known,
                              const std::string& scene_path) {
-  auto capture = Capture::open(recording, &known);
+  auto capture = Capture::open(source, &known);
   if (!capture) return fail(capture.error());
   if (!capture->world_from_camera()) {
     return fail(
         ErrorCode::kInvalid,
         fmt::format(
             "camera \"{}\" has no world_from_camera in {}: find its pose with `calibrate markers` first",
-            recording.name, scene_path));
+            source.name, scene_path));
   }
   auto frames = frames_of(*capture, kFramesAveraged);
   if (!frames) return fail(frames.error());
   std::vector<DepthImage> depths;
   depths.reserve(frames->size());
   for (RgbdFrame& frame : *frames) depths.push_back(std::move(frame.depth));
-  StillView view{recording.name,
+  StillView view{source.name,
                  alignment::make_surface(alignment::static_depth(depths, capture->unit()), capture->model()),
                  *capture->world_from_camera(), 1e-3 * known.calibration_error_mm.value_or(0)};
   const double pixels = static_cast<double>(capture->model().width) * capture->model().height;
@@ -35,22 +35,22 @@ Result<StillView> still_view(const NamedRecording& recording, const scene::Camer
         fmt::format(
             "{}: only {:.1f} % of the picture are surfaces that keep still; neither the camera nor what "
             "it looks at may move while it records",
-            recording.file, 100 * view.surface.planar / pixels));
+            source.from, 100 * view.surface.planar / pixels));
   }
   return view;
 }
 
 }  // namespace
 
-Result<std::vector<StillView>> still_views(std::span<const NamedRecording> recordings,
-                                           const scene::Scene& scene, const std::string& scene_path) {
+Result<std::vector<StillView>> still_views(std::span<const NamedSource> sources, const scene::Scene& scene,
+                                           const std::string& scene_path) {
   std::vector<StillView> views;
-  for (const NamedRecording& recording : recordings) {
-    const scene::Camera* known = scene.find(recording.name);
+  for (const NamedSource& source : sources) {
+    const scene::Camera* known = scene.find(source.name);
     if (!known) {
-      return fail(ErrorCode::kInvalid, fmt::format("{} has no camera \"{}\"", scene_path, recording.name));
+      return fail(ErrorCode::kInvalid, fmt::format("{} has no camera \"{}\"", scene_path, source.name));
     }
-    auto view = still_view(recording, *known, scene_path);
+    auto view = still_view(source, *known, scene_path);
     if (!view) return fail(view.error());
     views.push_back(std::move(*view));
   }

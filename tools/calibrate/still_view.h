@@ -1,6 +1,6 @@
 #pragma once
 
-// A camera's recording as the surfaces it saw all along: what refine and check work on.
+// A camera's recording or stream as the surfaces it saw all along: what refine and check work on.
 
 #include <span>
 #include <string>
@@ -17,17 +17,17 @@ namespace copresence::calibrate {
 struct StillView {
   std::string name;
   alignment::Surface surface;
-  Rigid3 world_from_camera;        ///< the scene's, else the recording's own
+  Rigid3 world_from_camera;        ///< the scene's, else the recording's or server's own
   double calibration_error_m = 0;  ///< the scene's; 0 where it says nothing
 };
 
-/// At most this many frames of a recording, spread evenly, are averaged.
+/// At most this many frames of a camera are averaged, spread evenly over a recording.
 inline constexpr std::size_t kFramesAveraged = 60;
 
-/// Reads every recording, in their order.
+/// Reads every source, in their order.
 /// Fails  as Capture::open() does, kInvalid for a camera that the scene does not have or that has no pose, kCorrupt
-///        for a recording in which hardly any pixel keeps still.
-Result<std::vector<StillView>> still_views(std::span<const NamedRecording> recordings,
-                                           const scene::Scene& scene, const std::string& scene_path);
+///        for a camera of which hardly any pixel keeps still.
+Result<std::vector<StillView>> still_views(std::span<const NamedSource> sources, const scene::Scene& scene,
+                                           const std::string& scene_path);
 
 }  // namespace copresence::calibrate

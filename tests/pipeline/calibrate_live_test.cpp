@@ -1,0 +1,90 @@
+// calibrate on running servers instead of recordings: the same markers, found through codec and wire.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+
+#include "common/scene/scene.h"
+#include "tests/pipeline/running_room.h"
+#include "tests/support/process.h"
+
+namespace copresence::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Ended {
+  std::optional<int> code;
+  std::string words;
+};
+
+Ended run(const std::vector<std::string>& arguments, std::chrono::seconds limit = std::chrono::seconds(60)) {
+  Process process(arguments);
+  const auto code = process.wait(limit);
+  return {code, process.output()};
+}
+
+// Two servers on simulated Kinects that see markers.
+class CalibrateLive : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const Ended made = run({program("simulate_kinect"), "markers", "--cameras", "2", "--frames", "20",
+                            "--out", folder_ / "room"});
+    ASSERT_EQ(made.code, 0) << made.words;
+    for (const std::string name : {"camera0", "camera1"}) {
+      const std::size_t server = room_.serve(folder_ / ("room/" + name + ".oni"), {"--loop", "--name", name});
+      ASSERT_TRUE(room_.server(server).says(room_.address(server), std::chrono::seconds(20)));
+      streams_.insert(streams_.end(), {"--stream", name + "=" + room_.address(server)});
+    }
+  }
+
+  Ended calibrate(const std::string& verb, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{program("calibrate"), verb};
+    arguments.insert(arguments.end(), streams_.begin(), streams_.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  TemporaryFolder folder_;
+  RunningRoom room_;
+  std::vector<std::string> streams_;
+};
+
+TEST_F(CalibrateLive, FindsKeepsAndJudgesPosesOfRunningServers) {
+  const std::string found = folder_ / "found.toml";
+  const Ended markers = calibrate("markers", {"--frames", "20", "--out", found});
+  ASSERT_EQ(markers.code, 0) << markers.words;
+  const auto truth = scene::load(folder_ / "room/scene.toml"), scene = scene::load(found);
+  ASSERT_TRUE(truth && scene);
+  const scene::Camera& camera = *scene->find("camera1");
+  EXPECT_EQ(camera.address, room_.address(1));
+  EXPECT_EQ(camera.source, "");
+  const Rigid3 off = *camera.world_from_camera * truth->find("camera1")->world_from_camera->inverse();
+  const Eigen::Vector3d middle(0, -0.9, 0);
+  EXPECT_LT((off * middle - middle).norm(), 0.01);
+  EXPECT_LT(Eigen::AngleAxisd(off.rotation).angle() * 180 / M_PI, 0.3);
+
+  const std::string refined = folder_ / "refined.toml";
+  const Ended refine = calibrate("refine", {"--scene", found, "--out", refined});
+  EXPECT_EQ(refine.code, 0) << refine.words;
+  EXPECT_THAT(refine.words, HasSubstr("camera1: kept as given"));
+  const Ended check = calibrate("check", {"--scene", refined});
+  EXPECT_EQ(check.code, 0) << check.words;
+  EXPECT_THAT(check.words, HasSubstr("good"));
+}
+
+TEST(CalibrateStreams, AServerThatIsNotThereIsNamed) {
+  const TemporaryFolder folder;
+  const std::string nowhere = "127.0.0.1:" + std::to_string(free_port());
+  const Ended ended =
+      run({program("calibrate"), "markers", "--stream", "left=" + nowhere, "--out", folder / "none.toml"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.words, HasSubstr(nowhere + ": nothing listens there: start a capture_server"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.toml"));
+  EXPECT_EQ(run({program("calibrate"), "markers", "--stream", "left=nowhere", "--out", "none"}).code, 2);
+}
+
+}  // namespace
+}  // namespace copresence::testing

@@ -1,0 +1,71 @@
+#include "tools/calibrate/stream_source.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "common/wire/frame_client.h"
+#include "render_client/frame_decoding.h"
+
+namespace copresence::calibrate {
+namespace {
+
+constexpr std::chrono::milliseconds kConnectTimeout{2000};
+constexpr int kMostLost = 90;  // frames in a row that do not decode
+
+class StreamSource : public sensor::FrameSource {
+ public:
+  StreamSource(wire::FrameClient client, client::FrameDecoding decoding)
+      : client_(std::move(client)), decoding_(std::move(decoding)) {
+    const StreamDescription& stream = client_.description();
+    description_.name = stream.camera;
+    description_.depth = description_.color = stream.model;
+    description_.unit = stream.unit;
+    description_.has_color = stream.has_color;
+    description_.registered = true;
+    description_.frames_per_second = stream.frames_per_second;
+    if (stream.has_pose) description_.world_from_camera = stream.world_from_camera;
+  }
+
+  const sensor::SensorDescription& description() const override { return description_; }
+  sensor::SourceCounters counters() const override { return counters_; }
+
+  Result<RgbdFrame> next(std::stop_token stop) override {
+    for (int lost = 0; lost < kMostLost; ++lost) {
+      const auto received = client_.receive(stop);
+      if (!received) return fail(received.error());
+      client::FrameDecoding::Durations durations;
+      auto frame = decoding_.decode(received->frame, durations);
+      if (!frame) {
+        ++counters_.damaged;
+        client_.request_keyframe();
+        continue;
+      }
+      for (std::size_t i = 0; i < frame->depth.pixels().size(); ++i) {
+        if (frame->state.data()[i] != DepthState::kMeasured) frame->depth.data()[i] = 0;
+      }
+      ++counters_.frames;
+      return frame;
+    }
+    return fail(ErrorCode::kCorrupt,
+                fmt::format("camera \"{}\" sends frames that do not decode", description_.name));
+  }
+
+ private:
+  wire::FrameClient client_;
+  client::FrameDecoding decoding_;
+  sensor::SensorDescription description_;
+  sensor::SourceCounters counters_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<sensor::FrameSource>> open_stream(const std::string& address) {
+  auto client = wire::FrameClient::connect(address, kConnectTimeout, {});
+  if (!client) return fail(client.error());
+  auto decoding = client::FrameDecoding::open(client->description());
+  if (!decoding) return fail(decoding.error());
+  return std::make_unique<StreamSource>(std::move(*client), std::move(*decoding));
+}
+
+}  // namespace copresence::calibrate

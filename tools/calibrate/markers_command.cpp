@@ -124,6 +124,25 @@ Result<std::size_t> reference_of(const MarkerSettings& settings) {
       fmt::format("--reference names \"{}\", but no --recording or --stream does", settings.reference));
 }
 
+// No sensor errs by this much: something is wrong that no fit mends.
+constexpr double kUnbelievable_m = 0.1;
+
+Result<void> believe(const MarkerReport& report) {
+  const auto worst = std::max_element(report.fit.cameras.begin(), report.fit.cameras.end(),
+                                      [](const calibration::CameraFit& a, const calibration::CameraFit& b) {
+                                        return a.residual.worst < b.residual.worst;
+                                      });
+  if (worst == report.fit.cameras.end() || worst->residual.worst < kUnbelievable_m) return {};
+  return fail(
+      ErrorCode::kRefused,
+      fmt::format("{} sees marker {} {:.0f} mm away from where all cameras together put it, so no scene "
+                  "file is written: cover that marker, or click it again if it was clicked (the same "
+                  "markers in the same order in every camera); if most are as bad, a lens is wrong or "
+                  "a camera was moved",
+                  report.names.cameras[static_cast<std::size_t>(worst - report.fit.cameras.begin())],
+                  report.names.markers[worst->residual.worst_at], 1000 * worst->residual.worst));
+}
+
 Result<void> write_results(const MarkerSettings& settings, scene::Scene scene,
                            const std::vector<Looked>& cameras, const MarkerReport& report) {
   if (!settings.json.empty()) {
@@ -133,6 +152,7 @@ Result<void> write_results(const MarkerSettings& settings, scene::Scene scene,
       return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be written", settings.json));
     }
   }
+  if (const auto believable = believe(report); !believable) return believable;
   if (settings.out.empty()) return {};
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     scene::Camera camera = cameras[c].camera;

@@ -17,6 +17,9 @@ namespace {
 using alignment::CameraRefinement;
 using Outcome = CameraRefinement::Outcome;
 
+// Scene files tell tenths of a millimetre.
+constexpr double kLeastError_m = 1e-4;
+
 struct Options {
   std::string scene, out, json;
   std::vector<NamedSource> sources;
@@ -129,6 +132,14 @@ nlohmann::json to_json(const alignment::Refinement& refinement, std::span<const 
   return {{"cameras", cameras}, {"pairs", pairs}, {"least_resistance", refinement.least_resistance}};
 }
 
+// How well a camera's pose is known against the first one's, metres; 0 where the scene file does not tell. What it tells
+// is against the camera that was the reference then, whose own error is 0.
+double error_to(const StillView& first, const StillView& view) {
+  if (!view.calibration_error_m) return 0;
+  return std::max(kLeastError_m,
+                  std::hypot(*view.calibration_error_m, first.calibration_error_m.value_or(0)));
+}
+
 Result<void> run(const Options& options) {
   auto scene = scene::load(options.scene);
   if (!scene) return fail(scene.error());
@@ -140,7 +151,7 @@ Result<void> run(const Options& options) {
   for (const StillView& view : *views) {
     surfaces.push_back(view.surface);
     poses.push_back(view.world_from_camera);
-    errors_m.push_back(view.calibration_error_m);
+    errors_m.push_back(error_to(views->front(), view));
   }
   const alignment::Refinement refinement = alignment::refine(surfaces, poses, errors_m);
   for (const alignment::PairRefinement& pair : refinement.pairs) {
@@ -169,8 +180,8 @@ Result<void> run(const Options& options) {
     for (scene::Camera& camera : scene->cameras) {
       if (camera.name != (*views)[i].name) continue;
       camera.world_from_camera = refinement.cameras[i].world_from_camera;
-      // To a tenth of a millimetre, never less: a refined pose is not known exactly.
-      const double error_mm = std::max(0.1, std::round(10 * refinement.cameras[i].error_mm) / 10);
+      const double error_mm =
+          std::max(1000 * kLeastError_m, std::round(10 * refinement.cameras[i].error_mm) / 10);
       if (refinement.cameras[i].error_mm > 0) camera.calibration_error_mm = error_mm;
     }
   }

@@ -27,7 +27,9 @@ Result<StillView> still_view(const NamedSource& source, const scene::Camera& kno
   for (RgbdFrame& frame : *frames) depths.push_back(std::move(frame.depth));
   StillView view{source.name,
                  alignment::make_surface(alignment::static_depth(depths, capture->unit()), capture->model()),
-                 *capture->world_from_camera(), 1e-3 * known.calibration_error_mm.value_or(0)};
+                 *capture->world_from_camera(),
+                 {}};
+  if (known.calibration_error_mm) view.calibration_error_m = 1e-3 * *known.calibration_error_mm;
   const double pixels = static_cast<double>(capture->model().width) * capture->model().height;
   if (view.surface.planar < kLeastPlanar * pixels) {
     return fail(

@@ -2,6 +2,7 @@
 
 // A camera's recording or stream as the surfaces it saw all along: what refine and check work on.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,8 +18,9 @@ namespace copresence::calibrate {
 struct StillView {
   std::string name;
   alignment::Surface surface;
-  Rigid3 world_from_camera;        ///< the scene's, else the recording's or server's own
-  double calibration_error_m = 0;  ///< the scene's; 0 where it says nothing
+  Rigid3 world_from_camera;  ///< the scene's, else the recording's or server's own
+  std::optional<double>
+      calibration_error_m;  ///< the scene's: what a shift to the reference camera is known to
 };
 
 /// At most this many frames of a camera are averaged, spread evenly over a recording.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -103,24 +104,38 @@ TEST_F(CalibrateMarkers, ReportsTheLinearFormBesideTheRigidOneAndSolvesByItWhenA
   EXPECT_LT(error_of(*scene::load(out), "camera1").first, 40);
 }
 
-TEST_F(CalibrateMarkers, TakesPointsFromAFile) {
-  const std::string points = (*folder_ / "points.txt").string(), out = (*folder_ / "clicked.toml").string();
-  std::ofstream file(points);
+// Six markers as a person clicks them; in camera1 the first `swapped` of them in the opposite order.
+void write_clicks(const std::string& path, const scene::Scene& truth, int swapped) {
+  std::ofstream file(path);
   for (const char* name : {"camera0", "camera1"}) {
-    const scene::Camera& camera = *truth_.find(name);
-    for (int id = 0; id < 6; ++id) {
-      const simulation::PlacedMarker marker = simulation::placed_markers()[static_cast<std::size_t>(id)];
-      const Eigen::Vector2d pixel =
-          project(camera.model, camera.world_from_camera->inverse() * marker.center.cast<double>());
-      file << name << " point" << id << " " << std::lround(pixel.x()) << " " << std::lround(pixel.y())
+    const scene::Camera& camera = *truth.find(name);
+    for (int number = 0; number < 6; ++number) {
+      const bool swap = camera.name == "camera1" && number < swapped;
+      const auto id = static_cast<std::size_t>(swap ? swapped - 1 - number : number);
+      const Eigen::Vector3d center = simulation::placed_markers()[id].center.cast<double>();
+      const Eigen::Vector2d pixel = project(camera.model, camera.world_from_camera->inverse() * center);
+      file << name << " point" << number << " " << std::lround(pixel.x()) << " " << std::lround(pixel.y())
            << "\n";
     }
   }
-  file.close();
+}
+
+TEST_F(CalibrateMarkers, TakesPointsFromAFile) {
+  const std::string points = (*folder_ / "points.txt").string(), out = (*folder_ / "clicked.toml").string();
+  write_clicks(points, truth_, 0);
   const Outcome outcome = calibrate(2, {"--points", points, "--dictionary", "apriltag_36h11", "--out", out});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
   EXPECT_THAT(outcome.said, HasSubstr("point5"));
   EXPECT_LT(error_of(*scene::load(out), "camera1").first, 15);
+}
+
+TEST_F(CalibrateMarkers, RefusesMarkersThatWereClickedInTheWrongOrder) {
+  const std::string points = (*folder_ / "swapped.txt").string(), out = (*folder_ / "swapped.toml").string();
+  write_clicks(points, truth_, 2);
+  const Outcome outcome = calibrate(2, {"--points", points, "--dictionary", "apriltag_36h11", "--out", out});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.said, HasSubstr("away from where all cameras together put it"));
+  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 TEST_F(CalibrateMarkers, StartsFromASceneFileAndKeepsItsComments) {

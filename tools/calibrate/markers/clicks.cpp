@@ -72,7 +72,7 @@ Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const
   cv::cvtColor(large, large, cv::COLOR_RGB2BGR);
   ClickList list;
   try {
-    cv::namedWindow(title, cv::WINDOW_AUTOSIZE);
+    cv::namedWindow(title, cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
     cv::setMouseCallback(
         title,
         [](int event, int x, int y, int, void* to) {

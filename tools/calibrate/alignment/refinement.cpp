@@ -159,7 +159,7 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
   outcomes[0] = Outcome::kReference;
 
   // One after the other, the camera that shares most with those that stand first.
-  std::vector<std::size_t> standing{0}, waiting;
+  std::vector<std::size_t> standing{0}, waiting, refused;
   for (std::size_t camera = 1; camera < surfaces.size(); ++camera) waiting.push_back(camera);
   while (!waiting.empty()) {
     const auto next = std::max_element(waiting.begin(), waiting.end(), [&](std::size_t a, std::size_t b) {
@@ -171,9 +171,12 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
     for (const std::size_t other : standing) alone.pairs.emplace_back(other, camera);
     if (!place(surfaces, camera, standing, poses) || overlap_of(alone, poses, camera) < kLeastOverlap) {
       poses[camera] = given[camera];
+      refused.push_back(camera);
       continue;
     }
     standing.push_back(camera);
+    waiting.insert(waiting.end(), refused.begin(), refused.end());  // this one may see more of them
+    refused.clear();
     outcomes[camera] = Outcome::kRefined;
   }
 

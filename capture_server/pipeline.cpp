@@ -97,6 +97,10 @@ class Pipeline {
     const Result<void> encoded = encode_frames();
     end_capture_.request_stop();
     capture.join();
+    if (const auto dark = source_->counters().dark) {
+      spdlog::info("{}: {} depth pictures were taken outside its projector's turns and left out",
+                   settings_.name, dark);
+    }
     if (recording_) recording_->end(stop.stop_requested() ? kDrainWhenStopped : kDrainAtTheEnd);
 
     const Result<void>& result = encoded ? captured : encoded;

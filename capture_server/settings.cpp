@@ -31,6 +31,27 @@ std::string parse_range(const std::string& text, DepthRange& range) {
   return {};
 }
 
+/// "K/N" or "K/N:MS": turn K (from 1) of N, MS milliseconds each.
+std::string parse_slot(const std::string& text, sensor::ProjectorSlot& slot) {
+  const auto slash = text.find('/'), colon = std::min(text.find(':'), text.size());
+  int turn = 0, count = 0, ms = static_cast<int>(slot.turn.count());
+  if (slash == std::string::npos || slash > colon ||
+      !CLI::detail::lexical_cast(text.substr(0, slash), turn) ||
+      !CLI::detail::lexical_cast(text.substr(slash + 1, colon - slash - 1), count) ||
+      (colon < text.size() && !CLI::detail::lexical_cast(text.substr(colon + 1), ms))) {
+    return fmt::format("\"{}\" is not K/N or K/N:MS, such as 1/2 or 1/2:400", text);
+  }
+  using Slot = sensor::ProjectorSlot;
+  const Slot wanted{turn - 1, count, std::chrono::milliseconds(ms)};
+  if (!wanted.is_sensible()) {
+    return fmt::format(
+        "{} cannot be a turn: K goes from 1 to N, N to {}, MS from {}, and N turns take at most {} ms", text,
+        Slot::kMost, Slot::kShortest.count(), Slot::kLongestRound.count());
+  }
+  slot = wanted;
+  return {};
+}
+
 std::string check_codec(const std::string& name) {
   const auto names = depth::codec_names();
   if (std::find(names.begin(), names.end(), name) != names.end()) return {};
@@ -112,6 +133,18 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
       ->transform(CLI::Transformer(modes_by_name()).description(""));
   app.add_option("--white-balance", settings.controls.white_balance, "likewise: auto or fixed")
       ->transform(CLI::Transformer(modes_by_name()).description(""));
+  app.add_option_function<std::string>(
+         "--projector-slot",
+         [&](const std::string& text) { (void)parse_slot(text, settings.controls.projector.emplace()); },
+         "take turns with the projectors of this room's other cameras against interference: K/N[:MS], the "
+         "Kth "
+         "turn of N, MS milliseconds each [500]; frame rate falls below 30/N, see docs/cameras.md")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            sensor::ProjectorSlot ignored;
+            return parse_slot(text, ignored);
+          },
+          ""));
   app.add_flag("--loop", settings.loop, "start a recording again at its end");
   app.add_option("--pace", settings.pace, "real: as recorded; fast: as fast as frames can be sent [real]")
       ->transform(CLI::Transformer(std::map<std::string, Pace>{{"real", Pace::kReal}, {"fast", Pace::kFast}})
@@ -131,6 +164,9 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
     app.parse(argc, argv);
     if (!settings.list && settings.source.empty()) {
       throw CLI::RequiredError("--source (openni:, openni:URI, simulated:room?camera=N or FILE.oni)");
+    }
+    if (settings.controls.projector && is_recording(settings.source)) {
+      throw CLI::ValidationError("--projector-slot", "a recording has no projector: leave it out");
     }
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(app.exit(error) == 0 ? 0 : 2);

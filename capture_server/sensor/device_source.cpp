@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdlib>
 #include <thread>
-#include <tuple>
 
-#include "capture_server/drivers/contract/device_properties.h"
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
+#include "capture_server/sensor/device_facts.h"
 #include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/lasting_source.h"
 #include "capture_server/sensor/open_ni.h"
+#include "capture_server/sensor/projector.h"
 
 namespace copresence::sensor {
 namespace {
@@ -27,10 +26,6 @@ constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::uint64_t kSettledAfter = 60;  // frames
 constexpr Duration kDriverLeaves =
     milliseconds(50);  // a driver's thread may still be inside a stopped stream
-
-// The nominal field of view of a Kinect v1 and its PrimeSense siblings, radians: for drivers that do not
-// tell.
-constexpr double kNominalHorizontal = 1.0144686, kNominalVertical = 0.7898090;
 
 class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
  public:
@@ -52,74 +47,11 @@ class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
   std::atomic<bool> gone_ = false;
 };
 
-bool is_usable(const openni::VideoMode& mode, bool is_depth) {
-  const openni::PixelFormat format = mode.getPixelFormat();
-  const bool known =
-      is_depth ? format == openni::PIXEL_FORMAT_DEPTH_1_MM || format == openni::PIXEL_FORMAT_DEPTH_100_UM
-               : format == openni::PIXEL_FORMAT_RGB888;
-  const auto sane = [](int size) { return size >= 2 && size <= 4096 && size % 2 == 0; };
-  return known && sane(mode.getResolutionX()) && sane(mode.getResolutionY());
-}
-
-// The usable mode that is nearest to the size wanted, then to 30 a second, then in 1 mm before 0.1 mm.
-std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
-                                             int height) {
-  std::optional<openni::VideoMode> chosen;
-  std::tuple<int, int, int> least;
-  const auto& modes = sensor.getSupportedVideoModes();
-  for (int i = 0; i < modes.getSize(); ++i) {
-    const openni::VideoMode& mode = modes[i];
-    if (!is_usable(mode, is_depth)) continue;
-    const std::tuple distance{
-        std::abs(mode.getResolutionX() - width) + std::abs(mode.getResolutionY() - height),
-        std::abs(mode.getFps() - 30), mode.getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_100_UM ? 1 : 0};
-    if (!chosen || distance < least) {
-      chosen = mode;
-      least = distance;
-    }
-  }
-  return chosen;
-}
-
 std::string_view drivers_for(std::string_view uri) {
   if (uri.empty()) return drivers::kRealCameras;
   if (uri.starts_with("simulated:")) return drivers::kSimulated;
   if (uri.starts_with("freenect:")) return drivers::kKinectV1;
   return drivers::kPrimeSense;
-}
-
-CameraModel camera_of(const openni::VideoStream& stream) {
-  const openni::VideoMode mode = stream.getVideoMode();
-  drivers::Intrinsics known;
-  int size = sizeof(known);
-  if (stream.getProperty(drivers::kIntrinsics, &known, &size) == openni::STATUS_OK && size == sizeof(known)) {
-    const CameraModel told{
-        mode.getResolutionX(), mode.getResolutionY(), known[0], known[1], known[2], known[3], {}};
-    if (check(told)) return told;
-  }
-  double horizontal = stream.getHorizontalFieldOfView(), vertical = stream.getVerticalFieldOfView();
-  const auto sane = [](double angle) { return angle > 0.01 && angle < 3.13; };
-  if (!sane(horizontal) || !sane(vertical)) {
-    horizontal = kNominalHorizontal;
-    vertical = kNominalVertical;
-  }
-  return camera_from_field_of_view(mode.getResolutionX(), mode.getResolutionY(), horizontal, vertical);
-}
-
-// Where the camera stands, if it knows.
-std::optional<Rigid3> pose_of(const openni::Device& device) {
-  drivers::Pose rows;
-  int size = sizeof(rows);
-  if (device.getProperty(drivers::kPose, &rows, &size) != openni::STATUS_OK || size != sizeof(rows))
-    return std::nullopt;
-  Rigid3 pose;
-  for (std::size_t row = 0; row < 3; ++row) {
-    const auto i = static_cast<Eigen::Index>(row);
-    for (std::size_t column = 0; column < 3; ++column)
-      pose.rotation(i, static_cast<Eigen::Index>(column)) = rows[4 * row + column];
-    pose.translation[i] = rows[4 * row + 3];
-  }
-  return pose.is_rigid() ? std::optional(pose) : std::nullopt;
 }
 
 class DeviceSource final : public FrameSource {
@@ -135,6 +67,7 @@ class DeviceSource final : public FrameSource {
     // closed the other way round, since its player does not wait for its thread.)
     color_.destroy();
     depth_.destroy();
+    projector_.reset();
     device_.close();
   }
 
@@ -158,6 +91,7 @@ class DeviceSource final : public FrameSource {
   Result<Pairing::Pair> next_pair(const std::stop_token& stop);
   void read(openni::VideoStream& stream);
   Result<void> begin_controls();
+  Result<void> begin_projector();
   void fix_controls();
 
   const std::string uri_;
@@ -167,6 +101,7 @@ class DeviceSource final : public FrameSource {
   openni::VideoStream depth_;
   openni::VideoStream color_;
   std::optional<GoneListener> gone_;
+  std::optional<Projector> projector_;  // where it takes turns
 
   SensorDescription description_;
   std::int64_t half_period_us_ = 16667;
@@ -265,7 +200,15 @@ Result<void> DeviceSource::start() {
                     description_.name, last_open_ni_error()));
   }
   color_is_up_by_ = steady_clock::now() + kStallAfter;
-  return {};
+  return begin_projector();
+}
+
+Result<void> DeviceSource::begin_projector() {
+  if (!controls_.projector) return {};
+  projector_.emplace(device_, *controls_.projector, std::chrono::microseconds(2 * half_period_us_));
+  auto begun = projector_->begin();
+  if (begun) return {};
+  return fail(begun.error().code, fmt::format("{}: {}", description_.name, begun.error().what));
 }
 
 Result<void> DeviceSource::begin_controls() {
@@ -306,6 +249,10 @@ void DeviceSource::read(openni::VideoStream& stream) {
   const int index = held.picture.getFrameIndex();
   if (last > 0 && index > last + 1) counters_.damaged += static_cast<std::uint64_t>(index - last - 1);
   last = index;
+  if (is_depth && projector_ && !projector_->lit(held.at)) {
+    ++counters_.dark;
+    return;
+  }
   const auto timestamp_us = static_cast<std::int64_t>(held.picture.getTimestamp());
   const CameraModel& camera = is_depth ? description_.depth : description_.color;
   if (!is_whole(held.picture, camera, is_depth ? 2 : 3)) {
@@ -320,9 +267,12 @@ void DeviceSource::read(openni::VideoStream& stream) {
 Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_token& stop) {
   openni::VideoStream* streams[] = {&depth_, &color_};
   const int stream_count = description_.has_color ? 2 : 1;
-  const Instant give_up = steady_clock::now() + (counters_.frames ? kStallAfter : kFirstFrameAfter);
+  const Duration dark = controls_.projector ? Duration(controls_.projector->round()) : Duration(0);
+  const Instant give_up = steady_clock::now() + dark + (counters_.frames ? kStallAfter : kFirstFrameAfter);
   Instant waits_until = Instant::max();  // for colour
   while (true) {
+    // A camera that is dark may send no depth: what did not come then is not lost.
+    if (projector_ && projector_->obey()) last_index_[0] = 0;
     const Instant now = steady_clock::now();
     const bool may_wait = description_.has_color && now < waits_until;
     if (auto pair = pairing_->take(may_wait)) {
@@ -343,8 +293,10 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
       return fail(ErrorCode::kTimeout,
                   fmt::format("{}: it sends no frames; unplug it and plug it in again", description_.name));
     }
+    const Duration slice = projector_ ? std::min<Duration>(projector_->until_change(), milliseconds(kSliceMs))
+                                      : milliseconds(kSliceMs);
     const auto wait_ms = std::chrono::ceil<milliseconds>(
-        std::clamp<Duration>(waits_until - now, milliseconds(1), milliseconds(kSliceMs)));
+        std::clamp<Duration>(waits_until - now, milliseconds(1), std::max<Duration>(slice, milliseconds(1))));
     int ready = 0;
     if (openni::OpenNI::waitForAnyStream(streams, stream_count, &ready, static_cast<int>(wait_ms.count())) ==
         openni::STATUS_OK) {

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "capture_server/sensor/projector_schedule.h"
 #include "common/frame/camera_model.h"
 #include "common/frame/depth_unit.h"
 #include "common/frame/rgbd_frame.h"
@@ -41,13 +42,14 @@ struct SensorDescription {
   std::optional<std::uint64_t> frames;  ///< depth frames of one pass of a recording
 };
 
-/// How a camera exposes its colour pictures; the device's own way where nothing is said.
+/// How a camera exposes its colour pictures, and when it lights the room; the device's own way where nothing is said.
 struct CameraControls {
   enum class Mode {
     kAutomatic,  ///< follows the light
     kFixed,  ///< keeps what the automatic has found by the 60th frame: several cameras stop disagreeing over time
   };
   std::optional<Mode> exposure, white_balance;
+  std::optional<ProjectorSlot> projector;  ///< its turn among the projectors of the room
 };
 
 /// How a recording is played. A camera has its own pace and no end.
@@ -62,12 +64,13 @@ struct SourceSettings {
 };
 
 /// What happened to the pictures a source got. Every one is in a frame or counted here, but for a camera's
-/// depth before its colour is up.
+/// depth before its colour is up. Of colour that comes while its projector is dark, none has depth.
 struct SourceCounters {
   std::uint64_t frames = 0;               ///< handed over
   std::uint64_t depth_without_color = 0;  ///< of those: no colour of their instant, though there is a stream
   std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
   std::uint64_t damaged = 0;              ///< depth or colour pictures that did not decode, or went missing
+  std::uint64_t dark = 0;  ///< depth pictures not exposed in the projector's own turn, left out
 };
 
 class FrameSource {

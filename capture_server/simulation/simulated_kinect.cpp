@@ -8,29 +8,26 @@
 namespace copresence::simulation {
 namespace {
 
-// Light of the other projectors on what this camera sees, as a multiple of its own. The figure is left out:
-// its pixels get what the room behind them does.
-Image<float> interference(const World& world, const TrueView& view, const CameraModel& model,
-                          std::span<const Rigid3> poses, std::size_t index) {
+// Light of another projector on what this camera sees, as a multiple of its own. The figure is left out: its pixels
+// get what the room behind them does.
+Image<float> light_of(const Rigid3& other, const World& world, const TrueView& view, const CameraModel& model,
+                      const Rigid3& camera) {
   Image<float> light(model.width, model.height, 0.0f);
   const auto eye_rays = rays(model);
-  for (std::size_t other = 0; other < poses.size(); ++other) {
-    if (other == index) continue;
-    const Rigid3 other_from_camera = poses[other].inverse() * poses[index];
-    const Eigen::Vector3f projector = poses[other].translation.cast<float>();
-    for (std::size_t i = 0; i < eye_rays.size(); ++i) {
-      const double z = view.depth_m.data()[i];
-      if (z <= 0) continue;
-      const Eigen::Vector3d point(eye_rays[i].x() * z, eye_rays[i].y() * z, z);
-      const Eigen::Vector3d there = other_from_camera * point;
-      if (there.z() < 0.2) continue;
-      const Eigen::Vector2d pixel = project(model, there);
-      if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() > model.width - 1 || pixel.y() > model.height - 1)
-        continue;
-      const Eigen::Vector3f in_world = (poses[index] * point).cast<float>();
-      if (world.still().is_blocked(projector, in_world - projector, 1e-3f, 0.99f)) continue;
-      light.data()[i] += static_cast<float>(std::min(2.0, z * z / there.squaredNorm()));
-    }
+  const Rigid3 other_from_camera = other.inverse() * camera;
+  const Eigen::Vector3f projector = other.translation.cast<float>();
+  for (std::size_t i = 0; i < eye_rays.size(); ++i) {
+    const double z = view.depth_m.data()[i];
+    if (z <= 0) continue;
+    const Eigen::Vector3d point(eye_rays[i].x() * z, eye_rays[i].y() * z, z);
+    const Eigen::Vector3d there = other_from_camera * point;
+    if (there.z() < 0.2) continue;
+    const Eigen::Vector2d pixel = project(model, there);
+    if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() > model.width - 1 || pixel.y() > model.height - 1)
+      continue;
+    const Eigen::Vector3f in_world = (camera * point).cast<float>();
+    if (world.still().is_blocked(projector, in_world - projector, 1e-3f, 0.99f)) continue;
+    light.data()[i] = static_cast<float>(std::min(2.0, z * z / there.squaredNorm()));
   }
   return light;
 }
@@ -68,23 +65,47 @@ std::vector<Rigid3> kinect_poses(int count) {
 Result<SimulatedKinect> SimulatedKinect::make(std::shared_ptr<const World> world, const CameraModel& model,
                                               std::span<const Rigid3> poses, std::size_t index,
                                               DepthUnit unit, std::uint32_t seed) {
-  assert(index < poses.size());
+  assert(index < poses.size() && poses.size() <= kMostKinects);
   auto camera = TrueCamera::make(world, model, poses[index]);
   if (!camera) return fail(camera.error());
-  const Image<float> rivals = interference(*world, camera->still(), model, poses, index);
   SimulatedKinect made(std::move(*camera), unit, seed, static_cast<std::uint32_t>(index));
-  made.noise_.set_interference(rivals);
+  Projectors all;
+  for (std::size_t other = 0; other < poses.size(); ++other) {
+    all.set(other);
+    made.rivals_.push_back(other == index
+                               ? Image<float>()
+                               : light_of(poses[other], *world, made.camera_.still(), model, poses[index]));
+  }
+  made.set_projectors(all);
   return made;
 }
 
 SimulatedKinect::SimulatedKinect(TrueCamera camera, DepthUnit unit, std::uint32_t seed, std::uint32_t index)
     : camera_(std::move(camera)),
+      index_(index),
       noise_(camera_.model(), unit, seed, index),
       response_(camera_.model().width, camera_.model().height, seed, index) {}
 
+void SimulatedKinect::set_projectors(Projectors on) {
+  if (on == on_) return;
+  on_ = on;
+  Image<float> light(model().width, model().height, 0.0f);
+  for (std::size_t other = 0; other < rivals_.size(); ++other) {
+    if (other == index_ || !on[other]) continue;
+    for (std::size_t i = 0; i < light.pixels().size(); ++i) light.data()[i] += rivals_[other].data()[i];
+  }
+  noise_.set_interference(light);
+}
+
+void SimulatedKinect::expose_depth(std::uint64_t frame, DepthImage& depth) {
+  if (on_[index_]) return noise_.expose(*truth_, frame, depth);
+  depth.resize(model().width, model().height);
+  std::fill(depth.pixels().begin(), depth.pixels().end(), std::uint16_t{0});
+}
+
 void SimulatedKinect::expose(double phase, std::uint64_t frame, DepthImage& depth, ColorImage& color) {
   truth_ = &camera_.look(phase);
-  noise_.expose(*truth_, frame, depth);
+  expose_depth(frame, depth);
   response_.expose(truth_->color, frame, color);
 }
 
@@ -95,7 +116,7 @@ void SimulatedKinect::expose_live(std::uint64_t frame, DepthImage& depth, ColorI
   if (!remembered_->knows(index))
     remembered_->remember(index, camera_.look(phase_of_frame(index, kViews)), camera_.still());
   truth_ = &remembered_->show(index, camera_.still());
-  noise_.expose(*truth_, frame, depth);
+  expose_depth(frame, depth);
   response_.expose(truth_->color, frame, color);
 }
 

@@ -3,6 +3,7 @@
 // A Kinect in a simulated world: depth with a Kinect's faults and colour registered to it, frame by frame.
 // Thread: one thread per camera; several cameras may share a world.
 
+#include <bitset>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -29,6 +30,9 @@ CameraModel kinect_model(int width, int height);
 std::vector<Rigid3> kinect_poses(int count);
 inline constexpr int kMostKinects = 8;
 
+/// Which of the Kinects in a room have their projector on, by their place in kinect_poses().
+using Projectors = std::bitset<kMostKinects>;
+
 /// A pose that looks from `eye` to `target`, the picture upright (the world's y is down). Requires that the
 /// two do not stand above each other.
 Rigid3 look_from(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
@@ -36,10 +40,14 @@ Rigid3 look_from(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
 class SimulatedKinect {
  public:
   /// One of several Kinects that run at once: `poses` are all of them, `index` says which one this is.
-  /// Fails  as TrueCamera::make(). Requires index < poses.size().
+  /// Fails  as TrueCamera::make(). Requires index < poses.size() <= kMostKinects.
   static Result<SimulatedKinect> make(std::shared_ptr<const World> world, const CameraModel& model,
                                       std::span<const Rigid3> poses, std::size_t index, DepthUnit unit,
                                       std::uint32_t seed);
+
+  /// Which projectors shine from now on: all, until it is told otherwise. Without its own it has no depth; those of
+  /// the others disturb it.
+  void set_projectors(Projectors on);
 
   /// What it delivers as its frame number `frame` when the world is at `phase`. The noise belongs to the
   /// frame number.
@@ -57,8 +65,12 @@ class SimulatedKinect {
 
  private:
   SimulatedKinect(TrueCamera camera, DepthUnit unit, std::uint32_t seed, std::uint32_t index);
+  void expose_depth(std::uint64_t frame, DepthImage& depth);
 
   TrueCamera camera_;
+  std::size_t index_;
+  std::vector<Image<float>> rivals_;  // light of each other projector, see light_of(); its own is empty
+  Projectors on_;
   KinectNoise noise_;
   ColorResponse response_;
   std::unique_ptr<RememberedViews> remembered_;  // made when first needed

@@ -33,4 +33,8 @@ enum class Light { kOff = 0, kGreen = 1, kRed = 2, kYellow = 3, kBlinkingGreen =
 /// answers ONI_STATUS_NOT_SUPPORTED.
 inline constexpr int kNearMode = 0x43500005;
 
+/// Device, read and write, int 0 or 1: whether its projector shines. Without its light a camera has no depth: its depth
+/// pictures are empty or do not come. It shines when it is opened.
+inline constexpr int kProjector = 0x43500006;
+
 }  // namespace copresence::drivers

@@ -146,23 +146,21 @@ OniStatus PushStream::setProperty(int property, const void* data, int size) {
   const OniStatus special = owner_.set_of(*this, property, data, size);
   if (special != ONI_STATUS_NOT_SUPPORTED) return special;
   if (property == ONI_STREAM_PROPERTY_MIRRORING) {
-    OniBool wanted = TRUE;
-    if (!data || size != sizeof(wanted)) return ONI_STATUS_BAD_PARAMETER;
-    std::memcpy(&wanted, data, sizeof(wanted));
-    return wanted ? ONI_STATUS_NOT_SUPPORTED : ONI_STATUS_OK;
+    const auto wanted = read_as<OniBool>(data, size);
+    if (!wanted) return ONI_STATUS_BAD_PARAMETER;
+    return *wanted ? ONI_STATUS_NOT_SUPPORTED : ONI_STATUS_OK;
   }
   if (property != ONI_STREAM_PROPERTY_VIDEO_MODE) return ONI_STATUS_NOT_SUPPORTED;
-  OniVideoMode wanted;
-  if (!data || size != sizeof(wanted)) return ONI_STATUS_BAD_PARAMETER;
-  std::memcpy(&wanted, data, sizeof(wanted));
-  const bool offered =
-      std::any_of(modes_.begin(), modes_.end(), [&](const OniVideoMode& mode) { return same(mode, wanted); });
+  const auto wanted = read_as<OniVideoMode>(data, size);
+  if (!wanted) return ONI_STATUS_BAD_PARAMETER;
+  const bool offered = std::any_of(modes_.begin(), modes_.end(),
+                                   [&](const OniVideoMode& mode) { return same(mode, *wanted); });
   if (!offered) return ONI_STATUS_NOT_SUPPORTED;
   {
     const std::lock_guard lock(pushing_);
     if (running_) return ONI_STATUS_OUT_OF_FLOW;
     const std::lock_guard mode_lock(mutex_);
-    mode_ = wanted;
+    mode_ = *wanted;
   }
   return ONI_STATUS_OK;
 }

@@ -6,8 +6,8 @@
 // Thread: OpenNI2 calls properties, start() and stop() from its users' threads; push() comes from the camera's thread.
 // After stop() has returned, no push() of this stream reaches OpenNI2.
 
-#include <atomic>
 #include <cstdint>
+#include <cstring>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -19,6 +19,15 @@ namespace copresence::drivers {
 
 /// Copies `size` bytes out as OpenNI2's properties go. Requires nothing: sizes come from strangers.
 OniStatus answer(const void* value, int size, void* data, int* data_size);
+
+/// What somebody set as a property; nothing where its size is another.
+template <class Value>
+std::optional<Value> read_as(const void* data, int size) {
+  Value value;
+  if (!data || size != sizeof(value)) return std::nullopt;
+  std::memcpy(&value, data, sizeof(value));
+  return value;
+}
 
 struct Lens {
   float horizontal_fov = 0, vertical_fov = 0;  ///< radians

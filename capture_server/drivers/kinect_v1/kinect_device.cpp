@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <vector>
 
@@ -27,14 +26,6 @@ std::int64_t host_us() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
-}
-
-template <class Value>
-std::optional<Value> read_as(const void* data, int size) {
-  Value value;
-  if (!data || size != sizeof(value)) return std::nullopt;
-  std::memcpy(&value, data, sizeof(value));
-  return value;
 }
 
 }  // namespace
@@ -111,6 +102,15 @@ bool KinectDevice::start_depth() {
   }) >= 0;
 }
 
+bool KinectDevice::stop_depth() {
+  return thread_->run([](freenect_device* kinect) { return freenect_stop_depth(kinect); }) >= 0;
+}
+
+bool KinectDevice::depth_is_started() {
+  const std::lock_guard lock(running_mutex_);
+  return depth_.stream != nullptr;
+}
+
 bool KinectDevice::start_video(bool infrared) {
   const auto format = infrared ? FREENECT_VIDEO_IR_8BIT : FREENECT_VIDEO_RGB;
   return thread_->run([format](freenect_device* kinect) {
@@ -133,6 +133,7 @@ OniStatus KinectDevice::begin(PushStream& stream) {
     }
     running = {&stream, 0, 0};
   }
+  if (is_depth && !projector_) return ONI_STATUS_OK;  // it sends when it may shine
   if (is_depth ? start_depth() : start_video(stream.type() == ONI_SENSOR_IR)) return ONI_STATUS_OK;
   explain_(
       "the Kinect does not start its transfers; it needs a USB controller of its own and its power supply");
@@ -164,14 +165,18 @@ OniStatus KinectDevice::set_registration(int mode) {
   const bool wanted = mode == ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
   if (wanted == registered_) return ONI_STATUS_OK;
   registered_ = wanted;
-  PushStream* running = nullptr;
-  {
-    const std::lock_guard running_lock(running_mutex_);
-    running = depth_.stream;
-  }
-  if (!running) return ONI_STATUS_OK;
-  thread_->run([](freenect_device* kinect) { return freenect_stop_depth(kinect); });
+  if (!depth_is_started() || !projector_) return ONI_STATUS_OK;
+  stop_depth();
   return start_depth() ? ONI_STATUS_OK : ONI_STATUS_ERROR;
+}
+
+// libfreenect has no switch for the projector: it shines while depth is sent.
+OniStatus KinectDevice::set_projector(bool shines) {
+  const std::lock_guard lock(settings_);
+  if (shines == projector_) return ONI_STATUS_OK;
+  if (depth_is_started() && !(shines ? start_depth() : stop_depth())) return ONI_STATUS_ERROR;
+  projector_ = shines;
+  return ONI_STATUS_OK;
 }
 
 OniStatus KinectDevice::set_flag(freenect_flag flag, bool on, const char* what) {
@@ -190,6 +195,7 @@ OniBool KinectDevice::isPropertySupported(int property) {
     case kTilt:
     case kLight:
     case kNearMode:
+    case kProjector:
       return TRUE;
     default:
       return FALSE;
@@ -213,8 +219,8 @@ OniStatus KinectDevice::getProperty(int property, void* data, int* size) {
     const int mode = registered_ ? ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR : ONI_IMAGE_REGISTRATION_OFF;
     return answer(&mode, sizeof(mode), data, size);
   }
-  if (property == kNearMode) {
-    const int on = near_mode_;
+  if (property == kNearMode || property == kProjector) {
+    const int on = property == kNearMode ? near_mode_ : projector_;
     return answer(&on, sizeof(on), data, size);
   }
   return ONI_STATUS_NOT_SUPPORTED;
@@ -233,6 +239,8 @@ OniStatus KinectDevice::setProperty(int property, const void* data, int size) {
   switch (property) {
     case ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION:
       return set_registration(*number);
+    case kProjector:
+      return set_projector(*number != 0);
     case kLight: {
       if (*number < LED_OFF || *number > LED_BLINK_RED_YELLOW || *number == 5)
         return ONI_STATUS_BAD_PARAMETER;

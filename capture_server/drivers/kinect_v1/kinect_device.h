@@ -50,9 +50,12 @@ class KinectDevice final : public oni::driver::DeviceBase, public StreamOwner {
 
   KinectDevice(std::string serial, Explain explain);
   bool start_depth();
+  bool stop_depth();
+  bool depth_is_started();
   bool start_video(bool infrared);
   void deliver(bool is_depth, const void* picture, std::uint32_t ticks);
   OniStatus set_registration(int mode);
+  OniStatus set_projector(bool shines);
   OniStatus set_flag(freenect_flag flag, bool on, const char* what);
   Lens depth_lens() const;
   OniStatus depth_of_disparity(void* data, int* size);
@@ -63,7 +66,7 @@ class KinectDevice final : public oni::driver::DeviceBase, public StreamOwner {
   OniSensorInfo sensors_[3]{};
 
   std::mutex settings_;  // of the next ones
-  bool registered_ = false;
+  bool registered_ = false, projector_ = true;
   bool near_mode_ = false, auto_exposure_ = true, auto_white_balance_ = true;
 
   std::mutex running_mutex_;

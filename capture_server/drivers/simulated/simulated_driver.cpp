@@ -3,6 +3,7 @@
 //
 // One thread per started device makes its frames; one thread per driver watches control files, where there are any.
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -14,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -21,6 +23,7 @@
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/drivers/contract/push_stream.h"
 #include "capture_server/drivers/simulated/frame_clock.h"
+#include "capture_server/drivers/simulated/shared_projectors.h"
 #include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/simulation/frame_marker.h"
 #include "capture_server/simulation/kinect_noise.h"
@@ -66,8 +69,9 @@ Lens lens_of(const CameraModel& model) {
 class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner {
  public:
   /// `make_camera` is called when the first stream starts: it takes a second where it has not been called before.
-  SimulatedDevice(SimulatedUri uri, std::function<Camera()> make_camera)
-      : uri_(std::move(uri)), make_camera_(std::move(make_camera)) {
+  /// `air`: where the projectors of the room meet, if anywhere.
+  SimulatedDevice(SimulatedUri uri, std::function<Camera()> make_camera, std::optional<SharedProjectors> air)
+      : uri_(std::move(uri)), make_camera_(std::move(make_camera)), air_(std::move(air)) {
     depth_mode_ = {ONI_PIXEL_FORMAT_DEPTH_1_MM, kWidth, kHeight, static_cast<int>(FrameClock::kPerSecond)};
     color_mode_ = depth_mode_;
     color_mode_.pixelFormat = ONI_PIXEL_FORMAT_RGB888;
@@ -110,14 +114,24 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
           rows_of(simulation::kinect_poses(uri_.cameras)[static_cast<std::size_t>(uri_.camera)]);
       return answer(&pose, sizeof(pose), data, size);
     }
+    if (property == kProjector) {
+      const int on = projector_;
+      return answer(&on, sizeof(on), data, size);
+    }
     return ONI_STATUS_NOT_SUPPORTED;
   }
   OniStatus setProperty(int property, const void* data, int size) override {
-    if (property != ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION) return ONI_STATUS_NOT_SUPPORTED;
-    int mode = 0;
-    if (!data || size != sizeof(mode)) return ONI_STATUS_BAD_PARAMETER;
-    std::memcpy(&mode, data, sizeof(mode));
-    return isImageRegistrationModeSupported(static_cast<OniImageRegistrationMode>(mode))
+    if (property != ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION && property != kProjector)
+      return ONI_STATUS_NOT_SUPPORTED;
+    const auto number = read_as<int>(data, size);
+    if (!number) return ONI_STATUS_BAD_PARAMETER;
+    if (property == kProjector) {
+      const std::lock_guard lock(mutex_);
+      projector_ = *number != 0;
+      shine(!streams_.empty());
+      return ONI_STATUS_OK;
+    }
+    return isImageRegistrationModeSupported(static_cast<OniImageRegistrationMode>(*number))
                ? ONI_STATUS_OK
                : ONI_STATUS_NOT_SUPPORTED;
   }
@@ -136,6 +150,7 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
     if (!camera_) camera_ = make_camera_();
     if (!camera_) return ONI_STATUS_ERROR;
     streams_.push_back(&stream);
+    shine(true);
     if (!thread_.joinable()) thread_ = std::jthread([this](std::stop_token stop) { take_frames(stop); });
     return ONI_STATUS_OK;
   }
@@ -145,11 +160,25 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
     {
       const std::lock_guard lock(mutex_);
       streams_.remove(&stream);
-      if (streams_.empty()) ending = std::move(thread_);
+      if (!streams_.empty()) return;
+      shine(false);
+      ending = std::move(thread_);
     }
   }  // joins where it was the last
 
  private:
+  // With mutex_ held: tells the room whether this projector shines, which it does only while the camera runs.
+  void shine(bool runs) {
+    if (air_) air_->set(static_cast<std::size_t>(uri_.camera), runs && projector_);
+  }
+
+  // The room's projectors at this moment.
+  simulation::Projectors shining() const {
+    simulation::Projectors on = air_ ? air_->shining() : simulation::Projectors().set();
+    on[static_cast<std::size_t>(uri_.camera)] = projector_;
+    return on;
+  }
+
   // Frames end when the camera is unplugged; the driver's watch tells OpenNI2.
   void take_frames(std::stop_token stop) {
     FrameClock clock;
@@ -169,6 +198,7 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
       if (control == Control::kCrash) std::abort();
       while (control == Control::kHang) std::this_thread::sleep_for(std::chrono::hours(1));
       if (control != Control::kWork) continue;
+      camera_->set_projectors(shining());
       const auto number = static_cast<std::uint64_t>(frame);
       camera_->expose_live(number, depth, color);
       if (uri_.marker) simulation::draw_marker(static_cast<std::uint32_t>(number), color);
@@ -189,6 +219,8 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
 
   const SimulatedUri uri_;
   const std::function<Camera()> make_camera_;
+  std::optional<SharedProjectors> air_;
+  std::atomic<bool> projector_ = true;
   Camera camera_;
   OniVideoMode depth_mode_{}, color_mode_{};
   OniSensorInfo sensors_[2]{};
@@ -231,12 +263,17 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   oni::driver::DeviceBase* deviceOpen(const char* uri, const char*) override {
     const auto parsed = parse_simulated_uri(uri);
     if (!parsed) return nullptr;
-    return new SimulatedDevice(*parsed, [this, text = std::string(uri), uri = *parsed]() -> Camera {
+    std::optional<SharedProjectors> air;
+    if (!parsed->projectors.empty()) {
+      auto opened = SharedProjectors::open(parsed->projectors);
+      if (!opened) return explain(opened.error());
+      air.emplace(std::move(*opened));
+    }
+    auto make_camera = [this, text = std::string(uri), uri = *parsed]() -> Camera {
       const auto camera = camera_of(text, uri);
-      if (camera) return *camera;
-      getServices().errorLoggerAppend("%s", camera.error().what.c_str());
-      return nullptr;
-    });
+      return camera ? *camera : explain(camera.error());
+    };
+    return new SimulatedDevice(*parsed, std::move(make_camera), std::move(air));
   }
   void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
 
@@ -252,6 +289,12 @@ class SimulatedDriver final : public oni::driver::DriverBase {
     bool announced = false;
     Camera camera;  // once it was opened
   };
+
+  // The sentence into OpenNI2's last error.
+  std::nullptr_t explain(const Error& error) {
+    getServices().errorLoggerAppend("%s", error.what.c_str());
+    return nullptr;
+  }
 
   static OniDeviceInfo info_of(const std::string& uri) {
     OniDeviceInfo info{};

@@ -10,7 +10,7 @@
 namespace copresence::drivers {
 namespace {
 
-constexpr const char* kOptions = "camera=N, cameras=N, seed=N, marker=on or control=FILE";
+constexpr const char* kOptions = "camera=N, cameras=N, seed=N, marker=on, control=FILE or projectors=FILE";
 
 template <class Number>
 bool read_number(std::string_view text, Number& number) {
@@ -22,8 +22,10 @@ bool read_option(std::string_view key, std::string_view value, SimulatedUri& int
   if (key == "camera") return read_number(value, into.camera);
   if (key == "cameras") return read_number(value, into.cameras);
   if (key == "seed") return read_number(value, into.seed);
-  if (key == "control") into.control = value;
-  if (key == "control") return !value.empty();
+  if (key == "control" || key == "projectors") {
+    (key == "control" ? into.control : into.projectors) = value;
+    return !value.empty();
+  }
   into.marker = value == "on";
   return key == "marker" && (value == "on" || value == "off");
 }

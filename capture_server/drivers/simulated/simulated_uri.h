@@ -1,6 +1,7 @@
 #pragma once
 
 // What a simulated camera is asked to be, as written: simulated:WORLD?camera=N&cameras=N&seed=N&marker=on&control=FILE
+// &projectors=FILE
 //
 // Thread: values.
 
@@ -20,6 +21,8 @@ struct SimulatedUri {
   std::uint32_t seed = 1;  ///< of all noise
   bool marker = false;  ///< draws the frame's number into the colour picture, see simulation/frame_marker.h
   std::string control;  ///< a file that plugs the camera in and breaks it, see read_control(); empty for none
+  std::string
+      projectors;  ///< which of the room's projectors shine, see shared_projectors.h; empty: all, always
 };
 
 /// Fails  kInvalid, with a sentence that says what can stand there.

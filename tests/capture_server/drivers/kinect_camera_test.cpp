@@ -169,6 +169,42 @@ TEST_F(KinectCamera, IsWaitedForWhenItWasTheFirstAndNoOtherIsTaken) {
   EXPECT_TRUE(back);
 }
 
+TEST_F(KinectCamera, SendsDepthOfItsOwnTurnsOnly) {
+  plug_in("A1");
+  sensor::CameraControls controls;
+  controls.projector = sensor::ProjectorSlot{1, 3, milliseconds(200)};
+  const auto source = sensor::open_device("freenect://A1", controls);
+  ASSERT_TRUE(source) << source.error().what;
+  const sensor::ProjectorSchedule schedule(*controls.projector);
+  const auto begin = steady_clock::now();
+  for (std::uint64_t i = 1; i <= 12; ++i) {
+    const auto frame = (*source)->next({});
+    ASSERT_TRUE(frame) << frame.error().what;
+    EXPECT_EQ(frame->stamp.sequence, i);
+    const auto ago = std::chrono::duration_cast<sensor::ProjectorSchedule::Time>(steady_clock::now() -
+                                                                                 frame->stamp.captured_at);
+    const auto wall = std::chrono::duration_cast<sensor::ProjectorSchedule::Time>(
+        std::chrono::system_clock::now().time_since_epoch());
+    EXPECT_TRUE(schedule.shines(wall - ago));
+  }
+  EXPECT_GT(steady_clock::now() - begin, milliseconds(1000));  // three turns of four frames
+  EXPECT_EQ((*source)->counters().damaged, 0u);
+}
+
+TEST_F(KinectCamera, IsNotMissedWhileItWaitsForItsTurn) {
+  plug_in("A1");
+  sensor::CameraControls controls;
+  controls.projector = sensor::ProjectorSlot{0, 3, milliseconds(1000)};
+  const auto source = sensor::open_device("freenect://A1", controls);
+  ASSERT_TRUE(source) << source.error().what;
+  for (int i = 0; i < 45; ++i) {
+    const auto frame = (*source)->next({});
+    ASSERT_TRUE(frame) << frame.error().what;
+  }
+  unplug("A1");
+  EXPECT_EQ(end_of(**source), ErrorCode::kUnavailable);
+}
+
 // OpenNI2 itself, for what no frame source shows.
 class KinectDriver : public KinectCamera {
  protected:
@@ -273,6 +309,33 @@ TEST_F(KinectDriver, TiltsShinesAndKnowsNoNearMode) {
   EXPECT_NE(device_.setProperty(drivers::kLight, 5), openni::STATUS_OK);
   EXPECT_NE(device_.setProperty(drivers::kNearMode, 1), openni::STATUS_OK);
   EXPECT_THAT(openni::OpenNI::getExtendedError(), ::testing::HasSubstr("Kinect for Windows"));
+}
+
+TEST_F(KinectDriver, SendsNoDepthWhileItsProjectorIsDarkAndColourGoesOn) {
+  open();
+  openni::VideoStream depth, color;
+  ASSERT_EQ(depth.create(device_, openni::SENSOR_DEPTH), openni::STATUS_OK);
+  ASSERT_EQ(color.create(device_, openni::SENSOR_COLOR), openni::STATUS_OK);
+  ASSERT_EQ(depth.start(), openni::STATUS_OK);
+  ASSERT_EQ(color.start(), openni::STATUS_OK);
+  const auto sends = [](openni::VideoStream& stream) {
+    openni::VideoStream* streams[] = {&stream};
+    openni::VideoFrameRef old;
+    int ready = 0;
+    if (openni::OpenNI::waitForAnyStream(streams, 1, &ready, 0) == openni::STATUS_OK) stream.readFrame(&old);
+    return openni::OpenNI::waitForAnyStream(streams, 1, &ready, 300) == openni::STATUS_OK;
+  };
+  EXPECT_TRUE(sends(depth));
+  ASSERT_EQ(device_.setProperty(drivers::kProjector, 0), openni::STATUS_OK);
+  EXPECT_FALSE(sends(depth));
+  EXPECT_TRUE(sends(color));
+  int shines = 1;
+  EXPECT_EQ(device_.getProperty(drivers::kProjector, &shines), openni::STATUS_OK);
+  EXPECT_EQ(shines, 0);
+  ASSERT_EQ(device_.setProperty(drivers::kProjector, 1), openni::STATUS_OK);
+  EXPECT_TRUE(sends(depth));
+  depth.destroy();
+  color.destroy();
 }
 
 TEST_F(KinectDriver, ForWindowsHasANearMode) {

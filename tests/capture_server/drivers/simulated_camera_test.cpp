@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <future>
 
 #include "capture_server/simulation/frame_marker.h"
 #include "capture_server/simulation/kinect_noise.h"
@@ -84,6 +85,79 @@ TEST(SimulatedCamera, SaysWhenItIsUnpluggedAndGoesOnWithinASecond) {
     }
     EXPECT_EQ(frame->stamp.sequence, ++last);
   }
+}
+
+// What a camera delivers for a while: its share of holes, and its frames a second.
+struct Delivered {
+  double holes = 0, frames_per_second = 0;
+};
+Delivered watch(const std::string& uri, std::optional<sensor::ProjectorSlot> slot,
+                std::chrono::steady_clock::time_point begin) {
+  sensor::SourceSettings settings;
+  settings.controls.projector = slot;
+  const auto source = open_source(uri, settings);
+  if (!source) throw std::runtime_error(source.error().what);
+  while (std::chrono::steady_clock::now() < begin) (void)(*source)->next({});
+  std::ptrdiff_t holes = 0;
+  int frames = 0;
+  constexpr std::chrono::seconds kWatched(3);
+  while (std::chrono::steady_clock::now() < begin + kWatched) {
+    const auto frame = (*source)->next({});
+    if (!frame) throw std::runtime_error(frame.error().what);
+    holes += std::count(frame->depth.pixels().begin(), frame->depth.pixels().end(), 0);
+    ++frames;
+  }
+  return {static_cast<double>(holes) / (640.0 * 480 * std::max(frames, 1)),
+          static_cast<double>(frames) / static_cast<double>(kWatched.count())};
+}
+
+TEST(SimulatedCamera, LosesNothingToOtherProjectorsWhenTheyTakeTurns) {
+  testing::TemporaryFolder folder;
+  const std::string air = "&cameras=2&projectors=" + (folder / "air").string();
+  const auto uri = [&](int camera) { return "simulated:empty-room?camera=" + std::to_string(camera) + air; };
+  const auto in_a_moment = [] { return std::chrono::steady_clock::now() + std::chrono::seconds(2); };
+  const auto both = [&](std::optional<sensor::ProjectorSlot> first,
+                        std::optional<sensor::ProjectorSlot> second) {
+    const auto begin = in_a_moment();
+    auto other = std::async(std::launch::async, [=] { return watch(uri(1), second, begin); });
+    const Delivered one = watch(uri(0), first, begin);
+    return std::pair(one, other.get());
+  };
+  const Delivered alone = watch(uri(0), {}, in_a_moment());
+  const auto [disturbed, also] = both({}, {});
+  constexpr milliseconds kTurn(300);
+  const auto [first, second] = both(sensor::ProjectorSlot{0, 2, kTurn}, sensor::ProjectorSlot{1, 2, kTurn});
+
+  EXPECT_GT(disturbed.holes, alone.holes + 0.004);
+  EXPECT_LT(first.holes,
+            (alone.holes + disturbed.holes) / 2);  // some, where a machine is too busy to switch in time
+  EXPECT_LT(second.holes, also.holes);
+  for (const Delivered& shared : {first, second}) {
+    EXPECT_GT(shared.frames_per_second, 3);
+    EXPECT_LT(shared.frames_per_second, 15);
+  }
+  RecordProperty("alone",
+                 std::to_string(alone.holes) + " holes, " + std::to_string(alone.frames_per_second) + "/s");
+  RecordProperty("disturbed", std::to_string(disturbed.holes));
+  RecordProperty("turns",
+                 std::to_string(first.holes) + " holes, " + std::to_string(first.frames_per_second) + "/s");
+}
+
+TEST(SimulatedCamera, HasNoDepthInTheDarkAndItsTurnsAreCounted) {
+  sensor::SourceSettings settings;
+  settings.controls.projector = sensor::ProjectorSlot{0, 2, milliseconds(200)};
+  const auto source = open_source("simulated:empty-room?camera=0", settings);
+  ASSERT_TRUE(source) << source.error().what;
+  for (std::uint64_t i = 1; i <= 10; ++i) {
+    const auto frame = (*source)->next({});
+    ASSERT_TRUE(frame) << frame.error().what;
+    EXPECT_EQ(frame->stamp.sequence, i);
+    EXPECT_GT(
+        std::count_if(frame->depth.pixels().begin(), frame->depth.pixels().end(), [](auto z) { return z; }),
+        640 * 480 / 2);
+  }
+  EXPECT_GT((*source)->counters().dark, 10u);
+  EXPECT_EQ((*source)->counters().damaged, 0u);
 }
 
 TEST(SimulatedCamera, IsNoCameraWhereItCannotBe) {

@@ -12,7 +12,8 @@ TEST(SimulatedUri, ReadsWhatItIsAskedFor) {
   EXPECT_EQ(plain->world, "room");
   EXPECT_EQ(plain->camera, 0);
   EXPECT_FALSE(plain->marker);
-  const auto full = parse_simulated_uri("simulated:empty-room?camera=3&seed=9&marker=on&control=/tmp/a b");
+  const auto full =
+      parse_simulated_uri("simulated:empty-room?camera=3&seed=9&marker=on&control=/tmp/a b&projectors=air");
   ASSERT_TRUE(full);
   EXPECT_EQ(full->world, "empty-room");
   EXPECT_EQ(full->camera, 3);
@@ -20,6 +21,7 @@ TEST(SimulatedUri, ReadsWhatItIsAskedFor) {
   EXPECT_EQ(full->seed, 9u);
   EXPECT_TRUE(full->marker);
   EXPECT_EQ(full->control, "/tmp/a b");
+  EXPECT_EQ(full->projectors, "air");
 }
 
 TEST(SimulatedUri, SaysWhatCouldStandThere) {

@@ -1,0 +1,50 @@
+#include "capture_server/drivers/simulated/shared_projectors.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace copresence::drivers {
+namespace {
+
+constexpr std::size_t kBytes = simulation::kMostKinects * sizeof(std::uint32_t);
+
+}  // namespace
+
+Result<SharedProjectors> SharedProjectors::open(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  // Growing to the size it has changes nothing, so whoever comes second finds what the first has written.
+  const bool sized = file >= 0 && ::ftruncate(file, kBytes) == 0;
+  void* const mapped =
+      sized ? ::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
+  const std::string why = std::strerror(errno);
+  if (file >= 0) ::close(file);
+  if (mapped == MAP_FAILED) return fail(ErrorCode::kUnavailable, path + ": " + why + "; name another file");
+  return SharedProjectors(static_cast<std::uint32_t*>(mapped));
+}
+
+SharedProjectors::SharedProjectors(SharedProjectors&& other) noexcept
+    : entries_(std::exchange(other.entries_, nullptr)) {}
+
+SharedProjectors::~SharedProjectors() {
+  if (entries_) ::munmap(entries_, kBytes);
+}
+
+void SharedProjectors::set(std::size_t camera, bool shines) {
+  assert(camera < simulation::kMostKinects);
+  std::atomic_ref(entries_[camera]).store(shines ? 1 : 0);
+}
+
+simulation::Projectors SharedProjectors::shining() const {
+  simulation::Projectors on;
+  for (std::size_t i = 0; i < simulation::kMostKinects; ++i) on[i] = std::atomic_ref(entries_[i]).load() == 1;
+  return on;
+}
+
+}  // namespace copresence::drivers

@@ -1,0 +1,36 @@
+#pragma once
+
+// Which simulated projectors shine, between processes: real ones meet in the room's air, these in a small file that every
+// camera of the room maps. A camera that nobody runs is dark.
+//
+// Thread: any; one process writes a camera's entry.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "capture_server/simulation/simulated_kinect.h"
+#include "common/result.h"
+
+namespace copresence::drivers {
+
+class SharedProjectors {
+ public:
+  /// Makes the file where it is not there yet.
+  /// Fails  kUnavailable, with the file's name.
+  static Result<SharedProjectors> open(const std::string& path);
+  ~SharedProjectors();
+  SharedProjectors(SharedProjectors&& other) noexcept;
+  SharedProjectors& operator=(SharedProjectors&&) = delete;
+
+  /// Camera numbers are below simulation::kMostKinects.
+  void set(std::size_t camera, bool shines);
+  simulation::Projectors shining() const;
+
+ private:
+  explicit SharedProjectors(std::uint32_t* entries) : entries_(entries) {}
+
+  std::uint32_t* entries_;  // kMostKinects of them: 1 shines
+};
+
+}  // namespace copresence::drivers

@@ -1,0 +1,31 @@
+#include "capture_server/drivers/simulated/shared_projectors.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/process.h"
+
+namespace copresence::drivers {
+namespace {
+
+TEST(SharedProjectors, AreSeenByEveryoneWhoOpensTheFile) {
+  testing::TemporaryFolder folder;
+  auto one = SharedProjectors::open(folder / "air"), other = SharedProjectors::open(folder / "air");
+  ASSERT_TRUE(one && other);
+  EXPECT_TRUE(other->shining().none());
+  one->set(3, true);
+  EXPECT_TRUE(other->shining()[3]);
+  EXPECT_EQ(other->shining().count(), 1u);
+  const auto late = SharedProjectors::open(folder / "air");
+  EXPECT_TRUE(late->shining()[3]);
+  other->set(3, false);
+  EXPECT_TRUE(one->shining().none());
+}
+
+TEST(SharedProjectors, NameTheFileThatCannotBe) {
+  const auto air = SharedProjectors::open("/nonexistent/air");
+  ASSERT_FALSE(air);
+  EXPECT_NE(air.error().what.find("/nonexistent/air"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace copresence::drivers

@@ -85,7 +85,7 @@ class FrameSource {
   /// due, before which it was read and decoded; its pose is the description's. durations.capture is the time that
   /// reading and converting took, without waiting for the sensor.
   /// Fails  kEndOfStream (a recording's end, and when asked to stop), kCorrupt (its end, and no frame decoded),
-  ///        kTimeout (nothing came for a second), kUnavailable (the camera is gone). After kTimeout and
+  ///        kTimeout (nothing came for a second; for four where this process gets no core), kUnavailable (the camera is gone). After kTimeout and
   ///        kUnavailable: open the source again.
   virtual Result<RgbdFrame> next(std::stop_token stop) = 0;
 };

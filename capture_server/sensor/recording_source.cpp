@@ -13,6 +13,7 @@
 
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
+#include "capture_server/sensor/core_shortage.h"
 #include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/open_ni.h"
 #include "capture_server/sensor/playback_schedule.h"
@@ -23,7 +24,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr Duration kStallAfter = std::chrono::seconds(1);
+// A damaged recording may fall silent. So does a player that gets no core: it is given the time that it lost, up to what
+// the supervisor takes for a hang.
+constexpr Duration kStallAfter = std::chrono::seconds(1), kStallAfterAtMost = std::chrono::seconds(4);
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::size_t kDepthsAhead = 4;  // how far a recording's colour may lag behind its depth in the file
@@ -221,7 +224,8 @@ bool RecordingSource::read_one() {
 
 Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::stop_token& stop) {
   const bool has_color = recording_.description.has_color;
-  const Instant give_up = steady_clock::now() + kStallAfter;
+  const Instant begin = steady_clock::now();
+  std::optional<Duration> waited_before;
   while (true) {
     const bool may_wait = has_color && playing_ && pairing_.waiting() <= kDepthsAhead;
     if (auto pair = pairing_.take(may_wait)) return std::move(*pair);
@@ -243,12 +247,17 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
       halt();
       continue;
     }
-    if (steady_clock::now() > give_up) {
+    if (got_one) continue;
+    if (!waited_before) waited_before = waited_for_a_core();
+    const Duration silent = steady_clock::now() - begin;
+    if (silent > kStallAfter &&
+        (silent > kStallAfterAtMost || silent > kStallAfter + (waited_for_a_core() - *waited_before))) {
       halt();
       return fail(ErrorCode::kTimeout,
-                  fmt::format("{}: no frame for a second after frame {} of {}: it is damaged there, or this "
+                  fmt::format("{}: no frame for {:.0f} s after frame {} of {}: it is damaged there, or this "
                               "machine is far too busy; record it again or end other programs",
-                              recording_.path, depth_track_.index, depth_track_.last));
+                              recording_.path, std::chrono::duration<double>(silent).count(),
+                              depth_track_.index, depth_track_.last));
     }
   }
 }

@@ -1,0 +1,30 @@
+#include "capture_server/sensor/core_shortage.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <thread>
+#include <vector>
+
+namespace copresence::sensor {
+namespace {
+
+TEST(CoreShortage, GrowsWhereThreadsOutnumberCores) {
+  if (!std::filesystem::exists("/proc/self/schedstat")) GTEST_SKIP() << "this kernel does not count it";
+  const auto before = waited_for_a_core();
+  std::chrono::nanoseconds grown{0};
+  {
+    std::vector<std::jthread> busy;
+    for (unsigned i = 0; i < 2 * std::thread::hardware_concurrency() + 2; ++i)
+      busy.emplace_back([](std::stop_token stop) {
+        while (!stop.stop_requested()) {
+        }
+      });
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    grown = waited_for_a_core() - before;
+  }
+  EXPECT_GT(grown, std::chrono::milliseconds(50));
+}
+
+}  // namespace
+}  // namespace copresence::sensor

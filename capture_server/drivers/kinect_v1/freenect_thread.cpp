@@ -1,5 +1,6 @@
 #include "capture_server/drivers/kinect_v1/freenect_thread.h"
 
+#include <pthread.h>
 #include <sys/time.h>
 
 namespace copresence::drivers {
@@ -52,6 +53,7 @@ void FreenectThread::do_work() {
 }
 
 void FreenectThread::live(std::stop_token stop) {
+  pthread_setname_np(pthread_self(), "kinect");
   const bool opened = open_device();
   {
     const std::lock_guard lock(mutex_);

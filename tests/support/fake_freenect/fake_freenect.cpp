@@ -8,6 +8,7 @@
 //   transfer_error  processing events fails               short_frame  packets are lost: the lower half is empty
 //   busy            it does not open                      no_motor     it opens only without its motor
 //   windows         it is one for Windows: near mode      crash        the process dies inside the library
+//   still           every picture is a stream's first: drawing costs nothing, for benchmarks
 //
 // Removing the file unplugs the Kinect. Its clock wraps half a second after its start.
 
@@ -68,9 +69,15 @@ struct _freenect_device {
   bool dead = false;
   bool has_motor = true;
   freenect_raw_tilt_state tilt{};
+  // Its file as it was a moment ago: reading it at every call would cost more than what is measured here.
+  steady_clock::time_point looked{};
+  bool there = true;
+  std::vector<std::string> words;
 };
 
 namespace {
+
+constexpr std::chrono::milliseconds kLookEvery(20);
 
 std::filesystem::path bus() {
   const char* folder = std::getenv("COPRESENCE_FAKE_KINECTS");
@@ -91,12 +98,18 @@ bool is_there(const std::string& serial) {
   return std::filesystem::exists(bus() / serial, none);
 }
 
-bool says(const std::string& serial, const std::string& word) {
+std::vector<std::string> words_of(const std::string& serial) {
   std::ifstream file(bus() / serial);
-  for (std::string read; file >> read;) {
-    if (read == word) return true;
-  }
-  return false;
+  std::vector<std::string> words;
+  for (std::string word; file >> word;) words.push_back(word);
+  return words;
+}
+
+bool says(const std::vector<std::string>& words, const char* word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+bool says(const std::string& serial, const char* word) {
+  return says(words_of(serial), word);
 }
 
 int refuse(freenect_context* context, const char* why) {
@@ -139,18 +152,23 @@ std::uint32_t ticks_at(const freenect_device& device, steady_clock::time_point w
 
 // Delivers what is due; false when the device is gone.
 bool work(freenect_device& device, steady_clock::time_point now) {
-  if (device.dead || !is_there(device.serial) || says(device.serial, "transfer_error")) {
+  if (now - device.looked >= kLookEvery) {
+    device.looked = now;
+    device.there = is_there(device.serial);
+    device.words = words_of(device.serial);
+  }
+  if (device.dead || !device.there || says(device.words, "transfer_error")) {
     device.dead = true;
     return false;
   }
-  if (says(device.serial, "crash")) std::raise(SIGSEGV);
-  const bool stalled = says(device.serial, "stall");
-  const bool loses_packets = says(device.serial, "short_frame");
+  if (says(device.words, "crash")) std::raise(SIGSEGV);
+  const bool stalled = says(device.words, "stall");
+  const bool loses_packets = says(device.words, "short_frame"), is_still = says(device.words, "still");
   for (Stream* stream : {&device.depth, &device.video}) {
     while (stream->running && stream->due() <= now) {
       const bool is_depth = stream == &device.depth;
       if (!stalled) {
-        is_depth ? draw_depth(device) : draw_video(device);
+        if (!is_still || stream->picture.empty()) is_depth ? draw_depth(device) : draw_video(device);
         auto& picture = stream->picture;
         if (loses_packets)
           std::fill(picture.begin() + static_cast<std::ptrdiff_t>(picture.size() / 2), picture.end(), 0);
@@ -169,6 +187,7 @@ int start(freenect_device* device, Stream& stream, microseconds offset) {
   stream.begin = steady_clock::now();
   if (says(device->serial, "slow_start")) stream.begin += std::chrono::seconds(2);
   stream.next = 0;
+  stream.picture.clear();
   stream.offset = offset;
   stream.running = true;
   return 0;

@@ -50,30 +50,14 @@ Result<std::unique_ptr<KinectDevice>> KinectDevice::open(const std::string& seri
 }
 
 KinectDevice::KinectDevice(std::string serial, Explain explain)
-    : serial_(std::move(serial)), explain_(std::move(explain)) {
-  depth_mode_ = {ONI_PIXEL_FORMAT_DEPTH_1_MM, kWidth, kHeight, kFps};
-  color_mode_ = {ONI_PIXEL_FORMAT_RGB888, kWidth, kHeight, kFps};
-  infrared_mode_ = {ONI_PIXEL_FORMAT_GRAY8, kWidth, kHeight, kFps};
-  sensors_[0] = {ONI_SENSOR_DEPTH, 1, &depth_mode_};
-  sensors_[1] = {ONI_SENSOR_COLOR, 1, &color_mode_};
-  sensors_[2] = {ONI_SENSOR_IR, 1, &infrared_mode_};
+    : PushDevice(kWidth, kHeight, kFps, kMaxDepth), serial_(std::move(serial)), explain_(std::move(explain)) {
+  add_sensor(ONI_SENSOR_DEPTH, ONI_PIXEL_FORMAT_DEPTH_1_MM);
+  add_sensor(ONI_SENSOR_COLOR, ONI_PIXEL_FORMAT_RGB888);
+  add_sensor(ONI_SENSOR_IR, ONI_PIXEL_FORMAT_GRAY8);
 }
 
-OniStatus KinectDevice::getSensorInfoList(OniSensorInfo** sensors, int* count) {
-  *sensors = sensors_;
-  *count = 3;
-  return ONI_STATUS_OK;
-}
-
-oni::driver::StreamBase* KinectDevice::createStream(OniSensorType type) {
-  for (const OniSensorInfo& sensor : sensors_) {
-    if (sensor.sensorType != type) continue;
-    const bool is_depth = type == ONI_SENSOR_DEPTH;
-    auto* stream = new PushStream(*this, type, {sensor.pSupportedVideoModes[0]}, is_depth ? kMaxDepth : 0);
-    stream->set_lens(is_depth ? depth_lens() : type == ONI_SENSOR_COLOR ? kColorLens : kDepthLens);
-    return stream;
-  }
-  return nullptr;
+Lens KinectDevice::lens_of(OniSensorType type) const {
+  return type == ONI_SENSOR_DEPTH ? depth_lens() : type == ONI_SENSOR_COLOR ? kColorLens : kDepthLens;
 }
 
 // What is registered is seen through the colour camera.

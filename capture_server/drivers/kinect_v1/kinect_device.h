@@ -12,14 +12,14 @@
 #include <mutex>
 #include <string>
 
-#include "capture_server/drivers/contract/push_stream.h"
+#include "capture_server/drivers/contract/push_device.h"
 #include "capture_server/drivers/kinect_v1/device_clock.h"
 #include "capture_server/drivers/kinect_v1/freenect_thread.h"
 #include "common/result.h"
 
 namespace copresence::drivers {
 
-class KinectDevice final : public oni::driver::DeviceBase, public StreamOwner {
+class KinectDevice final : public PushDevice {
  public:
   using Explain = std::function<void(const std::string&)>;  ///< one sentence into OpenNI2's last error
 
@@ -27,9 +27,6 @@ class KinectDevice final : public oni::driver::DeviceBase, public StreamOwner {
   static Result<std::unique_ptr<KinectDevice>> open(const std::string& serial, std::function<void()> on_lost,
                                                     Explain explain);
 
-  OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override;
-  oni::driver::StreamBase* createStream(OniSensorType type) override;
-  void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }
   OniBool isPropertySupported(int property) override;
   OniStatus getProperty(int property, void* data, int* size) override;
   OniStatus setProperty(int property, const void* data, int size) override;
@@ -57,13 +54,12 @@ class KinectDevice final : public oni::driver::DeviceBase, public StreamOwner {
   OniStatus set_registration(int mode);
   OniStatus set_projector(bool shines);
   OniStatus set_flag(freenect_flag flag, bool on, const char* what);
+  Lens lens_of(OniSensorType type) const override;
   Lens depth_lens() const;
   OniStatus depth_of_disparity(void* data, int* size);
 
   const std::string serial_;
   const Explain explain_;
-  OniVideoMode depth_mode_{}, color_mode_{}, infrared_mode_{};
-  OniSensorInfo sensors_[3]{};
 
   std::mutex settings_;  // of the next ones
   bool registered_ = false, projector_ = true;

@@ -4,16 +4,16 @@
 // Threads: one watches the bus; each open device has its own.
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdio>
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
-#include <thread>
 
 #include "capture_server/drivers/contract/driver_choice.h"
+#include "capture_server/drivers/contract/watch.h"
 #include "capture_server/drivers/kinect_v1/kinect_device.h"
 
 namespace copresence::drivers {
@@ -35,7 +35,7 @@ class KinectDriver final : public oni::driver::DriverBase {
     bus_ = make_freenect_context(FREENECT_DEVICE_CAMERA);
     if (!bus_) return ONI_STATUS_OK;  // a machine without USB has no Kinect, and may have other cameras
     look_at_bus();
-    watch_ = std::jthread([this](std::stop_token stop) { watch(stop); });
+    watch_.emplace(kWatchEvery, [this] { watch(); });
     return ONI_STATUS_OK;
   }
 
@@ -59,7 +59,7 @@ class KinectDriver final : public oni::driver::DriverBase {
   void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
 
   void shutdown() override {
-    watch_ = {};
+    watch_.reset();
     bus_.reset();
   }
 
@@ -117,19 +117,11 @@ class KinectDriver final : public oni::driver::DriverBase {
   }
 
   // Counting devices costs next to nothing; asking for serial numbers opens every one, so that waits for a reason.
-  void watch(std::stop_token stop) {
-    std::mutex sleeping;
-    std::condition_variable_any never;
-    while (!stop.stop_requested()) {
-      {
-        std::unique_lock lock(sleeping);
-        never.wait_for(lock, stop, kWatchEvery, [] { return false; });
-      }
-      std::unique_lock lock(mutex_);
-      const bool changed = lost_any_ || freenect_num_devices(bus_.get()) != devices_seen_;
-      lock.unlock();
-      if (changed && !stop.stop_requested()) look_at_bus();
-    }
+  void watch() {
+    std::unique_lock lock(mutex_);
+    const bool changed = lost_any_ || freenect_num_devices(bus_.get()) != devices_seen_;
+    lock.unlock();
+    if (changed) look_at_bus();
   }
 
   std::mutex mutex_;
@@ -137,7 +129,7 @@ class KinectDriver final : public oni::driver::DriverBase {
   std::map<std::string, bool> announced_;  // by serial number
   int devices_seen_ = 0;
   bool lost_any_ = false;
-  std::jthread watch_;
+  std::optional<Watch> watch_;
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 //
 // One thread per started device makes its frames; one thread per driver watches control files, where there are any.
 
+#include <pthread.h>
+
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -18,10 +20,10 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/drivers/contract/push_stream.h"
+#include "capture_server/drivers/contract/push_device.h"
+#include "capture_server/drivers/contract/watch.h"
 #include "capture_server/drivers/simulated/frame_clock.h"
 #include "capture_server/drivers/simulated/shared_projectors.h"
 #include "capture_server/drivers/simulated/simulated_uri.h"
@@ -58,7 +60,7 @@ Pose rows_of(const Rigid3& pose) {
   return rows;
 }
 
-Lens lens_of(const CameraModel& model) {
+Lens lens_through(const CameraModel& model) {
   const auto angle = [](int size, double focal) {
     return static_cast<float>(2 * std::atan(0.5 * size / focal));
   };
@@ -66,40 +68,19 @@ Lens lens_of(const CameraModel& model) {
           Intrinsics{model.fx, model.fy, model.cx, model.cy}};
 }
 
-class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner {
+class SimulatedDevice final : public PushDevice {
  public:
   /// `make_camera` is called when the first stream starts: it takes a second where it has not been called before.
   /// `air`: where the projectors of the room meet, if anywhere.
   SimulatedDevice(SimulatedUri uri, std::function<Camera()> make_camera, std::optional<SharedProjectors> air)
-      : uri_(std::move(uri)), make_camera_(std::move(make_camera)), air_(std::move(air)) {
-    depth_mode_ = {ONI_PIXEL_FORMAT_DEPTH_1_MM, kWidth, kHeight, static_cast<int>(FrameClock::kPerSecond)};
-    color_mode_ = depth_mode_;
-    color_mode_.pixelFormat = ONI_PIXEL_FORMAT_RGB888;
-    sensors_[0] = {ONI_SENSOR_DEPTH, 1, &depth_mode_};
-    sensors_[1] = {ONI_SENSOR_COLOR, 1, &color_mode_};
+      : PushDevice(kWidth, kHeight, static_cast<int>(FrameClock::kPerSecond), kMaxDepth),
+        uri_(std::move(uri)),
+        make_camera_(std::move(make_camera)),
+        air_(std::move(air)) {
+    add_sensor(ONI_SENSOR_DEPTH, ONI_PIXEL_FORMAT_DEPTH_1_MM);
+    add_sensor(ONI_SENSOR_COLOR, ONI_PIXEL_FORMAT_RGB888);
   }
 
-  OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override {
-    *sensors = sensors_;
-    *count = 2;
-    return ONI_STATUS_OK;
-  }
-
-  oni::driver::StreamBase* createStream(OniSensorType type) override {
-    if (type != ONI_SENSOR_DEPTH && type != ONI_SENSOR_COLOR) return nullptr;
-    const bool is_depth = type == ONI_SENSOR_DEPTH;
-    auto* stream =
-        new PushStream(*this, type, {is_depth ? depth_mode_ : color_mode_}, is_depth ? kMaxDepth : 0);
-    stream->set_lens(lens_of(simulation::kinect_model(kWidth, kHeight)));
-    return stream;
-  }
-  void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }
-
-  OniBool isPropertySupported(int property) override {
-    alignas(double) char room[ONI_MAX_STR];
-    int size = sizeof(room);
-    return getProperty(property, room, &size) == ONI_STATUS_OK;
-  }
   OniStatus getProperty(int property, void* data, int* size) override {
     if (property == ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION) {
       const int mode = ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
@@ -167,6 +148,10 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
   }  // joins where it was the last
 
  private:
+  Lens lens_of(OniSensorType) const override {
+    return lens_through(simulation::kinect_model(kWidth, kHeight));
+  }
+
   // With mutex_ held: tells the room whether this projector shines, which it does only while the camera runs.
   void shine(bool runs) {
     if (air_) air_->set(static_cast<std::size_t>(uri_.camera), runs && projector_);
@@ -181,6 +166,7 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
 
   // Frames end when the camera is unplugged; the driver's watch tells OpenNI2.
   void take_frames(std::stop_token stop) {
+    pthread_setname_np(pthread_self(), "simulated");
     FrameClock clock;
     DepthImage depth;
     ColorImage color;
@@ -222,8 +208,6 @@ class SimulatedDevice final : public oni::driver::DeviceBase, public StreamOwner
   std::optional<SharedProjectors> air_;
   std::atomic<bool> projector_ = true;
   Camera camera_;
-  OniVideoMode depth_mode_{}, color_mode_{};
-  OniSensorInfo sensors_[2]{};
   std::mutex mutex_;
   std::list<PushStream*> streams_;  // started ones
   std::jthread thread_;
@@ -252,8 +236,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
       known.uri = *parsed;
       if (known.announced) return ONI_STATUS_OK;
       known.announced = true;
-      if (!parsed->control.empty() && !watch_.joinable())
-        watch_ = std::jthread([this](std::stop_token stop) { watch_controls(stop); });
+      if (!parsed->control.empty() && !watch_) watch_.emplace(kWatchEvery, [this] { look_at_controls(); });
     }
     const OniDeviceInfo info = info_of(uri);
     deviceConnected(&info);
@@ -278,7 +261,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
 
   void shutdown() override {
-    std::jthread ending;  // joins when the lock is gone
+    std::optional<Watch> ending;  // joins when the lock is gone
     const std::lock_guard lock(mutex_);
     ending.swap(watch_);
   }
@@ -326,32 +309,18 @@ class SimulatedDriver final : public oni::driver::DriverBase {
 
   // Tells OpenNI2 of cameras whose control file came or went. It is told without our lock, since it may be asking us
   // something under its own.
-  void watch_controls(std::stop_token stop) {
-    std::mutex sleeping;
-    std::condition_variable_any never;
-    while (!stop.stop_requested()) {
-      {
-        std::unique_lock lock(sleeping);
-        never.wait_for(lock, stop, kWatchEvery, [] { return false; });
+  void look_at_controls() {
+    std::map<std::string, bool> told;  // whether it came or went
+    {
+      const std::lock_guard lock(mutex_);
+      for (auto& [text, known] : known_) {
+        const bool is_there = read_control(known.uri.control) != Control::kUnplugged;
+        if (is_there != known.announced) told[text] = known.announced = is_there;
       }
-      std::vector<std::string> came, went;
-      {
-        const std::lock_guard lock(mutex_);
-        for (auto& [text, known] : known_) {
-          const bool is_there = read_control(known.uri.control) != Control::kUnplugged;
-          if (is_there == known.announced) continue;
-          known.announced = is_there;
-          (is_there ? came : went).push_back(text);
-        }
-      }
-      for (const std::string& text : came) {
-        const OniDeviceInfo info = info_of(text);
-        deviceConnected(&info);
-      }
-      for (const std::string& text : went) {
-        const OniDeviceInfo info = info_of(text);
-        deviceDisconnected(&info);
-      }
+    }
+    for (const auto& [text, came] : told) {
+      const OniDeviceInfo info = info_of(text);
+      came ? deviceConnected(&info) : deviceDisconnected(&info);
     }
   }
 
@@ -359,7 +328,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   std::mutex mutex_;
   std::map<std::string, Known> known_;
   std::map<std::string, std::shared_ptr<const simulation::World>> worlds_;
-  std::jthread watch_;
+  std::optional<Watch> watch_;
 };
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
 
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
@@ -24,8 +23,6 @@ constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::uint64_t kSettledAfter = 60;  // frames
-constexpr Duration kDriverLeaves =
-    milliseconds(50);  // a driver's thread may still be inside a stopped stream
 
 class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
  public:
@@ -62,9 +59,8 @@ class DeviceSource final : public FrameSource {
   ~DeviceSource() override {
     if (depth_.isValid()) depth_.stop();
     if (color_.isValid()) color_.stop();
-    std::this_thread::sleep_for(kDriverLeaves);
-    // Streams first: closing a device that was unplugged frees them, and they would be freed again. (A recording's are
-    // closed the other way round, since its player does not wait for its thread.)
+    let_threads_leave();
+    // Streams first: closing the device frees them, and they would be freed again.
     color_.destroy();
     depth_.destroy();
     projector_.reset();

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 
 #include "capture_server/drivers/contract/device_properties.h"
 #include "capture_server/drivers/contract/driver_choice.h"
+#include "capture_server/sensor/core_shortage.h"
 
 namespace copresence::sensor {
 
@@ -30,6 +32,17 @@ openni::Status OpenNiSession::initialize(std::string_view choice) {
   keep_player_loaded();
   ::setenv(drivers::kChoiceVariable, std::string(choice).c_str(), 1);
   return openni::OpenNI::initialize();
+}
+
+void let_threads_leave() {
+  using std::chrono::milliseconds;
+  constexpr milliseconds kLeaves(50), kHardlyAnything(5);
+  constexpr int kMostTimes = 8;
+  for (int i = 0; i < kMostTimes; ++i) {
+    const auto before = waited_for_a_core();
+    std::this_thread::sleep_for(kLeaves);
+    if (waited_for_a_core() - before < kHardlyAnything) return;
+  }
 }
 
 std::string last_open_ni_error() {

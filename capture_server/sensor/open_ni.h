@@ -35,6 +35,10 @@ class OpenNiSession {
   openni::Status status_;
 };
 
+/// Call between stopping streams and destroying them: a thread of the driver, or of the player of recordings, may still be
+/// inside. It has 50 ms of a core to leave, or 400 ms at most.
+void let_threads_leave();
+
 /// OpenNI2's own words about its last error, on one line; "no reason given" where it has none.
 std::string last_open_ni_error();
 

@@ -9,7 +9,6 @@
 #include <condition_variable>
 #include <cstring>
 #include <mutex>
-#include <thread>
 
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
@@ -30,8 +29,6 @@ constexpr Duration kStallAfter = std::chrono::seconds(1), kStallAfterAtMost = st
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::size_t kDepthsAhead = 4;  // how far a recording's colour may lag behind its depth in the file
-// The player's thread may still be inside a stream when it has been stopped.
-constexpr Duration kPlayerLeaves = milliseconds(50);
 
 // A path of the player's own: it crashes on characters beyond ASCII and takes 255 of them.
 class FileDescriptor {
@@ -110,10 +107,11 @@ class RecordingSource final : public FrameSource {
 
   ~RecordingSource() override {
     halt();
-    std::this_thread::sleep_for(kPlayerLeaves);
-    device_.close();
+    let_threads_leave();
+    // Streams first: closing the device frees them, and they would be freed again.
     color_.destroy();
     depth_.destroy();
+    device_.close();
   }
 
   RecordingSource(const RecordingSource&) = delete;

@@ -318,7 +318,7 @@ TEST_F(RecordingSource, EndsAStalledRecordingWithinASecondOrTwo) {
     const auto next = (*source)->next({});
     if (next) continue;
     EXPECT_EQ(next.error().code, ErrorCode::kTimeout);
-    EXPECT_THAT(next.error().what, HasSubstr("no frame for a second after frame 3 of 6"));
+    EXPECT_THAT(next.error().what, HasSubstr("no frame for 1 s after frame 3 of 6"));
     break;
   }
   EXPECT_LT(steady_clock::now() - begin, std::chrono::seconds(2));

@@ -9,10 +9,12 @@
   tests/pipeline/accounting.py                          ten minutes on the two recordings of the demo
   tests/pipeline/accounting.py --seconds 6              as the test does
   tests/pipeline/accounting.py --seconds 600 a.oni b.oni 'simulated:room?camera=0' 'simulated:room?camera=1'
+  tests/pipeline/accounting.py --fake-kinects           ten minutes on two Kinects (fake) and the two recordings
 
 Exits 0 where the sums hold; prints them."""
 import argparse
 import json
+import os
 import pathlib
 import re
 import signal
@@ -23,6 +25,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 FRAMES_A_SECOND = 30
+KINECTS = ("A00000000000001A", "B00000000000002B")
 IN_HAND = 2  # decoded frames of a camera that may be neither shown nor replaced when the client ends
 
 
@@ -61,15 +64,25 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
     parser.add_argument("--record", type=pathlib.Path, help="folder for recordings of all servers, about 2 MB a second each "
                                                             "[a temporary one, for runs up to a minute]")
+    parser.add_argument("--fake-kinects", action="store_true",
+                        help="two more servers on Kinects of the fake libfreenect (tests/support/fake_freenect)")
     parser.add_argument("--sync", action="store_true", help="the client runs with --sync")
     options = parser.parse_args()
     frames = int(options.seconds * FRAMES_A_SECOND)
     faults = []
+    sources = [*options.sources, *([f"openni:freenect://{kinect}" for kinect in KINECTS] if options.fake_kinects else [])]
 
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.record or (pathlib.Path(temporary) if options.seconds <= 60 else None)
+        bus = pathlib.Path(temporary) / "bus"
+        bus.mkdir()
+        for kinect in KINECTS:
+            (bus / kinect).touch()
+        environment = dict(os.environ)
+        if options.fake_kinects:
+            environment.update(COPRESENCE_FAKE_KINECTS=str(bus), LD_LIBRARY_PATH=str(options.bin.parent / "tests/fake_freenect"))
         logs, servers = [], []
-        for index, source in enumerate(options.sources):
+        for index, source in enumerate(sources):
             command = [options.bin / "capture_server", "--source", source, "--name", f"camera{index}",
                        "--listen", f"127.0.0.1:{options.port + index}", "--frames", str(frames)]
             if source.endswith(".oni"):
@@ -77,7 +90,7 @@ def main():
             if folder:
                 command += ["--record", folder / f"account{index}.oni"]
             logs.append(pathlib.Path(temporary) / f"server{index}.log")
-            servers.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=logs[-1].open("w")))
+            servers.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=logs[-1].open("w"), env=environment))
         stats = pathlib.Path(temporary) / "stats.json"
         connect = [word for index in range(len(servers)) for word in ("--connect", f"127.0.0.1:{options.port + index}")]
         begin = time.monotonic()

@@ -44,6 +44,10 @@ bool Projector::obey() {
   return true;
 }
 
+bool Projector::lit(Instant at) const {
+  return shines_ && at >= lit_since_ && schedule_.shines(clock_now());
+}
+
 Duration Projector::until_change() const {
   return schedule_.until_change(clock_now());
 }

@@ -37,7 +37,8 @@ class Projector {
 
   /// Whether a depth picture that this process got at `at` was exposed in this camera's own light: two periods after
   /// the switch at the earliest, since one is exposed and then transferred, and before the turn's end.
-  bool lit(Instant at) const { return shines_ && at >= lit_since_; }
+  /// Call when it has just come: one that finds this process late with switching off is not.
+  bool lit(Instant at) const;
 
  private:
   bool set(bool shines);

@@ -115,7 +115,7 @@ Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Worke
       planes = steady_clock::now();
     } else {
       color::rgb_to_yuv420(*frame.color, planar.color.emplace());
-      video_.encode_color_ahead(*planar.color, keyframe);
+      video_.encode_color_ahead(planar.stamp.sequence, *planar.color, keyframe);
     }
   };
   NoWorkers alone;

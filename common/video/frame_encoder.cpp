@@ -50,10 +50,10 @@ FrameEncoder::FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budg
                            std::optional<PictureEncoder> color)
     : depth_(std::move(depth)), budget_(budget), color_(std::move(color)) {}
 
-void FrameEncoder::encode_color_ahead(const Picture& color, bool keyframe) {
+void FrameEncoder::encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe) {
   assert(color_);
   color_keyframe_needed_ = color_keyframe_needed_ || keyframe;
-  color_ahead_ = color_->encode(color, color_keyframe_needed_);
+  color_ahead_ = {sequence, color_->encode(color, color_keyframe_needed_)};
 }
 
 Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
@@ -61,8 +61,10 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   assert(keyframe || previous_ != 0);
   assert(frame.stamp.sequence > previous_ && (!frame.color || color_));
   color_keyframe_needed_ = color_keyframe_needed_ || keyframe;
-  if (frame.color && !color_ahead_) encode_color_ahead(*frame.color, keyframe);
-  Result<AccessUnit> color = frame.color ? std::move(*color_ahead_) : AccessUnit();
+  if (frame.color && !(color_ahead_ && color_ahead_->sequence == frame.stamp.sequence)) {
+    encode_color_ahead(frame.stamp.sequence, *frame.color, keyframe);
+  }
+  Result<AccessUnit> color = frame.color ? std::move(color_ahead_->color) : AccessUnit();
   color_ahead_.reset();
 
   SideData data;

@@ -29,9 +29,10 @@ class FrameEncoder {
   /// after a failure, a keyframe.
   Result<EncodedFrame> encode(const PlanarFrame& frame);
 
-  /// Encodes the colour of the coming frame, so that encode() finds it done: its colour does not have to wait for
-  /// its depth. `keyframe` as the frame will have it. Where the frame comes to nothing, so does this. Thread: beside whatever does not use this encoder.
-  void encode_color_ahead(const Picture& color, bool keyframe);
+  /// Encodes the colour of the frame `sequence`, the coming one, so that encode() finds it done: colour does not have
+  /// to wait for depth. `keyframe` as the frame will have it. Where that frame comes to nothing, so does this.
+  /// Thread: beside whatever does not use this encoder.
+  void encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe);
 
   /// From the next frame on. Requires kMinKbps <= kbps <= kMaxKbps; set_depth_kbps an encoder opened with
   /// depth_kbps.
@@ -48,8 +49,12 @@ class FrameEncoder {
   std::optional<FlatPictureWriter> flat_;  // instead of depth_, since the last keyframe
   std::optional<DepthBudget> budget_;
   std::optional<PictureEncoder> color_;
-  std::optional<Result<AccessUnit>> color_ahead_;  // of the coming frame
-  std::uint64_t previous_ = 0;                     // sequence of the last frame, 0 before the first
+  struct Ahead {
+    std::uint64_t sequence;
+    Result<AccessUnit> color;
+  };
+  std::optional<Ahead> color_ahead_;
+  std::uint64_t previous_ = 0;  // sequence of the last frame, 0 before the first
   std::optional<Rigid3> previous_pose_;
   bool color_keyframe_needed_ = true;  // set until the first colour picture after a keyframe
 };

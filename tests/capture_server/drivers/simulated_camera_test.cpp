@@ -87,22 +87,26 @@ TEST(SimulatedCamera, SaysWhenItIsUnpluggedAndGoesOnWithinASecond) {
   }
 }
 
+std::unique_ptr<sensor::FrameSource> lit_in_turns(const std::string& uri,
+                                                  std::optional<sensor::ProjectorSlot> slot) {
+  sensor::SourceSettings settings;
+  settings.controls.projector = slot;
+  auto source = open_source(uri, settings);
+  if (!source) throw std::runtime_error(source.error().what);
+  return std::move(*source);
+}
+
 // What a camera delivers for a while: its share of holes, and its frames a second.
 struct Delivered {
   double holes = 0, frames_per_second = 0;
 };
-Delivered watch(const std::string& uri, std::optional<sensor::ProjectorSlot> slot,
-                std::chrono::steady_clock::time_point begin) {
-  sensor::SourceSettings settings;
-  settings.controls.projector = slot;
-  const auto source = open_source(uri, settings);
-  if (!source) throw std::runtime_error(source.error().what);
-  while (std::chrono::steady_clock::now() < begin) (void)(*source)->next({});
+Delivered watch(sensor::FrameSource& source, std::chrono::steady_clock::time_point begin) {
+  while (std::chrono::steady_clock::now() < begin) (void)source.next({});
   std::ptrdiff_t holes = 0;
   int frames = 0;
   constexpr std::chrono::seconds kWatched(3);
   while (std::chrono::steady_clock::now() < begin + kWatched) {
-    const auto frame = (*source)->next({});
+    const auto frame = source.next({});
     if (!frame) throw std::runtime_error(frame.error().what);
     holes += std::count(frame->depth.pixels().begin(), frame->depth.pixels().end(), 0);
     ++frames;
@@ -118,12 +122,14 @@ TEST(SimulatedCamera, LosesNothingToOtherProjectorsWhenTheyTakeTurns) {
   const auto in_a_moment = [] { return std::chrono::steady_clock::now() + std::chrono::seconds(2); };
   const auto both = [&](std::optional<sensor::ProjectorSlot> first,
                         std::optional<sensor::ProjectorSlot> second) {
+    // One after the other: OpenNI2 does not open two devices at a time.
+    const auto camera_0 = lit_in_turns(uri(0), first), camera_1 = lit_in_turns(uri(1), second);
     const auto begin = in_a_moment();
-    auto other = std::async(std::launch::async, [=] { return watch(uri(1), second, begin); });
-    const Delivered one = watch(uri(0), first, begin);
+    auto other = std::async(std::launch::async, [&] { return watch(*camera_1, begin); });
+    const Delivered one = watch(*camera_0, begin);
     return std::pair(one, other.get());
   };
-  const Delivered alone = watch(uri(0), {}, in_a_moment());
+  const Delivered alone = watch(*lit_in_turns(uri(0), {}), in_a_moment());
   const auto [disturbed, also] = both({}, {});
   constexpr milliseconds kTurn(300);
   const auto [first, second] = both(sensor::ProjectorSlot{0, 2, kTurn}, sensor::ProjectorSlot{1, 2, kTurn});

@@ -93,7 +93,7 @@ TEST_F(Frames, AreTheSameWhenTheirColorWasEncodedAhead) {
   FrameEncoder ahead = FrameEncoder::open(stream, {.depth_qp = 0}).value();
   for (std::uint64_t sequence = 1; sequence <= 12; ++sequence) {
     const PlanarFrame frame = moving_frame(stream, sequence, sequence % 6 == 1);
-    ahead.encode_color_ahead(*frame.color, frame.depth.keyframe);
+    ahead.encode_color_ahead(sequence, *frame.color, frame.depth.keyframe);
     const EncodedFrame one = ahead.encode(frame).value(), other = encoder.encode(frame).value();
     EXPECT_EQ(one.depth, other.depth);
     EXPECT_EQ(one.color, other.color);
@@ -102,7 +102,7 @@ TEST_F(Frames, AreTheSameWhenTheirColorWasEncodedAhead) {
 
 TEST_F(Frames, TakeTheirColorWithThemWhenTheyComeToNothing) {
   ASSERT_TRUE(decoder.decode(encoded(1, true)));
-  encoder.encode_color_ahead(*moving_frame(stream, 2, false).color, false);  // and its depth fails
+  encoder.encode_color_ahead(2, *moving_frame(stream, 2, false).color, false);  // and its depth fails
   const auto back = decoder.decode(encoded(3, true));
   ASSERT_TRUE(back) << back.error().what;
   EXPECT_TRUE(back->color);

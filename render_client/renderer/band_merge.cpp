@@ -32,6 +32,8 @@ struct Span {
   std::array<bool, kGroups> is_contested;             // several cameras may count somewhere in the group
 };
 
+// kCount: the number of cameras where the compiler is to know it, 0 where it is not.
+template <std::size_t kCount>
 class SpanMerge {
  public:
   SpanMerge(std::span<const MergeSource> sources, std::span<const Band> bands, MergedView& view)
@@ -40,12 +42,12 @@ class SpanMerge {
   // Merges `groups` groups of eight pixels from (x, y) on. The last may reach beyond the view.
   void run(int x, int y, int groups, HostPixels wanted) {
     y_ = y;
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       depths_[i] = bands_[i].depths(y) + x;
       texels_[i] = bands_[i].texels(y) + x;
     }
     survey(x, groups);
-    for (std::size_t i = 0; i < sources_.size(); ++i) sample(i, groups);
+    for (std::size_t i = 0; i < count(); ++i) sample(i, groups);
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
       Ints best = load<Ints>(&span_.first[at]);
@@ -57,13 +59,15 @@ class SpanMerge {
   }
 
  private:
+  std::size_t count() const { return kCount ? kCount : sources_.size(); }
+
   // Finds what each camera's fragments would be worth.
   void survey(int x, int groups) {
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
       Floats nearest = all(empty_);
       Ints first{}, overlap{}, shown{};
-      for (std::size_t i = 0; i < sources_.size(); ++i) {
+      for (std::size_t i = 0; i < count(); ++i) {
         const Floats w = load<Floats>(depths_[i] + at);
         const Ints there = w > empty_;
         overlap |= shown & there;
@@ -77,7 +81,7 @@ class SpanMerge {
         span_.is_contested[g] = weigh(x, at, first);
       } else {
         span_.is_contested[g] = false;
-        for (std::size_t i = 0; i < sources_.size(); ++i) {
+        for (std::size_t i = 0; i < count(); ++i) {
           const Ints is_first = shown & (first == static_cast<std::int32_t>(i));
           store(&span_.cameras[i].worth_per_cosine[at], is_first ? all(1.0F) : Floats{});
         }
@@ -96,7 +100,7 @@ class SpanMerge {
   bool weigh(int x, int at, const Ints& first) {
     Floats depth[kMostCameras], source_z[kMostCameras];
     Floats nearest_z = all(1.0F / empty_), first_z{}, first_error{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       depth[i] = 1.0F / load<Floats>(depths_[i] + at);
       source_z[i] = source_depth(i, x + at, depth[i]);
       nearest_z = smaller(depth[i], nearest_z);
@@ -106,7 +110,7 @@ class SpanMerge {
     }
     Ints rivals{};
     const Floats first_range = kRangeSigmas * 0.5F * kStepInverse * (first_z * first_z) + first_error;
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       const Floats squared = source_z[i] * source_z[i];
       const Floats range =
           kRangeSigmas * 0.5F * kStepInverse * squared + (first_range + sources_[i].calibration_error_m);
@@ -134,7 +138,7 @@ class SpanMerge {
   // The colours where no two cameras' fragments rival.
   Ints first_colors(int at) const {
     Ints colors{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       const CameraSpan& camera = span_.cameras[i];
       const Ints counts = load<Floats>(&camera.worth_per_cosine[at]) > 0;
       if (bits(counts)) colors |= counts & load<Ints>(&camera.colors[at]);
@@ -149,7 +153,7 @@ class SpanMerge {
   Ints mixture(int at, Ints& best) const {
     Floats worth[kMostCameras];
     Floats best_worth{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       const CameraSpan& camera = span_.cameras[i];
       const Floats per_cosine = load<Floats>(&camera.worth_per_cosine[at]);
       worth[i] = per_cosine > 0 ? cosine(load<Ints>(&camera.colors[at])) * per_cosine : Floats{};
@@ -157,7 +161,7 @@ class SpanMerge {
       best_worth = larger(worth[i], best_worth);
     }
     Floats sum{};
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       worth[i] = larger(worth[i] - kTieRatio * best_worth, Floats{});
       sum += worth[i];
     }
@@ -169,7 +173,7 @@ class SpanMerge {
       red_blue += (colors & 0x00FF00FF) * share;
       green += (colors >> 8 & 0xFF) * share;
     };
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       const Ints colors = load<Ints>(&span_.cameras[i].colors[at]);
       const Ints is_best = best == static_cast<std::int32_t>(i);
       best_colors = is_best ? colors : best_colors;
@@ -236,14 +240,31 @@ MergeSource merge_source(const CameraView& camera, const VirtualCamera& eye, con
   return source;
 }
 
-void merge_band(std::span<const MergeSource> sources, std::span<const Band> bands, HostPixels wanted,
-                MergedView& view) {
-  assert(!sources.empty() && sources.size() <= kMostCameras && sources.size() == bands.size());
-  SpanMerge merge(sources, bands, view);
+namespace {
+
+template <std::size_t kCount>
+void merge_spans(std::span<const MergeSource> sources, std::span<const Band> bands, HostPixels wanted,
+                 MergedView& view) {
+  SpanMerge<kCount> merge(sources, bands, view);
   // Down before across: the next row of a span reads nearly the same texels again.
   for (int x = 0; x < view.width; x += kSpan) {
     const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
     for (int y = bands[0].top(); y < bands[0].top() + bands[0].rows(); ++y) merge.run(x, y, groups, wanted);
+  }
+}
+
+}  // namespace
+
+void merge_band(std::span<const MergeSource> sources, std::span<const Band> bands, HostPixels wanted,
+                MergedView& view) {
+  assert(!sources.empty() && sources.size() <= kMostCameras && sources.size() == bands.size());
+  switch (sources.size()) {
+    case 1:
+      return merge_spans<1>(sources, bands, wanted, view);
+    case 2:
+      return merge_spans<2>(sources, bands, wanted, view);
+    default:
+      return merge_spans<0>(sources, bands, wanted, view);
   }
 }
 

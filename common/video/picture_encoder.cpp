@@ -53,13 +53,24 @@ constexpr const char* kLiveDepthOptions =
     "scenecut=0:psy=0:aq-mode=0:analyse=i4x4:deblock=2,2:no-deblock=0:deadzone-inter=11:deadzone-intra=11";
 constexpr const char* kLiveColorOptions = "scenecut=0:aq-mode=0";
 
+/// Whether the deblocking filter has anything to do: its threshold is 0 up to an index of 15 (H.264 table 8-16), which is
+/// the quantiser as at 8 bit and twice the presets' 2. Without it the pictures are the same, and neither end goes through
+/// all their edges for nothing.
+bool can_deblock(const PictureSettings& settings) {
+  constexpr int kFirstIndex = 16, kPresetOffset = 2 * 2, kTenBitOffset = 12;
+  const int bits_offset = settings.format == PixelFormat::kGray10 ? kTenBitOffset : 0;
+  return settings.rate || settings.qp - bits_offset + kPresetOffset >= kFirstIndex;
+}
+
 void set_presets(AVCodecContext& context, const PictureSettings& settings) {
   const bool live = settings.effort == Effort::kLive;
   set(context, "preset", live ? "ultrafast" : "superfast");
   set(context, "tune", "zerolatency");
   set(context, "forced-idr", "1");
   if (settings.kind == PictureKind::kDepth) {
-    set(context, "x264-params", live ? kLiveDepthOptions : kDepthOptions);
+    std::string options = live ? kLiveDepthOptions : kDepthOptions;
+    if (!can_deblock(settings)) options += ":no-deblock=1";
+    set(context, "x264-params", options);
   } else {
     set(context, "x264-params", live ? kLiveColorOptions : kColorOptions);
     context.colorspace = AVCOL_SPC_SMPTE170M;  // the BT.601 matrix of common/color

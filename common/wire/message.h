@@ -21,7 +21,7 @@
 namespace copresence::wire {
 
 /// Both ends must have the same: there is no compatibility code. Raise it with every change of the format.
-inline constexpr std::uint32_t kProtocolVersion = 3;
+inline constexpr std::uint32_t kProtocolVersion = 4;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
 inline constexpr std::size_t kHeaderBytes = 8;

@@ -173,7 +173,7 @@ TEST(Loopback, RefusesAnotherVersionAndSaysWhatToDo) {
   const auto refusal = decode_refusal(body_of(*answer));
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->reason, RefusalReason::kVersion);
-  EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 3, this client 4"));
+  EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 4, this client 5"));
   EXPECT_THAT(refusal->text, HasSubstr("same release"));
   EXPECT_FALSE(stranger.hear());
 }

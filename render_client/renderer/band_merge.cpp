@@ -13,6 +13,8 @@ namespace copresence::renderer {
 namespace {
 
 constexpr float kPerAlpha = 1.0F / 255;
+constexpr float kNothing = 1e-30F;       // worth less than any fragment
+constexpr std::uint16_t kHalf = 1 << 7;  // in 256ths
 
 // A row is merged in spans of this many pixels, and a span in three short passes: one long loop body would wait for
 // its own results, since a processor looks only a few hundred instructions ahead.
@@ -65,20 +67,21 @@ class SpanMerge {
   void survey(int x, int groups) {
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
-      Floats nearest = all(empty_);
+      Floats w[kMostCameras];
+      Floats nearest{};
       Ints first{}, overlap{}, shown{};
       for (std::size_t i = 0; i < count(); ++i) {
-        const Floats w = load<Floats>(depths_[i] + at);
-        const Ints there = w > empty_;
+        w[i] = load<Floats>(depths_[i] + at);
+        const Ints there = w[i] > empty_;
         overlap |= shown & there;
         shown |= there;
-        first = w > nearest ? all(static_cast<std::int32_t>(i)) : first;
-        nearest = larger(w, nearest);
+        first = w[i] > nearest ? all(static_cast<std::int32_t>(i)) : first;
+        nearest = larger(w[i], nearest);
       }
       store(&span_.first[at], first);
       store(&span_.shown[at], shown);
       if (bits(overlap)) {
-        span_.is_contested[g] = weigh(x, at, first);
+        span_.is_contested[g] = weigh(x, at, w);
       } else {
         span_.is_contested[g] = false;
         for (std::size_t i = 0; i < count(); ++i) {
@@ -95,30 +98,30 @@ class SpanMerge {
     return z * (d[0] * pixel_x + (d[1] * static_cast<float>(y_) + d[2])) + d[3];
   }
 
-  // fragment_worth() of merge_rules.h before its cosine, for eight pixels of every camera. Returns whether any but the
-  // nearest counts.
-  bool weigh(int x, int at, const Ints& first) {
-    Floats depth[kMostCameras], source_z[kMostCameras];
-    Floats nearest_z = all(1.0F / empty_), first_z{}, first_error{};
+  // fragment_worth() of merge_rules.h before its cosine and up to a factor, for eight pixels of every camera. Returns
+  // whether any but the nearest counts.
+  bool weigh(int x, int at, const Floats (&w)[kMostCameras]) {
+    constexpr float kNoise = kRangeSigmas * 0.5F * kStepInverse;
+    Floats z[kMostCameras], noise[kMostCameras], uncertainty[kMostCameras];
+    Floats nearest = w[0], nearest_z{}, nearest_uncertainty{};
     for (std::size_t i = 0; i < count(); ++i) {
-      depth[i] = 1.0F / load<Floats>(depths_[i] + at);
-      source_z[i] = source_depth(i, x + at, depth[i]);
-      nearest_z = smaller(depth[i], nearest_z);
-      const Ints is_first = first == static_cast<std::int32_t>(i);
-      first_z = is_first ? source_z[i] : first_z;
-      first_error = is_first ? all(sources_[i].calibration_error_m) : first_error;
+      z[i] = 1.0F / w[i];
+      const Floats source_z = source_depth(i, x + at, z[i]);
+      noise[i] = kNoise * (source_z * source_z);
+      uncertainty[i] = noise[i] + sources_[i].calibration_error_m;
+      nearest_z = i == 0 ? z[i] : smaller(z[i], nearest_z);
+      nearest_uncertainty = i == 0 || w[i] > nearest ? uncertainty[i] : nearest_uncertainty;
+      nearest = larger(w[i], nearest);
     }
-    Ints rivals{};
-    const Floats first_range = kRangeSigmas * 0.5F * kStepInverse * (first_z * first_z) + first_error;
+    Ints rivals{}, counting{};
     for (std::size_t i = 0; i < count(); ++i) {
-      const Floats squared = source_z[i] * source_z[i];
-      const Floats range =
-          kRangeSigmas * 0.5F * kStepInverse * squared + (first_range + sources_[i].calibration_error_m);
-      const Floats room = range - (depth[i] - nearest_z);  // that it may still lie further behind
-      const Floats fading = smaller(room + room, range);   // times the range
-      const Ints counts = (load<Floats>(depths_[i] + at) > empty_) & (room > 0);
-      rivals |= counts & (first != static_cast<std::int32_t>(i));
-      store(&span_.cameras[i].worth_per_cosine[at], counts ? fading / (squared * range) : Floats{});
+      const Floats range = uncertainty[i] + nearest_uncertainty;
+      const Floats room = range - (z[i] - nearest_z);     // that it may still lie further behind
+      const Floats fading = smaller(room + room, range);  // times the range
+      const Ints counts = (w[i] > empty_) & (room > 0);
+      rivals |= counting & counts;
+      counting |= counts;
+      store(&span_.cameras[i].worth_per_cosine[at], counts ? fading / (noise[i] * range) : Floats{});
     }
     return bits(rivals) != 0;
   }
@@ -146,43 +149,45 @@ class SpanMerge {
     return colors;
   }
 
-  static Floats cosine(const Ints& colors) { return as_floats(colors >> 24 & 0xFF) * kPerAlpha; }
+  static Ints alpha(const Ints& colors) { return colors >> 24 & 0xFF; }
+  static Words red_blue(const Ints& colors) { return reinterpret_cast<Words>(colors & 0x00FF00FF); }
+  static Words green_alpha(const Ints& colors) { return reinterpret_cast<Words>(colors) >> 8; }
 
   // blend_weight() of merge_rules.h for every camera, and the sum of their colours. `best` becomes the camera worth
   // most.
   Ints mixture(int at, Ints& best) const {
     Floats worth[kMostCameras];
     Floats best_worth{};
+    Ints best_colors{};
     for (std::size_t i = 0; i < count(); ++i) {
       const CameraSpan& camera = span_.cameras[i];
-      const Floats per_cosine = load<Floats>(&camera.worth_per_cosine[at]);
-      worth[i] = per_cosine > 0 ? cosine(load<Ints>(&camera.colors[at])) * per_cosine : Floats{};
-      best = worth[i] > best_worth ? all(static_cast<std::int32_t>(i)) : best;
+      const Ints colors = load<Ints>(&camera.colors[at]);
+      worth[i] = as_floats(alpha(colors)) * load<Floats>(&camera.worth_per_cosine[at]);
+      const Ints is_better = worth[i] > best_worth;
+      best = is_better ? all(static_cast<std::int32_t>(i)) : best;
+      best_colors = is_better ? colors : best_colors;
       best_worth = larger(worth[i], best_worth);
     }
-    Floats sum{};
+    const Floats least_worth = kTieRatio * best_worth;
+    Floats sum = all(kNothing);
     for (std::size_t i = 0; i < count(); ++i) {
-      worth[i] = larger(worth[i] - kTieRatio * best_worth, Floats{});
+      worth[i] = larger(worth[i] - least_worth, Floats{});
       sum += worth[i];
     }
-    // Shares in 256ths that add up to 1: what rounding leaves is the best one's. Two channels are added up side by
-    // side, 16 bits each.
+    // Shares in 256ths, of what a colour differs from the best one's: what rounding leaves is so the best one's. Every
+    // product is taken modulo 2^16, and their sum is a colour again.
     const Floats per_sum = 256.0F / sum;
-    Ints red_blue = all(0x00800080), green = all(0x80), left = all(256), best_colors{};
-    const auto add = [&](const Ints& colors, const Ints& share) {
-      red_blue += (colors & 0x00FF00FF) * share;
-      green += (colors >> 8 & 0xFF) * share;
-    };
+    const Words best_rb = red_blue(best_colors), best_ga = green_alpha(best_colors);
+    Words rb = (best_rb << 8) + kHalf, ga = (best_ga << 8) + kHalf;
     for (std::size_t i = 0; i < count(); ++i) {
       const Ints colors = load<Ints>(&span_.cameras[i].colors[at]);
-      const Ints is_best = best == static_cast<std::int32_t>(i);
-      best_colors = is_best ? colors : best_colors;
-      const Ints share = (worth[i] > 0) & ~is_best & truncated(worth[i] * per_sum);
-      left -= share;
-      add(colors, share);
+      const Ints in_256ths = truncated(worth[i] * per_sum);
+      const auto share = reinterpret_cast<Words>(in_256ths | in_256ths << 16);
+      rb += (red_blue(colors) - best_rb) * share;
+      ga += (green_alpha(colors) - best_ga) * share;
     }
-    add(best_colors, left);
-    return (red_blue >> 8 & 0x00FF00FF) | (green & 0xFF00);
+    return reinterpret_cast<Ints>(rb >> 8) |
+           (reinterpret_cast<Ints>(ga) & static_cast<std::int32_t>(0xFF00FF00U));
   }
 
   void write_colors(int x, int count, const Ints& colors, const Ints& shown) {
@@ -209,9 +214,9 @@ class SpanMerge {
       const float z = 1.0F / depths_[camera][at + lane];
       const float source_z = source_depth(camera, here, all(z))[0];
       view_.depth_m(here, y_) = z;
-      view_.quality(here, y_) =
-          cosine(all(static_cast<std::int32_t>(span_.cameras[camera].colors[at + lane])))[0] /
-          (source_z * source_z);
+      view_.quality(here, y_) = kPerAlpha *
+                                static_cast<float>(span_.cameras[camera].colors[at + lane] >> 24) /
+                                (source_z * source_z);
     }
   }
 

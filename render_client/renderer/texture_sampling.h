@@ -3,6 +3,7 @@
 // Samples of a Texture, eight at a time, in whole numbers: the portable path gives the same bits as AVX2's.
 // Private to the CPU renderer. Thread: pure.
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 
@@ -28,21 +29,21 @@ inline Ints sample(const Texture& texture, const Ints& coordinates) {
   // v * width + u, from (v, u) in whole texels.
   const __m256i whole = _mm256_srli_epi16(words, kTexelBits);
   const __m256i at = _mm256_madd_epi16(whole, _mm256_set1_epi32(texture.width() << 16 | 1));
-  const auto two = [&](const __m128i& four, int half) {
-    return static_cast<std::uint64_t>(half ? _mm_extract_epi64(four, 1) : _mm_cvtsi128_si64(four));
-  };
   const __m128i at_0123 = _mm256_castsi256_si128(at), at_4567 = _mm256_extracti128_si256(at, 1);
-  const std::uint64_t at_01 = two(at_0123, 0), at_23 = two(at_0123, 1), at_45 = two(at_4567, 0),
-                      at_67 = two(at_4567, 1);
-  // Each load takes a texel and its right neighbour.
+  const std::array<std::uint64_t, 4> two = {static_cast<std::uint64_t>(_mm_cvtsi128_si64(at_0123)),
+                                            static_cast<std::uint64_t>(_mm_extract_epi64(at_0123, 1)),
+                                            static_cast<std::uint64_t>(_mm_cvtsi128_si64(at_4567)),
+                                            static_cast<std::uint64_t>(_mm_extract_epi64(at_4567, 1))};
+  // A texel and its right neighbour of pixels first, first + 1, first + 4 and first + 5. Each is loaded to all places
+  // and then blended, since the one port that moves numbers across a register has enough to do below.
   const auto pairs = [](const std::uint32_t* row, std::uint64_t low, std::uint64_t high) {
     const auto pair = [row](std::uint64_t index) {
       long long texels;
       std::memcpy(&texels, row + index, sizeof texels);
-      return texels;
+      return _mm256_set1_epi64x(texels);
     };
-    return _mm256_set_epi64x(pair(high >> 32), pair(high & 0xFFFFFFFF), pair(low >> 32),
-                             pair(low & 0xFFFFFFFF));
+    return _mm256_blend_epi32(_mm256_blend_epi32(pair(low & 0xFFFFFFFF), pair(low >> 32), 0x0C),
+                              _mm256_blend_epi32(pair(high & 0xFFFFFFFF), pair(high >> 32), 0xC0), 0xF0);
   };
   // Per pixel, of a pair of texels: r and r, g and g, b and b, alpha and alpha side by side.
   const __m256i side_by_side =
@@ -63,7 +64,8 @@ inline Ints sample(const Texture& texture, const Ints& coordinates) {
     return _mm256_shuffle_epi8(weights, _mm256_broadcastsi128_si256(order));
   };
   // Of pixels first, first + 1, first + 4 and first + 5, 16 bits per channel: at most 255 * 16 * 16.
-  const auto blend = [&](int first, std::uint64_t low, std::uint64_t high) {
+  const auto blend = [&](int first) {
+    const std::uint64_t low = two[first / 2], high = two[2 + first / 2];
     const __m256i columns = spread(across, first), lower_share = spread(down, first);
     const __m256i upper_share = _mm256_sub_epi16(_mm256_set1_epi16(kTexelSteps), lower_share);
     const auto row = [&](const std::uint32_t* texels) {
@@ -73,7 +75,7 @@ inline Ints sample(const Texture& texture, const Ints& coordinates) {
                                          _mm256_mullo_epi16(row(lower_row), lower_share));
     return _mm256_srli_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(128)), 2 * kTexelBits);
   };
-  return reinterpret_cast<Ints>(_mm256_packus_epi16(blend(0, at_01, at_45), blend(2, at_23, at_67)));
+  return reinterpret_cast<Ints>(_mm256_packus_epi16(blend(0), blend(2)));
 #else
   Ints result{};
   for (int lane = 0; lane < kLanes; ++lane) {

@@ -47,15 +47,17 @@ class SpanMerge {
     for (std::size_t i = 0; i < count(); ++i) {
       depths_[i] = bands_[i].depths(y) + x;
       texels_[i] = bands_[i].texels(y) + x;
+      depth_of_row_[i] = sources_[i].depth[1] * static_cast<float>(y) + sources_[i].depth[2];
     }
     survey(x, groups);
     for (std::size_t i = 0; i < count(); ++i) sample(i, groups);
+    Rgba8* const pixels = wanted.color ? view_.color.row(y).data() + x : nullptr;
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
       Ints best = load<Ints>(&span_.first[at]);
       const Ints colors = span_.is_contested[g] ? mixture(at, best) : first_colors(at);
       const int count = std::min(kLanes, view_.width - (x + at));
-      if (wanted.color) write_colors(x + at, count, colors, load<Ints>(&span_.shown[at]));
+      if (wanted.color) write_colors(pixels + at, count, colors, load<Ints>(&span_.shown[at]));
       if (wanted.depth) write_depths(x, at, count, best);
     }
   }
@@ -68,9 +70,9 @@ class SpanMerge {
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
       Floats w[kMostCameras];
-      Floats nearest{};
-      Ints first{}, overlap{}, shown{};
-      for (std::size_t i = 0; i < count(); ++i) {
+      Floats nearest = w[0] = load<Floats>(depths_[0] + at);
+      Ints first{}, overlap{}, shown = nearest > empty_;
+      for (std::size_t i = 1; i < count(); ++i) {
         w[i] = load<Floats>(depths_[i] + at);
         const Ints there = w[i] > empty_;
         overlap |= shown & there;
@@ -95,7 +97,7 @@ class SpanMerge {
   Floats source_depth(std::size_t i, int x, const Floats& z) const {
     const Eigen::Vector4f& d = sources_[i].depth;
     const Floats pixel_x = ramp() + static_cast<float>(x);
-    return z * (d[0] * pixel_x + (d[1] * static_cast<float>(y_) + d[2])) + d[3];
+    return z * (d[0] * pixel_x + depth_of_row_[i]) + d[3];
   }
 
   // fragment_worth() of merge_rules.h before its cosine and up to a factor, for eight pixels of every camera. Returns
@@ -129,12 +131,14 @@ class SpanMerge {
   // Samples a camera's texture where it counts.
   void sample(std::size_t i, int groups) {
     CameraSpan& camera = span_.cameras[i];
+    const TextureSampler texture(*sources_[i].texture);
+    const std::uint32_t* const texels = texels_[i];
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
       const Ints counts = load<Floats>(&camera.worth_per_cosine[at]) > 0;
       if (!bits(counts)) continue;
       // The other lanes take the first texel, which is always at hand.
-      store(&camera.colors[at], renderer::sample(*sources_[i].texture, counts & load<Ints>(texels_[i] + at)));
+      store(&camera.colors[at], texture.at(counts & load<Ints>(texels + at)));
     }
   }
 
@@ -143,62 +147,62 @@ class SpanMerge {
     Ints colors{};
     for (std::size_t i = 0; i < count(); ++i) {
       const CameraSpan& camera = span_.cameras[i];
-      const Ints counts = load<Floats>(&camera.worth_per_cosine[at]) > 0;
-      if (bits(counts)) colors |= counts & load<Ints>(&camera.colors[at]);
+      colors |= (load<Floats>(&camera.worth_per_cosine[at]) > 0) & load<Ints>(&camera.colors[at]);
     }
     return colors;
   }
 
-  static Ints alpha(const Ints& colors) { return colors >> 24 & 0xFF; }
+  static Floats alpha(const Ints& colors) {
+    return as_floats(reinterpret_cast<Ints>(reinterpret_cast<UnsignedInts>(colors) >> 24));
+  }
   static Words red_blue(const Ints& colors) { return reinterpret_cast<Words>(colors & 0x00FF00FF); }
   static Words green_alpha(const Ints& colors) { return reinterpret_cast<Words>(colors) >> 8; }
 
   // blend_weight() of merge_rules.h for every camera, and the sum of their colours. `best` becomes the camera worth
   // most.
   Ints mixture(int at, Ints& best) const {
-    Floats worth[kMostCameras];
-    Floats best_worth{};
-    Ints best_colors{};
-    for (std::size_t i = 0; i < count(); ++i) {
-      const CameraSpan& camera = span_.cameras[i];
-      const Ints colors = load<Ints>(&camera.colors[at]);
-      worth[i] = as_floats(alpha(colors)) * load<Floats>(&camera.worth_per_cosine[at]);
-      const Ints is_better = worth[i] > best_worth;
+    const auto worth_of = [&](std::size_t i, const Ints& colors) {
+      return alpha(colors) * load<Floats>(&span_.cameras[i].worth_per_cosine[at]);
+    };
+    // The best so far, and what had to make room for it.
+    Ints best_colors = load<Ints>(&span_.cameras[0].colors[at]), other_colors[kMostCameras];
+    Floats best_worth = worth_of(0, best_colors), other_worth[kMostCameras];
+    best = Ints{};
+    for (std::size_t i = 1; i < count(); ++i) {
+      const Ints colors = load<Ints>(&span_.cameras[i].colors[at]);
+      const Floats worth = worth_of(i, colors);
+      const Ints is_better = worth > best_worth;
       best = is_better ? all(static_cast<std::int32_t>(i)) : best;
+      other_colors[i] = is_better ? best_colors : colors;
       best_colors = is_better ? colors : best_colors;
-      best_worth = larger(worth[i], best_worth);
+      other_worth[i] = smaller(worth, best_worth);
+      best_worth = larger(worth, best_worth);
     }
     const Floats least_worth = kTieRatio * best_worth;
-    Floats sum = all(kNothing);
-    for (std::size_t i = 0; i < count(); ++i) {
-      worth[i] = larger(worth[i] - least_worth, Floats{});
-      sum += worth[i];
+    Floats sum = (best_worth - least_worth) + kNothing;
+    for (std::size_t i = 1; i < count(); ++i) {
+      other_worth[i] = larger(other_worth[i] - least_worth, Floats{});
+      sum += other_worth[i];
     }
     // Shares in 256ths, of what a colour differs from the best one's: what rounding leaves is so the best one's. Every
     // product is taken modulo 2^16, and their sum is a colour again.
     const Floats per_sum = 256.0F / sum;
     const Words best_rb = red_blue(best_colors), best_ga = green_alpha(best_colors);
     Words rb = (best_rb << 8) + kHalf, ga = (best_ga << 8) + kHalf;
-    for (std::size_t i = 0; i < count(); ++i) {
-      const Ints colors = load<Ints>(&span_.cameras[i].colors[at]);
-      const Ints in_256ths = truncated(worth[i] * per_sum);
+    for (std::size_t i = 1; i < count(); ++i) {
+      const Ints in_256ths = truncated(other_worth[i] * per_sum);
       const auto share = reinterpret_cast<Words>(in_256ths | in_256ths << 16);
-      rb += (red_blue(colors) - best_rb) * share;
-      ga += (green_alpha(colors) - best_ga) * share;
+      rb += (red_blue(other_colors[i]) - best_rb) * share;
+      ga += (green_alpha(other_colors[i]) - best_ga) * share;
     }
     return reinterpret_cast<Ints>(rb >> 8) |
            (reinterpret_cast<Ints>(ga) & static_cast<std::int32_t>(0xFF00FF00U));
   }
 
-  void write_colors(int x, int count, const Ints& colors, const Ints& shown) {
-    static_assert(sizeof(Rgba8) == sizeof(std::uint32_t));
+  static void write_colors(Rgba8* to, int count, const Ints& colors, const Ints& shown) {
     const Ints pixels = (colors | static_cast<std::int32_t>(0xFF000000U)) & shown;
-    auto* const to = reinterpret_cast<std::uint32_t*>(view_.color.row(y_).data()) + x;
-    if (count == kLanes) {
-      store(to, pixels);
-    } else {
-      for (int lane = 0; lane < count; ++lane) to[lane] = static_cast<std::uint32_t>(pixels[lane]);
-    }
+    static_assert(sizeof(Rgba8) * kLanes == sizeof pixels);
+    std::memcpy(static_cast<void*>(to), &pixels, count == kLanes ? sizeof pixels : count * sizeof *to);
   }
 
   // Of the span at x in the view.
@@ -226,6 +230,7 @@ class SpanMerge {
   int y_ = 0;
   const float* depths_[kMostCameras];  // of the span
   const std::uint32_t* texels_[kMostCameras];
+  float depth_of_row_[kMostCameras];  // the part of MergeSource::depth that is the row's
   MergedView& view_;
   Span span_;
 };

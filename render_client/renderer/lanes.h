@@ -22,6 +22,7 @@ inline constexpr int kLanes = 8;
 
 using Floats = float __attribute__((vector_size(kLanes * 4)));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * 4)));
+using UnsignedInts = std::uint32_t __attribute__((vector_size(kLanes * 4)));
 using Words = std::uint16_t __attribute__((vector_size(kLanes * 4)));  // two to a lane
 
 inline Floats all(float value) {

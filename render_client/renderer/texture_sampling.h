@@ -19,17 +19,29 @@ namespace copresence::renderer {
 inline constexpr int kTexelBits = 4;
 static_assert(1 << kTexelBits == kTexelSteps);
 
-/// What the texture shows at eight texture coordinates (Band::texels), in its layout: r, g and b bilinear and rounded,
-/// alpha that of the nearest texel. Requires a texture of at most 32767 columns.
-inline Ints sample(const Texture& texture, const Ints& coordinates) {
-  const std::uint32_t* const upper_row = texture.data();
-  const std::uint32_t* const lower_row = texture.data() + texture.width();
+/// Requires a texture of at most 32767 columns, which outlives this.
+class TextureSampler {
+ public:
+  explicit TextureSampler(const Texture& texture) : texels_(texture.data()), width_(texture.width()) {}
+
+  /// What the texture shows at eight texture coordinates (Band::texels), in its layout: r, g and b bilinear and rounded,
+  /// alpha that of the nearest texel.
+  Ints at(const Ints& coordinates) const;
+
+ private:
+  const std::uint32_t* texels_;
+  int width_;
+};
+
+[[gnu::always_inline]] inline Ints TextureSampler::at(const Ints& coordinates) const {
+  const std::uint32_t* const upper_row = texels_;
+  const std::uint32_t* const lower_row = texels_ + width_;
 #if defined(__AVX2__)
   const auto words = reinterpret_cast<__m256i>(coordinates);
   // v * width + u, from (v, u) in whole texels.
   const __m256i whole = _mm256_srli_epi16(words, kTexelBits);
-  const __m256i at = _mm256_madd_epi16(whole, _mm256_set1_epi32(texture.width() << 16 | 1));
-  const __m128i at_0123 = _mm256_castsi256_si128(at), at_4567 = _mm256_extracti128_si256(at, 1);
+  const __m256i indices = _mm256_madd_epi16(whole, _mm256_set1_epi32(width_ << 16 | 1));
+  const __m128i at_0123 = _mm256_castsi256_si128(indices), at_4567 = _mm256_extracti128_si256(indices, 1);
   const std::array<std::uint64_t, 4> two = {static_cast<std::uint64_t>(_mm_cvtsi128_si64(at_0123)),
                                             static_cast<std::uint64_t>(_mm_extract_epi64(at_0123, 1)),
                                             static_cast<std::uint64_t>(_mm_cvtsi128_si64(at_4567)),
@@ -67,12 +79,13 @@ inline Ints sample(const Texture& texture, const Ints& coordinates) {
   const auto blend = [&](int first) {
     const std::uint64_t low = two[first / 2], high = two[2 + first / 2];
     const __m256i columns = spread(across, first), lower_share = spread(down, first);
-    const __m256i upper_share = _mm256_sub_epi16(_mm256_set1_epi16(kTexelSteps), lower_share);
     const auto row = [&](const std::uint32_t* texels) {
       return _mm256_maddubs_epi16(_mm256_shuffle_epi8(pairs(texels, low, high), side_by_side), columns);
     };
-    const __m256i sum = _mm256_add_epi16(_mm256_mullo_epi16(row(upper_row), upper_share),
-                                         _mm256_mullo_epi16(row(lower_row), lower_share));
+    // The difference may be negative; modulo 2^16, as all of this is, the sum is right again.
+    const __m256i upper = row(upper_row), difference = _mm256_sub_epi16(row(lower_row), upper);
+    const __m256i sum =
+        _mm256_add_epi16(_mm256_slli_epi16(upper, kTexelBits), _mm256_mullo_epi16(difference, lower_share));
     return _mm256_srli_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(128)), 2 * kTexelBits);
   };
   return reinterpret_cast<Ints>(_mm256_packus_epi16(blend(0), blend(2)));
@@ -80,7 +93,7 @@ inline Ints sample(const Texture& texture, const Ints& coordinates) {
   Ints result{};
   for (int lane = 0; lane < kLanes; ++lane) {
     const int u = coordinates[lane] & 0xFFFF, v = coordinates[lane] >> 16 & 0xFFFF;
-    const int at = (v >> kTexelBits) * texture.width() + (u >> kTexelBits);
+    const int at = (v >> kTexelBits) * width_ + (u >> kTexelBits);
     const int right = u & (kTexelSteps - 1), lower = v & (kTexelSteps - 1);
     const auto blended = [&](int channel, int to_right, int to_lower) {
       const auto texel = [&](const std::uint32_t* row, int x) {

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <deque>
 #include <thread>
+#include <utility>
 
 #include "common/flow/latest_of_each.h"
 #include "common/flow/thread_priority.h"
@@ -138,6 +139,11 @@ class Pipeline {
       const Instant now = steady_clock::now();
       const std::optional<Instant> due = pacer.next_render_at(now);
       if (!due || *due > now) {
+        // What waits for the other cameras' frames is got ready in the meantime.
+        if (due && !std::exchange(is_prepared_, true)) {
+          output_.prepare(camera_views());
+          continue;
+        }
         board_.wait(stop_.get_token(), frames_.wake_by(due.value_or(now + milliseconds(100))));
         for (std::size_t i : take_frames())
           pacer.frame_arrived(static_cast<int>(i), shown_[i].newest->arrived_at);
@@ -206,6 +212,7 @@ class Pipeline {
       shown.is_fresh = true;
       ++shown.version;
       const renderer::CameraView view = camera_view(shown, scene_, color_matching::ColorMap::Identity());
+      is_prepared_ = false;
       eye_.see_camera(i, view.world_from_camera);
       if (settings_.match_colors && has_place(shown, scene_)) {
         colors_.show(i, shown.newest,
@@ -291,6 +298,7 @@ class Pipeline {
   FrameSync frames_;
   std::deque<CameraStatistics> statistics_;  // a deque, since they cannot move
   std::vector<Shown> shown_;
+  bool is_prepared_ = false;  ///< the renderer has been given what is in `shown_`
   ViewStatistics view_statistics_;
   std::uint64_t view_index_ = 0;
   std::optional<renderer::VirtualCamera> last_eye_;  ///< of the last view

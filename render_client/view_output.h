@@ -28,6 +28,9 @@ class ViewOutput {
   gl::Window* window() { return window_.get(); }
   std::string_view renderer_name() const { return renderer_->name(); }
 
+  /// Does ahead what a view of these cameras needs no eye for.
+  void prepare(std::span<const renderer::CameraView> cameras) { renderer_->prepare(cameras); }
+
   /// The view as the renderer makes it; shown in the window where there is one.
   Result<void> render(std::span<const renderer::CameraView> cameras, const renderer::VirtualCamera& eye);
 

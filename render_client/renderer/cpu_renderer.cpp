@@ -105,9 +105,15 @@ class CpuRenderer : public Renderer {
 
   std::string_view name() const override { return "cpu"; }
 
+  void prepare(std::span<const CameraView> cameras) override {
+    make_sources(cameras.size());
+    workers_.run(static_cast<int>(cameras.size()), [&](int i, int) { sources_[i].update(cameras[i]); });
+  }
+
   Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye, HostPixels wanted,
                       MergedView& view) override {
-    prepare(cameras.size(), eye, wanted, view);
+    make_sources(cameras.size());
+    shape_view(eye, wanted, view);
     workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
       sources_[i].update(cameras[i]);
       sources_[i].project(eye, cameras[i].world_from_camera);
@@ -123,11 +129,14 @@ class CpuRenderer : public Renderer {
   }
 
  private:
-  void prepare(std::size_t cameras, const VirtualCamera& eye, HostPixels wanted, MergedView& view) {
+  void make_sources(std::size_t cameras) {
     assert(cameras <= kMostCameras);
     while (sources_.size() < cameras) sources_.emplace_back(settings_.largest_block);
     scratch_.resize(workers_.count());
     for (auto& bands : scratch_) bands.resize(cameras);
+  }
+
+  static void shape_view(const VirtualCamera& eye, HostPixels wanted, MergedView& view) {
     view.width = eye.lens.width;
     view.height = eye.lens.height;
     view.texture = 0;

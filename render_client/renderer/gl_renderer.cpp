@@ -82,10 +82,17 @@ class GlRenderer final : public Renderer {
 
   std::string_view name() const override { return "gl"; }
 
+  void prepare(std::span<const CameraView> cameras) override {
+    assert(cameras.size() < kNoCamera);
+    make_sources(cameras);
+    for (std::size_t i = 0; i < cameras.size(); ++i) sources_[i].update(cameras[i], shaders_);
+  }
+
   Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye, HostPixels wanted,
                       MergedView& view) override {
-    assert(cameras.size() < kNoCamera && eye.near_m > 0 && eye.near_m < eye.far_m);
-    prepare(cameras, eye.lens.width, eye.lens.height);
+    assert(eye.near_m > 0 && eye.near_m < eye.far_m);
+    prepare(cameras);
+    make_layers(cameras.size(), eye.lens.width, eye.lens.height);
     if (cameras.empty()) {
       show_nothing();
     } else {
@@ -97,16 +104,19 @@ class GlRenderer final : public Renderer {
   }
 
  private:
-  void prepare(std::span<const CameraView> cameras, int width, int height) {
+  void make_layers(std::size_t cameras, int width, int height) {
     if (!target_ || target_->color.width() != width || target_->color.height() != height) {
       target_.reset();
       layers_.reset();
       target_.emplace(context_, width, height);
     }
-    if (!cameras.empty() && (!layers_ || layers_->by_camera.size() != cameras.size())) {
+    if (cameras > 0 && (!layers_ || layers_->by_camera.size() != cameras)) {
       layers_.reset();  // before the new ones ask for memory
-      layers_.emplace(context_, width, height, static_cast<int>(cameras.size()));
+      layers_.emplace(context_, width, height, static_cast<int>(cameras));
     }
+  }
+
+  void make_sources(std::span<const CameraView> cameras) {
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const CameraModel& model = cameras[i].model;
       if (i == sources_.size()) {
@@ -121,7 +131,6 @@ class GlRenderer final : public Renderer {
   void draw_layers(std::span<const CameraView> cameras, const VirtualCamera& eye) {
     const Eigen::Matrix4d clip_from_world = clip_from_eye(eye) * eye.world_from_eye.inverse().matrix();
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      sources_[i].update(cameras[i], shaders_);
       gl::Framebuffer& layer = layers_->by_camera[i];
       layer.clear_color(0, {0, 0, 0, 0});
       layer.clear_depth(1);

@@ -41,6 +41,10 @@ class Renderer {
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --renderer and the statistics
 
+  /// Does ahead what drawing these cameras needs no eye for: a frame that waits for a view waits less long then. The
+  /// next render() may be given newer frames or other cameras all the same.
+  virtual void prepare(std::span<const CameraView> cameras) = 0;
+
   /// Draws the cameras in order (the index is what MergedView::camera names) as seen from `eye`. Cameras may
   /// be fewer than before or have new models. `view` is reused: images keep their memory. A camera without
   /// colour is shaded by its normals. Fails only where the graphics driver does.

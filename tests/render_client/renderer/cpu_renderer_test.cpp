@@ -302,5 +302,31 @@ TEST(CpuRenderer, KeepsWhatItDerivedUntilTheVersionChanges) {
   EXPECT_TRUE(view.color.empty());
 }
 
+TEST(CpuRenderer, DrawsWhatItPreparedWithoutLookingAtTheFrameAgain) {
+  Looking camera(kinect_model(), wall(2));
+  NoWorkers workers;
+  const auto renderer = make_cpu_renderer(workers);
+  renderer->prepare(views_of({&camera}));
+  camera.frame = frame_of(camera.view.model, wall(3), std::nullopt);
+  MergedView view;
+  ASSERT_TRUE(renderer->render(views_of({&camera}), eye_at_origin(kWidth, kHeight),
+                               {.color = true, .depth = true}, view));
+  EXPECT_NEAR(view.depth_m(kWidth / 2, kHeight / 2), 2, 1e-3);
+}
+
+TEST(CpuRenderer, TakesNewerFramesAndOtherCamerasThanItPrepared) {
+  Looking left(kinect_model(), wall(2)), right(kinect_model(), wall(2));
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  NoWorkers workers;
+  const auto renderer = make_cpu_renderer(workers);
+  renderer->prepare(views_of({&left, &right}));
+  left.frame = frame_of(left.view.model, wall(3), Paint(gradient));
+  ++left.view.version;
+  MergedView view;
+  ASSERT_TRUE(renderer->render(views_of({&left}), eye, {.color = true, .depth = true}, view));
+  EXPECT_EQ(view.color, render({&left}, eye).color);
+  EXPECT_NEAR(view.depth_m(kWidth / 2, kHeight / 2), 3, 1e-3);
+}
+
 }  // namespace
 }  // namespace copresence::renderer

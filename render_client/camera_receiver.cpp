@@ -1,5 +1,6 @@
 #include "render_client/camera_receiver.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -50,11 +51,11 @@ Result<void> CameraReceiver::run(std::stop_token stop) {
       });
       const auto ended = receive_from(*client, stop);
       if (!ended && is_final(ended.error())) return ended;
-      if (!ended && !stop.stop_requested()) spdlog::warn("{}: {}", address_, ended.error().what);
+      if (!ended && !stop.stop_requested()) spdlog::warn("{}", ended.error().what);
     } else if (is_final(client.error())) {
       return fail(client.error());
     } else if (!said_waiting && !stop.stop_requested()) {
-      spdlog::info("{}: {}; waiting for it", address_, client.error().what);
+      spdlog::info("{}; waiting for it", client.error().what);
       said_waiting = true;
     }
     sleep_for(stop, backoff);
@@ -63,13 +64,20 @@ Result<void> CameraReceiver::run(std::stop_token stop) {
   return {};
 }
 
+Error CameraReceiver::named(const Error& error) const {
+  return {error.code, fmt::format("{}: {}", address_, error.what)};
+}
+
 Result<void> CameraReceiver::receive_from(wire::FrameClient& client, std::stop_token stop) {
   const auto stream = std::make_shared<const StreamDescription>(client.description());
   auto decoding = FrameDecoding::open(*stream);
-  if (!decoding) return fail(decoding.error());
+  if (!decoding) return fail(named(decoding.error()));
   while (!stop.stop_requested()) {
     auto received = client.receive(stop);
-    if (!received) return fail(received.error());
+    if (!received) {
+      const bool server_says_so = received.error().code == ErrorCode::kEndOfStream;
+      return fail(server_says_so ? named(received.error()) : received.error());
+    }
     const EncodedFrame& encoded = received->frame;
     statistics_.received(received->counters.captured, received->counters.encoder_busy,
                          received->counters.window_full, encoded.depth.size() + encoded.color.size(),

@@ -38,10 +38,12 @@ class CameraReceiver {
                  flow::LatestOfEach<Received>& board, CameraStatistics& statistics);
 
   /// Until a stop is requested. Retries whatever may pass with a backoff of at most half a second; fails only
-  /// with what is final: a refusal, or a stream that this program cannot decode.
+  /// with what is final, and names the server: a refusal, or a stream that this program cannot decode.
   Result<void> run(std::stop_token stop);
 
  private:
+  /// An error that does not name the server by itself.
+  Error named(const Error& error) const;
   Result<void> receive_from(wire::FrameClient& client, std::stop_token stop);
   void hand_over(const wire::FrameClient& client, RgbdFrame frame,
                  const std::shared_ptr<const StreamDescription>& stream);

@@ -127,7 +127,7 @@ class Pipeline {
     CameraReceiver receiver(servers_[slot], slot, scene_, board_, statistics_[slot]);
     if (auto ended = receiver.run(stop_.get_token()); !ended) {
       std::lock_guard lock(refusal_mutex_);
-      refusal_ = Error{ended.error().code, fmt::format("{}: {}", servers_[slot], ended.error().what)};
+      refusal_ = ended.error();
       stop_.request_stop();
     }
   }

@@ -177,6 +177,26 @@ TEST(BadInput, GarbageAndHalfAMessageOnThePortDisturbNobody) {
   for (int socket : {garbage, half, silent}) close(socket);
 }
 
+int count(const std::string& text, const std::string& part) {
+  int found = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
+  return found;
+}
+
+TEST(BadInput, AServerThatIsNotThereIsNamedOnceAndWaitedFor) {
+  const std::string address = listen_somewhere();
+  Process client({program("render_client"), "--headless", "--connect", address});
+  ASSERT_TRUE(client.says("waiting for it", seconds(10))) << client.output();
+  EXPECT_EQ(count(client.output(), address), 1) << client.output();
+  EXPECT_EQ(client.wait(milliseconds(300)), std::nullopt) << client.output();
+}
+
+TEST(BadInput, AnAddressThatIsNoneIsNamedOnce) {
+  const Ended ended = run({"render_client", "--headless", "--connect", "kitchen"});
+  expect_one_sentence(ended, 1);
+  EXPECT_EQ(count(ended.words, "kitchen"), 1) << ended.words;
+}
+
 TEST(BadInput, AServerThatTalksSomethingElseIsNoReasonToCrash) {
   const int listening = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};

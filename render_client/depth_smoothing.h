@@ -24,8 +24,9 @@ class DepthSmoothing {
   void smooth(DepthImage& depth, DepthUnit unit);
 
  private:
-  std::vector<float> rows_;    // smoothed along the rows, with kRadius empty rows above and below
-  std::vector<float> padded_;  // one row with kRadius empty pixels on both sides
+  std::vector<float> rows_;      // some of the rows, smoothed along themselves, with their neighbours
+  std::vector<float> padded_;    // one row with kRadius empty pixels on both sides
+  std::vector<float> smoothed_;  // one row, smoothed along the columns, too
 };
 
 }  // namespace copresence::client

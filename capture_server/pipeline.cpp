@@ -184,6 +184,7 @@ class Pipeline {
                        captured->pictures.color_without_depth, captured->pictures.damaged});
       } else if (encoded.error().code == ErrorCode::kUnsupported) {
         if (!rates_before_) return fail(encoded.error());
+        ++encoder_busy;
         spdlog::warn("{}: {}; depth goes on at {}", settings_.name, encoded.error().what,
                      in_words(*rates_before_));
         change_rates(Rates(*rates_before_));

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "capture_server/recording/oni_writer.h"
 #include "common/depth/depth_codec.h"
 #include "common/video/frame_decoder.h"
 #include "common/wire/frame_client.h"
@@ -95,6 +96,16 @@ double worst_second_kbps(const std::vector<double>& sizes) {
   return worst;
 }
 
+/// Sends SIGHUP and goes on watching, lest the viewer fall behind, until the server has said something.
+void hang_up(const Process& server, Viewer& viewer, const std::string& then_says) {
+  server.signal(SIGHUP);
+  for (int frame = 0; frame < 150; ++frame) {
+    viewer.watch(1);
+    if (server.says(then_says, milliseconds(0))) return;
+  }
+  ADD_FAILURE() << "\"" << then_says << "\" is not in what the server says:\n" << server.output();
+}
+
 class Reload : public ::testing::Test {
  protected:
   Reload() {
@@ -105,11 +116,6 @@ class Reload : public ::testing::Test {
   /// quantized: adaptive makes keyframes of its own.
   void write(const std::string& rates, const std::string& codec = "quantized") const {
     std::ofstream(file_) << "codec = \"" << codec << "\"\n" << rates;
-  }
-
-  void hang_up(const std::string& then_says) {
-    room_.server(0).signal(SIGHUP);
-    EXPECT_TRUE(room_.server(0).says(then_says, seconds(5))) << room_.server(0).output();
   }
 
   RunningRoom room_;
@@ -123,7 +129,7 @@ TEST_F(Reload, GivesDepthAnotherRateWhileViewersStay) {
   EXPECT_NEAR(mean_kbps(viewer.watch(2 * kFramesASecond)), 4000, 400);
 
   write("depth-kbps = 1500\n");
-  hang_up("depth-kbps 4000 -> 1500");
+  hang_up(room_.server(0), viewer, "depth-kbps 4000 -> 1500");
   viewer.watch(10);  // on their way
   const auto after = viewer.watch(4 * kFramesASecond);
   EXPECT_NEAR(mean_kbps(after), 1500, 150);
@@ -135,10 +141,11 @@ TEST_F(Reload, GoesOnAsBeforeWhereTheFileIsWrong) {
   Viewer viewer(room_.address(0));
   viewer.watch(kFramesASecond);
   write("depth-kbps = 1500\nspeed = 3\n");
-  hang_up("camera.toml:3: there is no setting \"speed\": see --help, without its dashes; everything goes on");
+  hang_up(room_.server(0), viewer,
+          "camera.toml:3: there is no setting \"speed\": see --help, without its dashes; everything goes on");
   EXPECT_NEAR(mean_kbps(viewer.watch(2 * kFramesASecond)), 4000, 400);
   std::filesystem::remove(file_);
-  hang_up("cannot be read as a settings file; everything goes on as before");
+  hang_up(room_.server(0), viewer, "cannot be read as a settings file; everything goes on as before");
   EXPECT_NEAR(mean_kbps(viewer.watch(2 * kFramesASecond)), 4000, 400);
 }
 
@@ -148,7 +155,7 @@ TEST_F(Reload, GoesFromARateToAQuantiserToNoLossAndBackWithAKeyframeEach) {
   for (const char* depth : {"depth-qp = 30", "depth-qp = 0", "depth-qp = 24", "depth-kbps = 2000"}) {
     const int keyframes_before = viewer.keyframes();
     write(std::string(depth) + "\n");
-    hang_up(std::string("-> ") + (std::strchr(depth, '=') + 2));
+    hang_up(room_.server(0), viewer, std::string("-> ") + (std::strchr(depth, '=') + 2));
     viewer.watch(kFramesASecond);
     EXPECT_EQ(viewer.keyframes(), keyframes_before + 1) << depth;
   }
@@ -158,10 +165,38 @@ TEST_F(Reload, GoesFromARateToAQuantiserToNoLossAndBackWithAKeyframeEach) {
 TEST_F(Reload, NamesWhatTakesARestart) {
   Viewer viewer(room_.address(0));
   write("depth-kbps = 4000\n", "accuracy10");
-  hang_up("a restart of the server is needed for codec quantized -> accuracy10");
+  hang_up(room_.server(0), viewer, "a restart of the server is needed for codec quantized -> accuracy10");
   viewer.watch(10);
   room_.server(0).signal(SIGTERM);
   EXPECT_EQ(room_.server(0).wait(seconds(1)), 0) << room_.server(0).output();
+}
+
+TEST(ReloadOfAFineSensor, LeavesNoLossAgainWhereItTurnsOutImpossible) {
+  TemporaryFolder folder;
+  const std::string file = folder / "fine.toml", recording = folder / "fine.oni";
+  recording::OniContent content;
+  content.camera.model = {64, 48, 58, 58, 31.5, 23.5, {}};
+  content.color = std::nullopt;
+  auto writer = recording::OniWriter::create(recording, content);
+  ASSERT_TRUE(writer) << writer.error().what;
+  DepthImage depth(64, 48);
+  for (int frame = 0; frame < 30; ++frame) {
+    for (int i = 0; i < 64 * 48; ++i)
+      depth.data()[i] = static_cast<std::uint16_t>(500 + i + frame);  // > 1024 levels
+    ASSERT_TRUE(writer->write_depth(milliseconds(33 * (frame + 1)), depth));
+  }
+  ASSERT_TRUE(writer->finish());
+
+  std::ofstream(file) << "depth-qp = 20\n";
+  RunningRoom room;
+  room.serve(recording, {"--loop", "--config", file});
+  Viewer viewer(room.address(0));
+  viewer.watch(10);
+  std::ofstream(file) << "depth-qp = 0\n";
+  hang_up(room.server(0), viewer,
+          "too many for lossless depth: choose a --depth-qp above 0, or a smaller --range; depth goes on at "
+          "qp 20");
+  viewer.watch(20);
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ class DepthBenchProgram : public ::testing::Test {
     content.camera.model = {kWidth, kHeight, 58, 58, kWidth / 2.0 - 0.5, kHeight / 2.0 - 0.5, {}};
     content.camera.name = "odd";
     content.camera.unit = unit;
+    content.max_depth = 65535;
     content.color = std::nullopt;
     auto writer = recording::OniWriter::create(recording_, content);
     ASSERT_TRUE(writer) << writer.error().what;

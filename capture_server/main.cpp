@@ -50,10 +50,10 @@ int stream(RunningSettings& settings, const wire::ListeningSocket& listening, He
   spdlog::set_default_logger(spdlog::stderr_color_mt("capture_server"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   const bool has_file = !settings.now().config.empty();
-  flow::StopOnSignal signals(has_file ? [&settings] { settings.read_again(); } : std::function<void()>());
-  std::signal(SIGXFSZ, SIG_IGN);  // a recording that grows beyond a limit is a sentence, not a crash
   // The child before may have read its file again since.
   if (has_file && heartbeat.replaces_another()) settings.read_again();
+  flow::StopOnSignal signals(has_file ? [&settings] { settings.read_again(); } : std::function<void()>());
+  std::signal(SIGXFSZ, SIG_IGN);  // a recording that grows beyond a limit is a sentence, not a crash
   while (true) {
     const ServerSettings now = settings.now();
     const auto ran =

@@ -15,7 +15,7 @@ constexpr double kBufferFrames = 2.5;
 /// What is saved is spent within about so many frames, and no more than kMostSaved frames' worth are kept for later: as much
 /// again as a keyframe runs ahead, so that both in one second stay inside the promise. Spent in 8, it would not make up for an
 /// encoder that leaves a quarter of what it may take, as x264 does where every picture differs from the one before.
-constexpr double kSpendFrames = 4;
+constexpr double kSpendFrames = 5;
 constexpr double kMostSaved = 1.5;
 /// A keyframe's debt, up to kUsualDebt frames' worth, is paid back within about so many frames: faster, and where the mask takes
 /// most of the rate, the pictures after it would get next to nothing and be bad for longer than that. More is paid back in

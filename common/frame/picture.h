@@ -72,7 +72,8 @@ class Picture {
     void construct(std::uint8_t* sample, std::uint8_t value) { *sample = value; }
   };
 
-  std::vector<std::uint8_t, Uninitialised> samples_;  // all planes, one after the other; new[] aligns them for 16 bits
+  std::vector<std::uint8_t, Uninitialised>
+      samples_;  // all planes, one after the other; new[] aligns them for 16 bits
 };
 
 }  // namespace copresence

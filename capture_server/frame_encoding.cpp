@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "common/color/yuv420.h"
 
 namespace copresence::server {
@@ -25,6 +27,10 @@ Result<void> check_scene_fits(const sensor::SensorDescription& sensor, const sce
               fmt::format("the scene file says that camera \"{}\" gives {}x{} pixels, but it gives {}x{}",
                           camera.name, camera.model.width, camera.model.height, sensor.depth.width,
                           sensor.depth.height));
+}
+
+video::VideoSettings video_settings(const Rates& rates) {
+  return {video::Effort::kLive, rates.depth_qp, rates.depth_kbps, rates.color_kbps};
 }
 
 }  // namespace
@@ -57,7 +63,7 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   auto depth = depth::Encoder::open(settings.codec, {model.width, model.height, sensor.unit, settings.range});
   if (!depth) return fail(depth.error());
   depth->set_sensor_levels(sensor.levels);  // registration leaves depth as it was measured
-  depth->set_lossless(settings.depth_qp == 0 && !settings.depth_kbps);
+  depth->set_lossless(settings.rates.is_lossless());
 
   StreamDescription stream;
   stream.camera = settings.name;
@@ -70,12 +76,7 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   stream.world_from_camera = sensor.world_from_camera.value_or(Rigid3{});
   stream.codec = depth->description();
 
-  video::VideoSettings video_settings;
-  video_settings.effort = video::Effort::kLive;
-  video_settings.depth_qp = settings.depth_qp;
-  video_settings.depth_kbps = settings.depth_kbps;
-  video_settings.color_kbps = settings.color_kbps;
-  auto video = video::FrameEncoder::open(stream, video_settings);
+  auto video = video::FrameEncoder::open(stream, video_settings(settings.rates));
   if (!video) return fail(video.error());
   return FrameEncoding(std::move(stream), std::move(*registration), std::move(*filler), std::move(*depth),
                        std::move(*video));
@@ -90,8 +91,17 @@ FrameEncoding::FrameEncoding(StreamDescription description, registration::Regist
       depth_(std::move(depth)),
       video_(std::move(video)) {}
 
+Result<void> FrameEncoding::set_rates(const Rates& rates) {
+  const auto other_stream = video_.change(video_settings(rates));
+  if (!other_stream) return fail(other_stream.error());
+  depth_.set_lossless(rates.is_lossless());
+  keyframe_due_ = keyframe_due_ || *other_stream;
+  return {};
+}
+
 Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Workers* workers) {
   using std::chrono::steady_clock;
+  keyframe = std::exchange(keyframe_due_, false) || keyframe;
   frame.stamp.world_from_camera = description_.world_from_camera;
   const Instant begin = steady_clock::now();
   frame = registration_.apply(std::move(frame));

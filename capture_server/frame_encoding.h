@@ -32,6 +32,10 @@ class FrameEncoding {
 
   const StreamDescription& description() const { return description_; }
 
+  /// From the next frame on, which is a keyframe where depth gets another quantiser, or a rate instead of one. Fails where libx264
+  /// refuses; everything is then as before.
+  Result<void> set_rates(const Rates& rates);
+
   /// One frame in, one out. `keyframe`: this one must need nothing of earlier frames. With `workers` colour is
   /// encoded beside the filling and coding of depth.
   Result<EncodedFrame> encode(RgbdFrame frame, bool keyframe, Workers* workers = nullptr);
@@ -46,6 +50,7 @@ class FrameEncoding {
   std::unique_ptr<hole_filling::HoleFiller> filler_;
   depth::Encoder depth_;
   video::FrameEncoder video_;
+  bool keyframe_due_ = false;
 };
 
 }  // namespace copresence::server

@@ -8,9 +8,11 @@
 #include <spdlog/spdlog.h>
 
 #include <csignal>
+#include <functional>
 #include <thread>
 
 #include "capture_server/pipeline.h"
+#include "capture_server/running_settings.h"
 #include "capture_server/sensor/lasting_source.h"
 #include "capture_server/settings.h"
 #include "capture_server/source.h"
@@ -44,13 +46,18 @@ int list_devices() {
   return 0;
 }
 
-int stream(const ServerSettings& settings, const wire::ListeningSocket& listening, Heartbeat& heartbeat) {
+int stream(RunningSettings& settings, const wire::ListeningSocket& listening, Heartbeat& heartbeat) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("capture_server"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
-  flow::StopOnSignal signals;
+  const bool has_file = !settings.now().config.empty();
+  // The child before may have read its file again since.
+  if (has_file && heartbeat.replaces_another()) settings.read_again();
+  flow::StopOnSignal signals(has_file ? [&settings] { settings.read_again(); } : std::function<void()>());
   std::signal(SIGXFSZ, SIG_IGN);  // a recording that grows beyond a limit is a sentence, not a crash
   while (true) {
-    const auto ran = run_pipeline(settings, listening, signals.token(), [&] { heartbeat.beat(); });
+    const ServerSettings now = settings.now();
+    const auto ran =
+        run_pipeline(now, listening, settings.rates(), signals.token(), [&] { heartbeat.beat(); });
     if (ran) return 0;
     // What crashed was a camera being unplugged, perhaps: it was there once, so it is waited for.
     const bool may_come = heartbeat.replaces_another() && (ran.error().code == ErrorCode::kNotFound ||
@@ -75,6 +82,8 @@ int main(int argc, char** argv) {
   const auto listening = wire::listen(settings->listen, settings->insecure);
   if (!listening) return say(listening.error());
   const bool recording = is_recording(settings->source);
-  return supervise({.subject = settings->source, .restart = !recording},
-                   [&](Heartbeat& heartbeat) { return stream(*settings, *listening, heartbeat); });
+  RunningSettings running(argc, argv, *settings);
+  return supervise(
+      {.subject = settings->source, .passes_hangup = !settings->config.empty(), .restart = !recording},
+      [&](Heartbeat& heartbeat) { return stream(running, *listening, heartbeat); });
 }

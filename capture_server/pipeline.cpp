@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -70,12 +71,19 @@ Result<std::unique_ptr<RecordingThread>> begin_recording(const ServerSettings& s
   return std::make_unique<RecordingThread>(std::move(*recording));
 }
 
+std::string in_words(const Rates& rates) {
+  return rates.depth_kbps ? fmt::format("{} kbit/s", *rates.depth_kbps)
+                          : fmt::format("qp {}", rates.depth_qp);
+}
+
 class Pipeline {
  public:
   Pipeline(const ServerSettings& settings, std::unique_ptr<sensor::FrameSource> source,
            std::unique_ptr<RecordingThread> recording, FrameEncoding encoding,
-           std::unique_ptr<wire::FrameServer> server)
+           std::unique_ptr<wire::FrameServer> server, flow::Latest<Rates>& rates)
       : settings_(settings),
+        rates_(settings.rates),
+        new_rates_(rates),
         source_(std::move(source)),
         recording_(std::move(recording)),
         encoding_(std::move(encoding)),
@@ -159,6 +167,7 @@ class Pipeline {
     std::uint64_t encoder_busy = 0;  // frames replaced by newer ones before they were taken, or that failed
     std::uint64_t last = 0;          // sequence
     while (auto captured = captured_.take({})) {
+      if (const auto rates = new_rates_.try_take()) change_rates(*rates);
       const std::uint64_t sequence = captured->frame.stamp.sequence;
       if (sequence > last) encoder_busy += sequence - last - 1;
       last = sequence;
@@ -174,7 +183,12 @@ class Pipeline {
                       {sequence, encoder_busy, without_room, captured->pictures.depth_without_color,
                        captured->pictures.color_without_depth, captured->pictures.damaged});
       } else if (encoded.error().code == ErrorCode::kUnsupported) {
-        return fail(encoded.error());
+        if (!rates_before_) return fail(encoded.error());
+        ++encoder_busy;
+        spdlog::warn("{}: {}; depth goes on at {}", settings_.name, encoded.error().what,
+                     in_words(*rates_before_));
+        change_rates(Rates(*rates_before_));
+        rates_before_.reset();
       } else {
         ++encoder_busy;
         spdlog::warn("{}: frame {} is left out: {}", settings_.name, sequence, encoded.error().what);
@@ -183,7 +197,18 @@ class Pipeline {
     return {};
   }
 
+  void change_rates(const Rates& rates) {
+    if (const auto changed = encoding_.set_rates(rates); !changed) {
+      spdlog::warn("{}: {}; rates stay as they are", settings_.name, changed.error().what);
+      return;
+    }
+    rates_before_ = std::exchange(rates_, rates);
+  }
+
   const ServerSettings& settings_;
+  Rates rates_;
+  std::optional<Rates> rates_before_;  ///< of a change while running: what can be gone back to
+  flow::Latest<Rates>& new_rates_;
   std::unique_ptr<sensor::FrameSource> source_;
   std::unique_ptr<RecordingThread> recording_;  ///< where there is one
   FrameEncoding encoding_;
@@ -196,7 +221,8 @@ class Pipeline {
 }  // namespace
 
 Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
-                          std::stop_token stop, const std::function<void()>& alive) {
+                          flow::Latest<Rates>& rates, std::stop_token stop,
+                          const std::function<void()>& alive) {
   const auto camera = camera_in_scene(settings);
   if (!camera) return fail(camera.error());
   auto source = open_source_to_play(settings);
@@ -211,11 +237,9 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
   spdlog::info("{}: {}x{} {}, depth {} at {}, on {}", settings.name, encoding->description().model.width,
                encoding->description().model.height,
                encoding->description().has_color ? "depth and colour" : "depth only", settings.codec,
-               settings.depth_kbps ? fmt::format("{} kbit/s", *settings.depth_kbps)
-                                   : fmt::format("qp {}", settings.depth_qp),
-               listening.address());
+               in_words(settings.rates), listening.address());
   return Pipeline(settings, std::move(*source), std::move(*recording), std::move(*encoding),
-                  std::move(*server))
+                  std::move(*server), rates)
       .run(stop, alive);
 }
 

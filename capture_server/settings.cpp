@@ -3,74 +3,21 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
-#include <map>
+#include <set>
+#include <utility>
 
 #include "capture_server/drivers/simulated/simulated_uri.h"
+#include "capture_server/flags.h"
 #include "capture_server/source.h"
-#include "common/depth/depth_codec.h"
+#include "common/scene/settings_file.h"
 #include "common/version.h"
 
 namespace copresence::server {
 namespace {
 
-/// "NEAR:FAR" in metres.
-std::string parse_range(const std::string& text, DepthRange& range) {
-  const auto colon = text.find(':');
-  double near = 0, far = 0;
-  if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), near) ||
-      !CLI::detail::lexical_cast(text.substr(colon + 1), far)) {
-    return fmt::format("\"{}\" is not NEAR:FAR in metres, such as 0.4:5", text);
-  }
-  if (!(near >= 0.05 && near < far && far <= 65.0)) {
-    return fmt::format("{}:{} m cannot be a range: NEAR must be at least 0.05 and below FAR, FAR at most 65",
-                       near, far);
-  }
-  range = {near, far};
-  return {};
-}
-
-/// "K/N" or "K/N:MS": turn K (from 1) of N, MS milliseconds each.
-std::string parse_slot(const std::string& text, sensor::ProjectorSlot& slot) {
-  const auto slash = text.find('/'), colon = std::min(text.find(':'), text.size());
-  int turn = 0, count = 0, ms = static_cast<int>(slot.turn.count());
-  if (slash == std::string::npos || slash > colon ||
-      !CLI::detail::lexical_cast(text.substr(0, slash), turn) ||
-      !CLI::detail::lexical_cast(text.substr(slash + 1, colon - slash - 1), count) ||
-      (colon < text.size() && !CLI::detail::lexical_cast(text.substr(colon + 1), ms))) {
-    return fmt::format("\"{}\" is not K/N or K/N:MS, such as 1/2 or 1/2:400", text);
-  }
-  using Slot = sensor::ProjectorSlot;
-  const Slot wanted{turn - 1, count, std::chrono::milliseconds(ms)};
-  if (!wanted.is_sensible()) {
-    return fmt::format(
-        "{} cannot be a turn: K goes from 1 to N, N to {}, MS from {}, and N turns take at most {} ms", text,
-        Slot::kMost, Slot::kShortest.count(), Slot::kLongestRound.count());
-  }
-  slot = wanted;
-  return {};
-}
-
-std::string check_codec(const std::string& name) {
-  const auto names = depth::codec_names();
-  if (std::find(names.begin(), names.end(), name) != names.end()) return {};
-  return fmt::format("there is no depth codec \"{}\"; there are {}", name, fmt::join(names, ", "));
-}
-
-using hole_filling::Compute;
-using Pace = sensor::SourceSettings::Pace;
-
-std::map<std::string, hole_filling::Method> methods_by_name() {
-  std::map<std::string, hole_filling::Method> methods;
-  for (const auto method : hole_filling::kMethods) methods.emplace(hole_filling::name(method), method);
-  return methods;
-}
-
-std::map<std::string, sensor::CameraControls::Mode> modes_by_name() {
-  using Mode = sensor::CameraControls::Mode;
-  return {{"auto", Mode::kAutomatic}, {"fixed", Mode::kFixed}};
-}
+constexpr const char* kPurpose =
+    "Streams one RGB-D camera, or a recording of one, to render_client over TCP.";
 
 std::string default_name(const ServerSettings& settings) {
   if (is_recording(settings.source)) return std::filesystem::path(settings.source).stem().string();
@@ -78,101 +25,110 @@ std::string default_name(const ServerSettings& settings) {
   return simulated ? fmt::format("camera{}", simulated->camera) : "camera";
 }
 
+std::string key_of(const CLI::Option& option) {
+  return option.get_lnames().empty() ? std::string() : option.get_lnames().front();
+}
+
+/// A setting's value; where it is the relative path of a file, from the folder that it is relative to.
+std::string from_folder(const std::filesystem::path& folder, const scene::Setting& setting) {
+  const bool is_path = setting.key == "scene" || setting.key == "record" ||
+                       (setting.key == "source" && is_recording(setting.value));
+  return is_path && !setting.value.empty() ? (folder / setting.value).string() : setting.value;
+}
+
+bool is_given(const CLI::Option& option) {
+  return option.count() > 0;
+}
+
+/// A file's settings, where the command line does not have them or their opposites. Fails with FILE:LINE.
+Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
+  const auto settings = scene::load_settings(path);
+  if (!settings) return fail(settings.error());
+  std::set<const CLI::Option*> on_the_command_line;
+  for (const CLI::Option* option : app.get_options()) {
+    if (is_given(*option)) on_the_command_line.insert(option);
+  }
+  for (const scene::Setting& setting : *settings) {
+    const auto wrong = [&](const std::string& what) {
+      return fail(ErrorCode::kInvalid, fmt::format("{}:{}: {}", path.string(), setting.line, what));
+    };
+    CLI::Option* const option = app.get_option_no_throw("--" + setting.key);
+    if (!option || !option->get_configurable()) {
+      return wrong(fmt::format("there is no setting \"{}\": see --help, without its dashes", setting.key));
+    }
+    bool is_overruled = on_the_command_line.contains(option);
+    for (const CLI::Option* opposite : option->get_excludes()) {
+      if (!is_given(*opposite)) continue;
+      if (!on_the_command_line.contains(opposite)) {
+        return wrong(fmt::format("{} and {} exclude each other", setting.key, key_of(*opposite)));
+      }
+      is_overruled = true;
+    }
+    if (is_overruled) continue;
+    try {
+      const bool is_flag = option->get_expected_min() == 0;
+      option->add_result(is_flag ? option->get_flag_value(setting.key, setting.value)
+                                 : from_folder(path.parent_path(), setting));
+      option->run_callback();
+    } catch (const CLI::ParseError& error) {
+      return wrong(error.what());
+    }
+  }
+  return {};
+}
+
+std::map<std::string, std::string> texts_of(const CLI::App& app) {
+  std::map<std::string, std::string> texts;
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_configurable()) continue;
+    texts[key_of(*option)] =
+        is_given(*option) ? fmt::format("{}", fmt::join(option->results(), " ")) : option->get_default_str();
+  }
+  return texts;
+}
+
+/// All that is asked for. A file's mistakes are errors, the command line's CLI::ParseError.
+Result<ServerSettings> read(CLI::App& app, int argc, const char* const* argv) {
+  ServerSettings settings;
+  add_flags(app, settings);
+  app.parse(argc, argv);
+  if (settings.list) return settings;
+  if (!settings.config.empty()) {
+    if (const auto applied = apply_file(app, settings.config); !applied) return fail(applied.error());
+  }
+  if (settings.source.empty()) {
+    throw CLI::RequiredError("--source (openni:, openni:URI, simulated:room?camera=N or FILE.oni)");
+  }
+  if (settings.controls.projector && is_recording(settings.source)) {
+    throw CLI::ValidationError("--projector-slot", "a recording has no projector: leave it out");
+  }
+  if (settings.name.empty()) settings.name = default_name(settings);
+  settings.texts = texts_of(app);
+  return settings;
+}
+
 }  // namespace
 
 tl::expected<ServerSettings, int> read_command_line(int argc, const char* const* argv) {
-  ServerSettings settings;
-  CLI::App app{"Streams one RGB-D camera, or a recording of one, to render_client over TCP.",
-               "capture_server"};
+  CLI::App app{kPurpose, "capture_server"};
   app.set_version_flag("--version", std::string("capture_server ") + kVersion);
-
-  auto* source =
-      app.add_option("--source", settings.source,
-                     "openni: (first camera), openni:URI (see --list), simulated:room?camera=N or a "
-                     "recording FILE.oni");
-  app.add_option("--listen", settings.listen, "address to accept clients on, HOST:PORT")
-      ->capture_default_str();
-  app.add_option("--name", settings.name,
-                 "the camera's name [the recording's file name, cameraN when simulated, else camera]")
-      ->check([](const std::string& name) {
-        return name.empty() || name.size() > 64 ? std::string("a name has 1 to 64 characters")
-                                                : std::string();
-      });
-  app.add_option("--codec", settings.codec, "depth codec, see docs/codecs.md")
-      ->capture_default_str()
-      ->check(CLI::Validator(check_codec, ""));
-  auto* qp = app.add_option("--depth-qp", settings.depth_qp, "constant quality of depth, 0 (lossless) to 51")
-                 ->capture_default_str()
-                 ->check(CLI::Range(0, 51));
-  app.add_option("--depth-kbps", settings.depth_kbps, "constant rate of all that depth costs, kbit/s")
-      ->check(CLI::Range(50, 200000))
-      ->excludes(qp);
-  app.add_option("--color-kbps", settings.color_kbps, "rate of colour, kbit/s")
-      ->capture_default_str()
-      ->check(CLI::Range(50, 200000));
-  app.add_option("--hole-filling", settings.hole_filling, "off, median, bilateral or joint [joint]")
-      ->transform(CLI::Transformer(methods_by_name()).description(""));
-  app.add_option_function<std::string>(
-         "--range", [&](const std::string& text) { (void)parse_range(text, settings.range); },
-         "depth that counts, NEAR:FAR in metres [0.4:5]")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            DepthRange ignored;
-            return parse_range(text, ignored);
-          },
-          ""));
-  app.add_option("--compute", settings.compute,
-                 "where holes are filled: auto (gl on a GPU, else cpu), gl or cpu [auto]")
-      ->transform(
-          CLI::Transformer(std::map<std::string, Compute>{
-                               {"auto", Compute::kAuto}, {"gl", Compute::kGl}, {"cpu", Compute::kCpu}})
-              .description(""));
-  app.add_option(
-         "--exposure", settings.controls.exposure,
-         "of a camera's colour: auto, or fixed at what auto found after two seconds [the camera's own way]")
-      ->transform(CLI::Transformer(modes_by_name()).description(""));
-  app.add_option("--white-balance", settings.controls.white_balance, "likewise: auto or fixed")
-      ->transform(CLI::Transformer(modes_by_name()).description(""));
-  app.add_option_function<std::string>(
-         "--projector-slot",
-         [&](const std::string& text) { (void)parse_slot(text, settings.controls.projector.emplace()); },
-         "take turns with the projectors of this room's other cameras against interference: K/N[:MS], the "
-         "Kth "
-         "turn of N, MS milliseconds each [500]; frame rate falls below 30/N, see docs/cameras.md")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            sensor::ProjectorSlot ignored;
-            return parse_slot(text, ignored);
-          },
-          ""));
-  app.add_flag("--loop", settings.loop, "start a recording again at its end");
-  app.add_option("--pace", settings.pace, "real: as recorded; fast: as fast as frames can be sent [real]")
-      ->transform(CLI::Transformer(std::map<std::string, Pace>{{"real", Pace::kReal}, {"fast", Pace::kFast}})
-                      .description(""));
-  app.add_option("--frames", settings.frames, "end after N captured frames")->check(CLI::PositiveNumber);
-  app.add_flag("--insecure", settings.insecure,
-               "allow --listen beyond this machine: anyone who reaches the port sees the room, unencrypted");
-  app.add_option("--scene", settings.scene, "scene file with this camera's pose and intrinsics, by --name");
-  app.add_option(
-      "--record", settings.record,
-      "also record what the sensor gives to this .oni file, lossless in depth; a file that is there "
-      "is not overwritten: FILE-2.oni is taken then");
-  auto* list = app.add_flag("--list", settings.list, "list the devices that can be opened, and end");
-  source->excludes(list);
-
   try {
-    app.parse(argc, argv);
-    if (!settings.list && settings.source.empty()) {
-      throw CLI::RequiredError("--source (openni:, openni:URI, simulated:room?camera=N or FILE.oni)");
-    }
-    if (settings.controls.projector && is_recording(settings.source)) {
-      throw CLI::ValidationError("--projector-slot", "a recording has no projector: leave it out");
-    }
+    auto settings = read(app, argc, argv);
+    if (settings) return std::move(*settings);
+    fmt::print(stderr, "capture_server: {}\n", settings.error().what);
+    return tl::unexpected(2);
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(app.exit(error) == 0 ? 0 : 2);
   }
-  if (settings.name.empty()) settings.name = default_name(settings);
-  return settings;
+}
+
+Result<ServerSettings> read_again(int argc, const char* const* argv) {
+  CLI::App app{kPurpose};
+  try {
+    return read(app, argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return fail(ErrorCode::kInvalid, error.what());
+  }
 }
 
 }  // namespace copresence::server

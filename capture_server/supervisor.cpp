@@ -42,33 +42,41 @@ class Descriptor {
 // The signals that a parent waits for instead of being interrupted by them.
 class BlockedSignals {
  public:
-  BlockedSignals() {
+  explicit BlockedSignals(bool hangup_too) {
     sigset_t set;
     sigemptyset(&set);
     for (const int signal : {SIGTERM, SIGINT, SIGCHLD}) sigaddset(&set, signal);
+    if (hangup_too) sigaddset(&set, SIGHUP);
     sigprocmask(SIG_BLOCK, &set, &before_);
+    for_children_ = before_;
+    if (hangup_too) sigaddset(&for_children_, SIGHUP);
     descriptor_ = ::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
   }
   ~BlockedSignals() {
     ::close(descriptor_);
-    restore();
+    sigprocmask(SIG_SETMASK, &before_, nullptr);
   }
   BlockedSignals(const BlockedSignals&) = delete;
   BlockedSignals& operator=(const BlockedSignals&) = delete;
 
-  void restore() const { sigprocmask(SIG_SETMASK, &before_, nullptr); }
+  void restore_in_child() const { sigprocmask(SIG_SETMASK, &for_children_, nullptr); }
   int descriptor() const { return descriptor_; }
 
-  // Takes what has come; true where a stop was among it.
-  bool take_stop() const {
-    bool stop = false;
+  struct Come {
+    bool stop = false, hangup = false;
+  };
+  Come take() const {
+    Come come;
     signalfd_siginfo got;
-    while (::read(descriptor_, &got, sizeof(got)) == sizeof(got)) stop = stop || got.ssi_signo != SIGCHLD;
-    return stop;
+    while (::read(descriptor_, &got, sizeof(got)) == sizeof(got)) {
+      come.stop = come.stop || got.ssi_signo == SIGTERM || got.ssi_signo == SIGINT;
+      come.hangup = come.hangup || got.ssi_signo == SIGHUP;
+    }
+    return come;
   }
 
  private:
-  sigset_t before_;
+  sigset_t before_, for_children_;
   int descriptor_ = -1;
 };
 
@@ -100,7 +108,7 @@ class Child {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) std::_Exit(1);  // it died before the line above
     read_end_->close();
-    signals_.restore();
+    signals_.restore_in_child();
     Heartbeat heartbeat(write_end.number(), replaces_another);
     std::exit(child_main(heartbeat));
   }
@@ -114,7 +122,9 @@ class Child {
     while (true) {
       pollfd watched[] = {{read_end_->number(), POLLIN, 0}, {signals_.descriptor(), POLLIN, 0}};
       ::poll(watched, 2, poll_ms(deadline));
-      if (signals_.take_stop() && !stopping) {
+      const auto come = signals_.take();
+      if (come.hangup) ::kill(id_, SIGHUP);
+      if (come.stop && !stopping) {
         stopping = true;
         deadline = Clock::now() + policy_.stop_within;
         ::kill(id_, SIGTERM);
@@ -182,7 +192,7 @@ bool pause(const BlockedSignals& signals, milliseconds length) {
   while (Clock::now() < until) {
     pollfd watched{signals.descriptor(), POLLIN, 0};
     ::poll(&watched, 1, poll_ms(until));
-    if (signals.take_stop()) return true;
+    if (signals.take().stop) return true;  // a new child reads what SIGHUP is about by itself
   }
   return false;
 }
@@ -197,7 +207,7 @@ void Heartbeat::beat() {
 }
 
 int supervise(const SupervisorPolicy& policy, const std::function<int(Heartbeat&)>& child_main) {
-  const BlockedSignals signals;
+  const BlockedSignals signals(policy.passes_hangup);
   milliseconds next_pause = policy.first_pause;
   int in_a_row = 0;
   bool replaces_another = false;

@@ -33,7 +33,8 @@ class Heartbeat {
 };
 
 struct SupervisorPolicy {
-  std::string subject;   ///< what the child works on, for sentences: a file, a camera
+  std::string subject;         ///< what the child works on, for sentences: a file, a camera
+  bool passes_hangup = false;  ///< SIGHUP goes on to the child, which waits for it, instead of ending both
   bool restart = false;  ///< a camera: a crashed or hanging child is replaced; a recording: it is the end
   std::chrono::milliseconds silence{5000};         ///< without a heartbeat a child hangs and is killed
   std::chrono::milliseconds first_silence{20000};  ///< before the first one: opening a camera takes its time
@@ -45,8 +46,8 @@ struct SupervisorPolicy {
   int most_in_a_row = 10;                          ///< then it gives up
 };
 
-/// Runs `child_main` in a child and waits for it. Forwards SIGTERM and SIGINT as SIGTERM, and leaves none
-/// behind: a child dies with its parent. Returns what `child_main` returned; 0 when it was asked to stop and
+/// Runs `child_main` in a child and waits for it. Forwards SIGTERM and SIGINT as SIGTERM, SIGHUP where asked to (a child begins with
+/// that blocked, so that none comes too early for it), and leaves none behind: a child dies with its parent. Returns what `child_main` returned; 0 when it was asked to stop and
 /// did not live to say; 1, after one sentence on standard error, when a child crashed, hung or did not stop
 /// in time and there is no other. Forks are this function's alone: it takes every child's end as its child's.
 int supervise(const SupervisorPolicy& policy, const std::function<int(Heartbeat&)>& child_main);

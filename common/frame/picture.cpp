@@ -1,5 +1,7 @@
 #include "common/frame/picture.h"
 
+#include <algorithm>
+
 namespace copresence {
 
 std::string_view name(PixelFormat format) {
@@ -16,10 +18,18 @@ std::string_view name(PixelFormat format) {
   return "unknown";
 }
 
-Picture::Picture(PixelFormat format, int width, int height)
-    : format_(format), width_(width), height_(height) {
+Picture Picture::unwritten(PixelFormat format, int width, int height) {
   assert(width >= 0 && height >= 0 && width % 2 == 0 && height % 2 == 0);
-  samples_.resize(plane_offset(planes()));
+  Picture picture;
+  picture.format_ = format;
+  picture.width_ = width;
+  picture.height_ = height;
+  picture.samples_.resize(picture.plane_offset(picture.planes()));
+  return picture;
+}
+
+Picture::Picture(PixelFormat format, int width, int height) : Picture(unwritten(format, width, height)) {
+  std::fill(samples_.begin(), samples_.end(), std::uint8_t{0});
 }
 
 std::size_t Picture::plane_offset(int plane) const {

@@ -5,6 +5,8 @@
 #include <array>
 #include <cassert>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -25,6 +27,8 @@ class Picture {
   Picture() = default;
   /// Samples are 0. Requires even sizes.
   Picture(PixelFormat format, int width, int height);
+  /// The same with samples of any value, for who writes them all: zeros for a megabyte are time, too.
+  static Picture unwritten(PixelFormat format, int width, int height);
 
   PixelFormat format() const { return format_; }
   int width() const { return width_; }  ///< of luma
@@ -58,7 +62,18 @@ class Picture {
   PixelFormat format_ = PixelFormat::kGray8;
   int width_ = 0;
   int height_ = 0;
-  std::vector<std::uint8_t> samples_;  // all planes, one after the other; new[] aligns them for 16 bits
+  // Leaves new samples as they are where it is not told their value.
+  struct Uninitialised : std::allocator<std::uint8_t> {
+    template <class T>
+    struct rebind {
+      using other = Uninitialised;
+    };
+    void construct(std::uint8_t* sample) { ::new (static_cast<void*>(sample)) std::uint8_t; }
+    void construct(std::uint8_t* sample, std::uint8_t value) { *sample = value; }
+  };
+
+  std::vector<std::uint8_t, Uninitialised>
+      samples_;  // all planes, one after the other; new[] aligns them for 16 bits
 };
 
 }  // namespace copresence

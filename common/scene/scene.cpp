@@ -8,9 +8,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <initializer_list>
-#include <iterator>
+
+#include "common/scene/text_file.h"
 
 namespace copresence::scene {
 namespace {
@@ -257,14 +257,9 @@ Result<Scene> parse(std::string_view text, const std::filesystem::path& path) {
 }
 
 Result<Scene> load(const std::filesystem::path& path) {
-  std::error_code ignored;
-  std::ifstream file;
-  if (std::filesystem::is_regular_file(path, ignored)) file.open(path, std::ios::binary);
-  if (!file.is_open()) {
-    return fail(ErrorCode::kNotFound, fmt::format("{}: cannot be read as a scene file", path.string()));
-  }
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return parse(text, path);
+  const auto text = read_text_file(path, "a scene file");
+  if (!text) return fail(text.error());
+  return parse(*text, path);
 }
 
 }  // namespace copresence::scene

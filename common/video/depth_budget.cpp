@@ -13,13 +13,15 @@ constexpr double kShare = 0.99;
 /// below 1.1 times the rate.
 constexpr double kBufferFrames = 2.5;
 /// What is saved is spent within about so many frames, and no more than kMostSaved frames' worth are kept for later: as much
-/// again as a keyframe runs ahead, so that both in one second stay inside the promise.
-constexpr double kSpendFrames = 8;
+/// again as a keyframe runs ahead, so that both in one second stay inside the promise. Spent in 8, it would not make up for an
+/// encoder that leaves a quarter of what it may take, as x264 does where every picture differs from the one before.
+constexpr double kSpendFrames = 5;
 constexpr double kMostSaved = 1.5;
 /// A keyframe's debt, up to kUsualDebt frames' worth, is paid back within about so many frames: faster, and where the mask takes
-/// most of the rate, the pictures after it would get next to nothing and be bad for longer than that. More is paid back as
-/// savings are spent.
+/// most of the rate, the pictures after it would get next to nothing and be bad for longer than that. More is paid back in
+/// kRepayMoreFrames.
 constexpr double kRepayFrames = 40;
+constexpr double kRepayMoreFrames = 8;
 constexpr double kUsualDebt = 2;
 /// More is forgiven: when side data alone exceeds the rate for long, the picture must recover within a second
 /// after.
@@ -48,7 +50,9 @@ void DepthBudget::set_kbps(int kbps) {
 PictureRate DepthBudget::picture_rate(std::size_t side_bytes) const {
   const double share = frame_bits() * kShare;
   const double slow = std::clamp(debt_bits_, 0.0, kUsualDebt * share);
-  const double repaid = slow / kRepayFrames + (debt_bits_ - slow) / kSpendFrames;
+  const double saved = std::min(debt_bits_, 0.0);
+  const double repaid =
+      slow / kRepayFrames + (debt_bits_ - slow - saved) / kRepayMoreFrames + saved / kSpendFrames;
   const double wanted = share - 8.0 * static_cast<double>(side_bytes) - repaid;
   const double bits = std::max(wanted, share * kLeastShare);
   return {bits * frames_per_second_ / 1000, frame_bits() * kBufferFrames / 1000};

@@ -18,6 +18,16 @@ PictureRate color_rate(int kbps, double frames_per_second) {
   return {double(kbps), kbps * kColorBufferFrames / frames_per_second};
 }
 
+std::optional<DepthBudget> depth_budget(const VideoSettings& settings, double frames_per_second) {
+  if (!settings.depth_kbps) return std::nullopt;
+  return DepthBudget(*settings.depth_kbps, frames_per_second);
+}
+
+std::optional<PictureRate> first_rate(const std::optional<DepthBudget>& budget) {
+  if (!budget) return std::nullopt;
+  return budget->picture_rate(0);
+}
+
 }  // namespace
 
 Result<FrameEncoder> FrameEncoder::open(const StreamDescription& stream, const VideoSettings& settings) {
@@ -29,26 +39,23 @@ Result<FrameEncoder> FrameEncoder::open(const StreamDescription& stream, const V
                                  .height = stream.model.height,
                                  .frames_per_second = stream.frames_per_second,
                                  .qp = settings.depth_qp};
-  std::optional<DepthBudget> budget;
-  if (settings.depth_kbps) {
-    budget.emplace(*settings.depth_kbps, stream.frames_per_second);
-    depth_settings.rate = budget->picture_rate(0);
-  }
+  const auto budget = depth_budget(settings, stream.frames_per_second);
+  depth_settings.rate = first_rate(budget);
   auto depth = PictureEncoder::open(depth_settings);
   if (!depth) return fail(depth.error());
-  if (!stream.has_color) return FrameEncoder(std::move(*depth), budget, std::nullopt);
+  if (!stream.has_color) return FrameEncoder(settings, std::move(*depth), budget, std::nullopt);
   PictureSettings color_settings = depth_settings;
   color_settings.kind = PictureKind::kColor;
   color_settings.format = PixelFormat::kYuv420;
   color_settings.rate = color_rate(settings.color_kbps, stream.frames_per_second);
   auto color = PictureEncoder::open(color_settings);
   if (!color) return fail(color.error());
-  return FrameEncoder(std::move(*depth), budget, std::move(*color));
+  return FrameEncoder(settings, std::move(*depth), budget, std::move(*color));
 }
 
-FrameEncoder::FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budget,
-                           std::optional<PictureEncoder> color)
-    : depth_(std::move(depth)), budget_(budget), color_(std::move(color)) {}
+FrameEncoder::FrameEncoder(const VideoSettings& settings, PictureEncoder depth,
+                           std::optional<DepthBudget> budget, std::optional<PictureEncoder> color)
+    : settings_(settings), depth_(std::move(depth)), budget_(budget), color_(std::move(color)) {}
 
 void FrameEncoder::encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe) {
   assert(color_);
@@ -111,14 +118,27 @@ Result<FrameEncoder::AccessUnit> FrameEncoder::encode_depth(const PlanarDepth& d
   return flat_->write(depth.keyframe);
 }
 
-void FrameEncoder::set_depth_kbps(int kbps) {
-  assert(budget_ && kbps >= kMinKbps && kbps <= kMaxKbps);
-  budget_->set_kbps(kbps);
-}
-
-void FrameEncoder::set_color_kbps(int kbps) {
-  assert(kbps >= kMinKbps && kbps <= kMaxKbps);
-  if (color_) color_->set_rate(color_rate(kbps, color_->settings().frames_per_second));
+Result<bool> FrameEncoder::change(const VideoSettings& settings) {
+  assert(settings.effort == settings_.effort);
+  if (auto checked = check(settings); !checked) return fail(checked.error());
+  const double frames_per_second = depth_.settings().frames_per_second;
+  const bool same_stream = budget_ ? settings.depth_kbps.has_value()
+                                   : !settings.depth_kbps && settings.depth_qp == settings_.depth_qp;
+  if (!same_stream) {
+    PictureSettings depth_settings = depth_.settings();
+    const auto budget = depth_budget(settings, frames_per_second);
+    depth_settings.qp = settings.depth_qp;
+    depth_settings.rate = first_rate(budget);
+    auto depth = PictureEncoder::open(depth_settings);
+    if (!depth) return fail(depth.error());
+    depth_ = std::move(*depth);
+    budget_ = budget;
+  } else if (budget_) {
+    budget_->set_kbps(*settings.depth_kbps);
+  }
+  if (color_) color_->set_rate(color_rate(settings.color_kbps, frames_per_second));
+  settings_ = settings;
+  return !same_stream;
 }
 
 }  // namespace copresence::video

@@ -34,17 +34,19 @@ class FrameEncoder {
   /// Thread: beside whatever does not use this encoder.
   void encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe);
 
-  /// From the next frame on. Requires kMinKbps <= kbps <= kMaxKbps; set_depth_kbps an encoder opened with
-  /// depth_kbps.
-  void set_depth_kbps(int kbps);
-  void set_color_kbps(int kbps);
+  /// Other rates or another quantiser, of the same effort, from the next frame on. Where this says true that frame must be a keyframe:
+  /// another quantiser, or a rate instead of one, is another H.264 stream; another rate is not.
+  /// Fails as open() does, and everything is as before.
+  Result<bool> change(const VideoSettings& settings);
 
  private:
-  FrameEncoder(PictureEncoder depth, std::optional<DepthBudget> budget, std::optional<PictureEncoder> color);
+  FrameEncoder(const VideoSettings& settings, PictureEncoder depth, std::optional<DepthBudget> budget,
+               std::optional<PictureEncoder> color);
 
   using AccessUnit = std::vector<std::uint8_t>;
   Result<AccessUnit> encode_depth(const PlanarDepth& depth);
 
+  VideoSettings settings_;
   PictureEncoder depth_;
   std::optional<FlatPictureWriter> flat_;  // instead of depth_, since the last keyframe
   std::optional<DepthBudget> budget_;

@@ -29,7 +29,7 @@ bool holds(AVPixelFormat decoded, PixelFormat format) {
 }
 
 Picture copy_planes(const AVFrame& frame, PixelFormat format, int width, int height) {
-  Picture picture(format, width, height);
+  Picture picture = Picture::unwritten(format, width, height);
   for (int plane = 0; plane < picture.planes(); ++plane) {
     auto* to = picture.bytes_per_sample() == 2 ? reinterpret_cast<std::uint8_t*>(picture.plane10().data())
                                                : picture.plane8(plane).data();

@@ -5,7 +5,10 @@
 
 #include <csignal>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
 
+#include "common/depth/depth_codec.h"
 #include "tests/pipeline/running_room.h"
 
 namespace copresence::testing {
@@ -78,8 +81,9 @@ TEST_F(Live, FramesEndsTheServerWithoutAnyClient) {
 }
 
 TEST_F(Live, EveryCodecShowsTheRoom) {
-  for (const char* codec : {"accuracy8", "accuracy10", "spiral", "spiral-fold", "spiral-fold-444",
-                            "quantized", "adaptive", "triangle", "direct"}) {
+  std::vector<std::string> codecs(depth::codec_names().begin(), depth::codec_names().end());
+  codecs.push_back("triangle:period=0.8");
+  for (const std::string& codec : codecs) {
     RunningRoom room;
     room.serve(recordings() / "camera0.oni", {"--loop", "--codec", codec});
     const auto stats = room.view({"--frames", "5", "--size", "320x180"});

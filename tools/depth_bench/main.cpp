@@ -7,10 +7,10 @@
 #include "tools/depth_bench/codec_run.h"
 #include "tools/depth_bench/depth_recording.h"
 #include "tools/depth_bench/plots.h"
-#include "tools/progress/progress.h"
 #include "tools/depth_bench/row.h"
 #include "tools/depth_bench/settings.h"
 #include "tools/depth_bench/tuning.h"
+#include "tools/progress/progress.h"
 
 namespace copresence::depth_bench {
 namespace {
@@ -36,6 +36,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
     runs += is_baseline(codec) ? 1 : static_cast<int>(list.size());
   tools::Progress progress(runs);
   std::vector<Row> rows;
+  std::string left_out;  // since this recording does not allow it
   print(progress, heading());
   for (const std::string& codec : settings.codecs) {
     if (is_baseline(codec)) {
@@ -46,16 +47,24 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
       continue;
     }
     Snapshot snapshot;
-    std::string title;
+    std::string shot;  // of which setting
     for (const Setting& setting : list) {
-      title = codec + ' ' + setting.text();
+      const std::string title = codec + ' ' + setting.text();
       progress.begin(title);
       auto row = run_codec(recording, codec, setting, settings.plot ? &snapshot : nullptr);
+      if (!row && row.error().code == ErrorCode::kUnsupported) {
+        left_out = fmt::format("{}: {}", title, row.error().what);
+        progress.clear();
+        fmt::print(stderr, "depth_bench: {}; left out\n", left_out);
+        continue;
+      }
       if (!row) return fail(ErrorCode{row.error().code}, fmt::format("{}: {}", title, row.error().what));
       print(progress, line(rows.emplace_back(std::move(*row))));
+      shot = title;
     }
-    if (settings.plot) shots.emplace_back(title, std::move(snapshot));
+    if (settings.plot && !shot.empty()) shots.emplace_back(shot, std::move(snapshot));
   }
+  if (rows.empty()) return fail(ErrorCode::kUnsupported, left_out);
   return rows;
 }
 

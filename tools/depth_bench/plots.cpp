@@ -98,6 +98,16 @@ struct Measure {
   std::pair<double, double> range;
 };
 
+// The usual range, or more where rows lie beyond it. 0 has no place on a logarithmic axis and is drawn at its end.
+std::pair<double, double> with_all(std::pair<double, double> usual, const std::vector<Row>& rows,
+                                   double (*of)(const Row&)) {
+  for (const Row& row : rows) {
+    if (of(row) <= 0) continue;
+    usual = {std::min(usual.first, of(row) * 0.9), std::max(usual.second, of(row) * 1.1)};
+  }
+  return usual;
+}
+
 std::vector<std::string> codecs_of(const std::vector<Row>& rows) {
   std::vector<std::string> names;
   for (const Row& row : rows) {
@@ -141,7 +151,9 @@ Result<void> plot_curves(const std::vector<Row>& rows, const std::string& path) 
               {0.001, 100}}};
   for (std::size_t panel = 0; panel < measures.size(); ++panel) {
     const Measure& measure = measures[panel];
-    LogAxes axes(image, {60 + static_cast<int>(panel) * 630, 40, 550, 450}, {0.3, 60}, measure.range);
+    const auto rates = with_all({0.3, 60}, rows, [](const Row& row) { return row.mbps; });
+    LogAxes axes(image, {60 + static_cast<int>(panel) * 630, 40, 550, 450}, rates,
+                 with_all(measure.range, rows, measure.of));
     axes.draw("Mbit/s", measure.name);
     for (std::size_t i = 0; i < names.size(); ++i) {
       std::vector<Row> curve;

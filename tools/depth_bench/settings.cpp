@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "common/depth/depth_codec.h"
 #include "common/video/video_settings.h"
@@ -32,6 +33,13 @@ std::string parse_range(const std::string& text, DepthRange& range) {
     return fmt::format("the range {} is empty: NEAR must be above 0 and below FAR", text);
   }
   return {};
+}
+
+// Known before a long run rather than after it.
+std::string can_be_written(const std::string& path) {
+  const auto folder = std::filesystem::path(path).parent_path();
+  if (folder.empty() || std::filesystem::is_directory(folder)) return {};
+  return fmt::format("there is no folder {} for {}", folder.string(), path);
 }
 
 }  // namespace
@@ -76,14 +84,15 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   app.add_option("--range", "depth in metres that counts, NEAR:FAR; the rest are holes (default 0.4:5)")
       ->each([&](const std::string& text) {
         if (const auto wrong = parse_range(text, settings.range); !wrong.empty()) {
-          throw CLI::ValidationError("--range", wrong);
+          throw CLI::ValidationError(wrong);
         }
       });
-  app.add_option("--json", settings.json, "file for the rows as JSON");
+  app.add_option("--json", settings.json, "file for the rows as JSON")->check(can_be_written);
   app.add_option("--plot", settings.plot,
                  "PNG of rate against RMSE and against the share beyond 3 sensor steps; beside it, with _uv "
                  "and _error in "
-                 "the name, the UV plane before and after coding and a frame's error");
+                 "the name, the UV plane before and after coding and a frame's error")
+      ->check(can_be_written);
   app.add_flag("--tune", settings.tune,
                "searches codec and parameters for the best RMSE in sensor steps at each --kbps and prints "
                "the setting");

@@ -211,6 +211,23 @@ TEST(Supervisor, StopsAlsoWhileItPausesBetweenChildren) {
   EXPECT_LT(outcome.seconds, 1);
 }
 
+TEST(Supervisor, PassesAHangupOnToTheChildAndSurvivesIt) {
+  SupervisorPolicy policy = quick();
+  policy.passes_hangup = true;
+  const SignalLater later(SIGHUP, milliseconds(50));
+  const Outcome outcome = run(policy, [](Heartbeat& heartbeat) {
+    sigset_t hangup;
+    sigemptyset(&hangup);
+    sigaddset(&hangup, SIGHUP);
+    ::usleep(100'000);  // it comes before anybody listens
+    heartbeat.beat();
+    const timespec patience{0, 200'000'000};
+    return ::sigtimedwait(&hangup, nullptr, &patience) == SIGHUP ? 7 : 8;
+  });
+  EXPECT_EQ(outcome.code, 7);
+  EXPECT_EQ(outcome.said, "");
+}
+
 TEST(Supervisor, LeavesNoChildBehindWhenItIsKilled) {
   SharedCounter child_id;
   const pid_t parent = ::fork();

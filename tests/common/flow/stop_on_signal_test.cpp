@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <thread>
 
@@ -17,6 +18,15 @@ TEST(StopOnSignal, TurnsSigtermIntoAStopRequest) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_TRUE(signals.token().stop_requested());
+}
+
+TEST(StopOnSignal, CallsBackOnSighupAndDoesNotStop) {
+  std::atomic<int> hangups = 0;
+  StopOnSignal signals([&] { ++hangups; });
+  kill(getpid(), SIGHUP);
+  for (int i = 0; i < 200 && hangups == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(hangups, 1);
+  EXPECT_FALSE(signals.token().stop_requested());
 }
 
 }  // namespace

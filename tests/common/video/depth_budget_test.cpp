@@ -41,6 +41,17 @@ TEST(DepthBudget, MeetsTheMeanOfAnEncoderThatSpendsLessThanItMay) {
   EXPECT_NEAR(spent / 10, 2000, 100);
 }
 
+TEST(DepthBudget, MeetsTheMeanOfAnEncoderThatLeavesAQuarter) {
+  DepthBudget budget(2000, kFps);
+  double spent = 0;
+  for (int frame = 0; frame < 300; ++frame) {
+    const auto bytes = static_cast<std::size_t>(0.75 * budget.picture_rate(0).kbps * 1000 / 8 / kFps);
+    budget.spent(bytes);
+    spent += kbit(bytes);
+  }
+  EXPECT_NEAR(spent / 10, 2000, 100);
+}
+
 TEST(DepthBudget, LeavesThePicturesAfterAKeyframeTheMostOfTheirShareEvenWhereTheMaskTakesMost) {
   constexpr std::size_t kMask = 3200;  // of 4167 bytes a frame
   DepthBudget budget(1000, kFps);
@@ -112,10 +123,10 @@ TEST_P(RateOfAStream, IsKeptInEverySecondInTheMeanAndByEveryFrame) {
 
 TEST_P(RateOfAStream, FollowsAChangeWhileRunning) {
   run(60);
-  encoder.set_depth_kbps(150);
+  EXPECT_FALSE(encoder.change({.depth_kbps = 150}).value());
   run(60);
   EXPECT_NEAR(second_kbps(90), 150, 15);
-  encoder.set_depth_kbps(400);
+  EXPECT_FALSE(encoder.change({.depth_kbps = 400}).value());
   run(60);
   EXPECT_NEAR(second_kbps(150), 400, 40);
 }

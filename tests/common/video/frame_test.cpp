@@ -59,6 +59,25 @@ TEST_F(Frames, CarrySamplesInsteadOfThePictureBetweenKeyframes) {
   }
 }
 
+TEST_F(Frames, GoOnAtAnotherQuantiserOrARateFromAKeyframeOn) {
+  std::uint64_t sequence = 1;
+  ASSERT_TRUE(decoder.decode(encoded(sequence, true)));
+  for (const VideoSettings& settings :
+       {VideoSettings{.depth_qp = 30}, VideoSettings{.depth_kbps = 400}, VideoSettings{.depth_qp = 0}}) {
+    EXPECT_TRUE(encoder.change(settings).value());
+    for (int i = 0; i < 5; ++i) {
+      const PlanarFrame frame = moving_frame(stream, ++sequence, i == 0);
+      const auto back = decoder.decode(encoder.encode(frame).value());
+      ASSERT_TRUE(back) << back.error().what;
+      EXPECT_EQ(back->depth.picture == frame.depth.picture, settings.depth_qp == 0 && !settings.depth_kbps);
+    }
+  }
+  EXPECT_FALSE(encoder.change({.depth_qp = 0, .color_kbps = 100}).value());  // colour's rate needs none
+  EXPECT_TRUE(decoder.decode(encoded(++sequence)));
+  EXPECT_FALSE(encoder.change({.depth_qp = 99}));
+  EXPECT_TRUE(decoder.decode(encoded(++sequence)));
+}
+
 TEST_F(Frames, WithSamplesAreRefusedDamagedOrAfterALoss) {
   std::vector<EncodedFrame> frames;
   for (std::uint64_t sequence = 1; sequence <= 4; ++sequence) {

@@ -1,0 +1,52 @@
+#include "common/scene/settings_file.h"
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <optional>
+
+#include "common/scene/text_file.h"
+
+namespace copresence::scene {
+namespace {
+
+std::optional<std::string> plain_text(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* number = node.as_integer()) return fmt::format("{}", number->get());
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<std::vector<Setting>> parse_settings(std::string_view text, const std::filesystem::path& path) {
+  try {
+    const toml::table root = toml::parse(text, path.string());
+    std::vector<Setting> settings;
+    for (const auto& [key, node] : root) {
+      const int line = static_cast<int>(key.source().begin.line);
+      auto value = plain_text(node);
+      if (!value) {
+        return fail(ErrorCode::kInvalid, fmt::format("{}:{}: \"{}\" must be a text, a number, true or false",
+                                                     path.string(), line, key.str()));
+      }
+      settings.push_back({std::string(key.str()), std::move(*value), line});
+    }
+    std::sort(settings.begin(), settings.end(),
+              [](const Setting& a, const Setting& b) { return a.line < b.line; });
+    return settings;
+  } catch (const toml::parse_error& error) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}:{}: {}", path.string(), error.source().begin.line, error.description()));
+  }
+}
+
+Result<std::vector<Setting>> load_settings(const std::filesystem::path& path) {
+  const auto text = read_text_file(path, "a settings file");
+  if (!text) return fail(text.error());
+  return parse_settings(*text, path);
+}
+
+}  // namespace copresence::scene

@@ -68,7 +68,9 @@ void RecordingThread::run() {
                    recording_.path(), said_left_out_);
     }
   }
-  if (!over_) finish();
+  if (!over_) return finish();
+  spdlog::info("{}: {} frames left out in all, since its recording ended early", recording_.path(),
+               left_out_.load());
 }
 
 void RecordingThread::write(const RgbdFrame& frame) {

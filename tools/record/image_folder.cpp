@@ -188,6 +188,11 @@ Result<ImageFolder> find_images(const fs::path& folder, double frames_per_second
         if (!color) return fail(color.error());
         images->color = std::move(*color);
       }
+    } else if (fs::is_regular_file(folder / "rgb.txt", ignored)) {
+      return fail(
+          ErrorCode::kNotFound,
+          fmt::format("{}: it lists colour, but there is no depth.txt beside it; unpack the whole set",
+                      (folder / "rgb.txt").string()));
     } else {
       images = by_names(folder, frames_per_second);
     }

@@ -84,6 +84,10 @@ TEST_F(ImageFolderTest, NamesWhatIsMissing) {
   EXPECT_THAT(find().error().what, HasSubstr("no depth image"));
   put("depth.txt", "1 depth/a.png\n");
   EXPECT_THAT(find().error().what, HasSubstr("depth/a.png"));
+  std::filesystem::remove(folder_.file("depth.txt"));
+  put("depth/a.png");
+  put("rgb.txt", "1 rgb/a.png\n");
+  EXPECT_THAT(find().error().what, HasSubstr("no depth.txt"));
   EXPECT_EQ(find_images("/nonexistent", 30).error().code, ErrorCode::kNotFound);
 }
 

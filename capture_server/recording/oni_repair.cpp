@@ -176,6 +176,7 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, con
     auto file = OutputFile::open(path);
     if (!file) return fail(file.error());
     if (auto finished = finish(*file, *found, path); !finished) return fail(finished.error());
+    if (const auto plays = check(path); !plays) return fail(plays.error());
   } else {
     if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());
     auto copy = OutputFile::create(out);
@@ -183,12 +184,14 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, con
     const std::uint64_t end = report.was_whole ? input->size() : found->whole_until;
     auto done = copy_bytes(*input, 0, end, *copy, path, progress);
     if (done) done = report.was_whole ? copy->close() : finish(*copy, *found, path);
+    if (done) {
+      if (const auto plays = check(out); !plays) done = fail(plays.error());
+    }
     if (!done) {
       copy->discard();
       return fail(done.error());
     }
   }
-  if (const auto plays = check(out.empty() ? path : out); !plays) return fail(plays.error());
   return report;
 }
 

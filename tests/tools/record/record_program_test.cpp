@@ -81,6 +81,15 @@ TEST(RecordProgram, LeavesNoPartOfAFileThatFindsNoRoom) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(RecordProgram, LeavesNoFileBehindWhereNoFrameWasWhole) {
+  TemporaryFolder folder;
+  std::ofstream(folder / "early.oni", std::ios::binary) << read_all(kWhole).substr(0, 5000);
+  const Ended repaired = record({"repair", folder / "early.oni", "--out", folder / "out.oni"});
+  EXPECT_EQ(repaired.code, 1);
+  EXPECT_THAT(repaired.words, HasSubstr("no depth frame"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.oni"));
+}
+
 TEST(RecordProgram, AWrongCommandLineExitsWithTwo) {
   EXPECT_EQ(record({}).code, 2);
   EXPECT_EQ(record({"play", kWhole}).code, 2);

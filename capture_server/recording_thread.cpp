@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <utility>
 
 namespace copresence::server {
 namespace {
@@ -38,7 +39,7 @@ RecordingThread::~RecordingThread() {
 }
 
 void RecordingThread::offer(const RgbdFrame& frame, bool may_wait, std::stop_token stop) {
-  if (may_wait && !over_) waiting_.wait_for_room(stop);
+  if (may_wait && !over_) waiting_.wait_for_room(std::move(stop));
   if (over_ || !waiting_.has_room() || !waiting_.put(copy_for_recording(frame))) ++left_out_;
 }
 

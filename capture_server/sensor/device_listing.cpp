@@ -104,6 +104,7 @@ Result<std::vector<DeviceListing>> list_devices() {
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
   std::vector<DeviceListing> listing;
+  listing.reserve(static_cast<std::size_t>(devices.getSize()) + bus.size());
   for (int i = 0; i < devices.getSize(); ++i) listing.push_back(look_at(devices[i]));
   for (const UsbCamera& camera : bus) {
     DeviceListing* entry = find(listing, camera);

@@ -140,7 +140,8 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
       ->default_str("real")
       ->transform(CLI::Transformer(std::map<std::string, Pace>{{"real", Pace::kReal}, {"fast", Pace::kFast}})
                       .description(""));
-  app.add_option("--frames", settings.frames, "end after N captured frames")->check(CLI::PositiveNumber);
+  app.add_option("--frames", settings.frames, "end after N captured frames")
+      ->check(CLI::Range(1, 1'000'000'000));
   app.add_flag("--insecure", settings.insecure,
                "allow --listen beyond this machine: anyone who reaches the port sees the room, unencrypted");
   app.add_option("--scene", settings.scene, "scene file with this camera's pose and intrinsics, by --name");

@@ -179,9 +179,10 @@ class Pipeline {
       auto encoded = encoding_.encode(std::move(captured->frame), keyframe, &workers);
       keyframe_owed = !encoded;
       if (encoded) {
-        server_->send(std::make_shared<const EncodedFrame>(std::move(*encoded)),
-                      {sequence, encoder_busy, without_room, captured->pictures.depth_without_color,
-                       captured->pictures.color_without_depth, captured->pictures.damaged});
+        server_->send(
+            std::make_shared<const EncodedFrame>(std::move(*encoded)),
+            {sequence, encoder_busy, without_room, captured->pictures.depth_without_color,
+             captured->pictures.color_without_depth, captured->pictures.damaged, captured->pictures.dark});
       } else if (encoded.error().code == ErrorCode::kUnsupported) {
         if (!rates_before_) return fail(encoded.error());
         ++encoder_busy;

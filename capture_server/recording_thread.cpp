@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <utility>
 
 namespace copresence::server {
 namespace {
@@ -38,7 +39,7 @@ RecordingThread::~RecordingThread() {
 }
 
 void RecordingThread::offer(const RgbdFrame& frame, bool may_wait, std::stop_token stop) {
-  if (may_wait && !over_) waiting_.wait_for_room(stop);
+  if (may_wait && !over_) waiting_.wait_for_room(std::move(stop));
   if (over_ || !waiting_.has_room() || !waiting_.put(copy_for_recording(frame))) ++left_out_;
 }
 
@@ -68,7 +69,9 @@ void RecordingThread::run() {
                    recording_.path(), said_left_out_);
     }
   }
-  if (!over_) finish();
+  if (!over_) return finish();
+  spdlog::info("{}: {} frames left out in all, since its recording ended early", recording_.path(),
+               left_out_.load());
 }
 
 void RecordingThread::write(const RgbdFrame& frame) {

@@ -83,7 +83,7 @@ Result<void> CameraReceiver::receive_from(wire::FrameClient& client, std::stop_t
                          received->counters.window_full, encoded.depth.size() + encoded.color.size(),
                          received->received_at);
     statistics_.sensor({received->counters.depth_without_color, received->counters.color_without_depth,
-                        received->counters.damaged});
+                        received->counters.damaged, received->counters.dark});
     statistics_.stage(Stage::kWire, received->received_at - client.clock().to_local(received->sent_at));
 
     FrameDecoding::Durations durations;

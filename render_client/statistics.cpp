@@ -33,7 +33,8 @@ ordered_json to_json(const std::string& name, const CameraStatistics::Snapshot& 
                       {"pictures",
                        {{"depth_without_color", s.pictures.depth_without_color},
                         {"color_without_depth", s.pictures.color_without_depth},
-                        {"damaged", s.pictures.damaged}}},
+                        {"damaged", s.pictures.damaged},
+                        {"dark", s.pictures.dark}}},
                       {"last_shown_sequence", s.last_shown_sequence},
                       {"mbps", s.mbps},
                       {"latency_ms", percentiles(s.latency, {50, 95, 99})}};
@@ -78,7 +79,8 @@ void CameraStatistics::sensor(const Pictures& totals) {
                ? totals.*total - (*last_pictures_).*total
                : std::uint64_t{0};
   };
-  for (auto total : {&Pictures::depth_without_color, &Pictures::color_without_depth, &Pictures::damaged}) {
+  for (auto total : {&Pictures::depth_without_color, &Pictures::color_without_depth, &Pictures::damaged,
+                     &Pictures::dark}) {
     sums_.pictures.*total += growth(total);
   }
   last_pictures_ = totals;

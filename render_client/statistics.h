@@ -25,11 +25,12 @@ enum class Stage { kCapture, kFill, kDepthEncode, kVideoEncode, kWire, kVideoDec
 inline constexpr std::array<const char*, 7> kStageNames{
     "capture", "fill", "depth_encode", "video_encode", "wire", "video_decode", "depth_decode"};
 
-/// Pictures of a sensor that found no partner of their instant, or came damaged.
+/// Pictures of a sensor that found no partner of their instant, came damaged, or fell into another projector's turn.
 struct Pictures {
   std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none
   std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
   std::uint64_t damaged = 0;              ///< pictures that did not decode or went missing
+  std::uint64_t dark = 0;                 ///< depth pictures that its projector was not to light, left out
 };
 
 class CameraStatistics {

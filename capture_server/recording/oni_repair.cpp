@@ -112,6 +112,44 @@ Result<void> finish(OutputFile& file, const Salvage& found, const std::string& n
   return file.close();
 }
 
+// A frame that a part is to hold, and the index of its stream.
+struct Wanted {
+  const SalvagedFrame* frame;
+  std::size_t stream;
+};
+
+Result<void> write_part(const InputFile& input, const Salvage& found, const std::vector<Wanted>& wanted,
+                        OutputFile& file, const std::string& name, const ProgressReport& progress) {
+  if (auto copied = copy_bytes(input, 0, found.first_frame_position, file, name, [](double) {}); !copied) {
+    return copied;
+  }
+  std::vector<std::vector<FramePlace>> places(found.streams.size());
+  Bytes record;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const SalvagedFrame& frame = *wanted[i].frame;
+    auto& before = places[wanted[i].stream];
+    record.clear();
+    append_frame_head(record, found.streams[wanted[i].stream].node, frame.timestamp_us,
+                      static_cast<std::uint32_t>(before.size() + 1), frame.payload_bytes,
+                      before.empty() ? 0 : before.back().position);
+    const std::size_t head = record.size();
+    record.resize(head + frame.payload_bytes);
+    if (!input.read(frame.position + frame.fields_bytes, std::span(record).subspan(head))) {
+      return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be read; check the disk", name));
+    }
+    before.push_back({frame.timestamp_us, file.size()});
+    if (auto written = file.append(record); !written) return written;
+    progress(static_cast<double>(i + 1) / static_cast<double>(wanted.size()));
+  }
+  std::vector<EndedStream> ended;
+  for (std::size_t i = 0; i < found.streams.size(); ++i) {
+    const SalvagedStream& stream = found.streams[i];
+    ended.push_back({stream.node, stream.added_position, stream.counts_position, places[i]});
+  }
+  if (auto done = write_end(file, ended, SeekTables::kYes, {}); !done) return fail(done.error());
+  return file.close();
+}
+
 }  // namespace
 
 Result<RepairReport> repair(const std::string& path, const std::string& out, const ProgressReport& progress) {
@@ -134,21 +172,26 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, con
                     "into another file",
                     path, found->gaps.front().from));
   }
-  if (!out.empty()) {
+  if (out.empty()) {
+    auto file = OutputFile::open(path);
+    if (!file) return fail(file.error());
+    if (auto finished = finish(*file, *found, path); !finished) return fail(finished.error());
+    if (const auto plays = check(path); !plays) return fail(plays.error());
+  } else {
     if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());
     auto copy = OutputFile::create(out);
     if (!copy) return fail(copy.error());
     const std::uint64_t end = report.was_whole ? input->size() : found->whole_until;
-    if (auto copied = copy_bytes(*input, 0, end, *copy, path, progress); !copied) return fail(copied.error());
-    if (report.was_whole) {
-      if (auto closed = copy->close(); !closed) return fail(closed.error());
-      return report;
+    auto done = copy_bytes(*input, 0, end, *copy, path, progress);
+    if (done) done = report.was_whole ? copy->close() : finish(*copy, *found, path);
+    if (done) {
+      if (const auto plays = check(out); !plays) done = fail(plays.error());
+    }
+    if (!done) {
+      copy->discard();
+      return fail(done.error());
     }
   }
-  auto file = OutputFile::open(out.empty() ? path : out);
-  if (!file) return fail(file.error());
-  if (auto finished = finish(*file, *found, path); !finished) return fail(finished.error());
-  if (const auto plays = check(out.empty() ? path : out); !plays) return fail(plays.error());
   return report;
 }
 
@@ -163,10 +206,6 @@ Result<CutReport> cut(const std::string& path, double from_s, double to_s, const
   const auto found = salvage(bytes, path);
   if (!found) return fail(found.error());
 
-  struct Wanted {
-    const SalvagedFrame* frame;
-    std::size_t stream;
-  };
   std::vector<Wanted> wanted;
   std::uint64_t first_us = ~std::uint64_t{0};
   for (const SalvagedStream& stream : found->streams) {
@@ -194,34 +233,10 @@ Result<CutReport> cut(const std::string& path, double from_s, double to_s, const
 
   auto file = OutputFile::create(out);
   if (!file) return fail(file.error());
-  if (auto copied = copy_bytes(*input, 0, found->first_frame_position, *file, path, [](double) {}); !copied) {
-    return fail(copied.error());
+  if (auto written = write_part(*input, *found, wanted, *file, path, progress); !written) {
+    file->discard();
+    return fail(written.error());
   }
-  std::vector<std::vector<FramePlace>> places(found->streams.size());
-  Bytes record;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const SalvagedFrame& frame = *wanted[i].frame;
-    auto& before = places[wanted[i].stream];
-    record.clear();
-    append_frame_head(record, found->streams[wanted[i].stream].node, frame.timestamp_us,
-                      static_cast<std::uint32_t>(before.size() + 1), frame.payload_bytes,
-                      before.empty() ? 0 : before.back().position);
-    const std::size_t head = record.size();
-    record.resize(head + frame.payload_bytes);
-    if (!input->read(frame.position + frame.fields_bytes, std::span(record).subspan(head))) {
-      return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be read; check the disk", path));
-    }
-    before.push_back({frame.timestamp_us, file->size()});
-    if (auto written = file->append(record); !written) return fail(written.error());
-    progress(static_cast<double>(i + 1) / static_cast<double>(wanted.size()));
-  }
-  std::vector<EndedStream> ended;
-  for (std::size_t i = 0; i < found->streams.size(); ++i) {
-    const SalvagedStream& stream = found->streams[i];
-    ended.push_back({stream.node, stream.added_position, stream.counts_position, places[i]});
-  }
-  if (auto done = write_end(*file, ended, SeekTables::kYes, {}); !done) return fail(done.error());
-  if (auto closed = file->close(); !closed) return fail(closed.error());
 
   const auto summary = check(out);
   if (!summary) return fail(summary.error());

@@ -66,6 +66,9 @@ class OniWriter {
   /// tables the file goes without them: it plays as well. Fails  kUnavailable when the disk has no room at all.
   Result<void> finish();
 
+  /// Instead of finish(): takes the file away again.
+  void discard() { file_.discard(); }
+
   std::uint64_t bytes() const { return file_.size(); }
 
  private:

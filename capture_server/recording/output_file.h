@@ -39,6 +39,9 @@ class OutputFile {
   /// Call it last. Fails where the system has kept a failure back until now.
   Result<void> close();
 
+  /// Instead of close(): takes away a file that could not be completed. What is no plain file stays.
+  void discard();
+
  private:
   OutputFile(std::string path, int descriptor, std::uint64_t size)
       : path_(std::move(path)), descriptor_(descriptor), size_(size) {}

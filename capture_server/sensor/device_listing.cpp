@@ -56,7 +56,11 @@ DeviceListing look_at(const openni::DeviceInfo& found) {
   entry.name = fmt::format("{} {}", found.getVendor(), found.getName());
   openni::Device device;
   if (device.open(uri.c_str()) != openni::STATUS_OK) {
-    entry.problems.push_back(fmt::format("it does not open: {}", last_open_ni_error()));
+    // What the bus knows better replaces this.
+    entry.problems.push_back(fmt::format(
+        "it does not open ({}): end other programs that use it (another user's show only to root), or "
+        "unplug it and plug it in again",
+        last_open_ni_error()));
     return entry;
   }
   char serial[ONI_MAX_STR] = {};
@@ -100,6 +104,7 @@ Result<std::vector<DeviceListing>> list_devices() {
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
   std::vector<DeviceListing> listing;
+  listing.reserve(static_cast<std::size_t>(devices.getSize()) + bus.size());
   for (int i = 0; i < devices.getSize(); ++i) listing.push_back(look_at(devices[i]));
   for (const UsbCamera& camera : bus) {
     DeviceListing* entry = find(listing, camera);

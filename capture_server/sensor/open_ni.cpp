@@ -50,6 +50,7 @@ std::string last_open_ni_error() {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\t' || c == '\r'; }, ' ');
   while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
+  text.erase(0, text.find_first_not_of(' '));
   return text.empty() ? "no reason given" : text;
 }
 

@@ -213,9 +213,9 @@ bool RecordingSource::read_one() {
   if (!is_whole(picture, camera, is_depth ? 2 : 3)) {
     ++counters_.damaged;
   } else if (is_depth) {
-    pairing_.add_depth(track.timestamp_us, std::move(picture));
+    pairing_.add_depth(track.timestamp_us, picture);
   } else {
-    pairing_.add_color(track.timestamp_us, std::move(picture));
+    pairing_.add_color(track.timestamp_us, picture);
   }
   return true;
 }

@@ -21,11 +21,11 @@
 namespace copresence::wire {
 
 /// Both ends must have the same: there is no compatibility code. Raise it with every change of the format.
-inline constexpr std::uint32_t kProtocolVersion = 4;
+inline constexpr std::uint32_t kProtocolVersion = 5;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
 inline constexpr std::size_t kHeaderBytes = 8;
-inline constexpr std::size_t kFrameHeadBytes = 88;  ///< of a frame's body, before its access units
+inline constexpr std::size_t kFrameHeadBytes = 96;  ///< of a frame's body, before its access units
 inline constexpr std::size_t kMaxMessageBytes = 8 * 1024 * 1024;  ///< body of the largest message, a frame
 inline constexpr std::size_t kMaxTextBytes = 512;                 ///< a sentence for a person, UTF-8
 inline constexpr std::size_t kMaxNameBytes = 64;   ///< a camera's, a codec's, a parameter's name
@@ -84,6 +84,7 @@ struct FrameCounters {
   std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none
   std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
   std::uint64_t damaged = 0;              ///< pictures that did not decode or went missing
+  std::uint64_t dark = 0;                 ///< depth pictures that its projector was not to light, left out
   friend bool operator==(const FrameCounters&, const FrameCounters&) = default;
 };
 

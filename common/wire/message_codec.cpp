@@ -21,7 +21,7 @@ constexpr std::size_t kParameterBytes = 2 + 8;
 constexpr std::size_t kTimeBytes = 8;
 constexpr std::size_t kMaxWelcomeBytes =
     kWelcomeBytes + 2 * kMaxNameBytes + kMaxParameters * (kParameterBytes + kMaxNameBytes);
-static_assert(kHelloBytes == 12 && kWelcomeBytes == 246 && kFrameHeadBytes == 88);
+static_assert(kHelloBytes == 12 && kWelcomeBytes == 246 && kFrameHeadBytes == 96);
 
 // Flags of a Welcome and of a frame.
 constexpr std::uint8_t kHasColor = 1, kHasPose = 2;
@@ -227,6 +227,7 @@ FrameHeadMessage encode(const FrameHead& head) {
   to.number(head.counters.depth_without_color);
   to.number(head.counters.color_without_depth);
   to.number(head.counters.damaged);
+  to.number(head.counters.dark);
   FrameHeadMessage out;
   assert(bytes.size() == out.size());
   std::copy(bytes.begin(), bytes.end(), out.begin());
@@ -367,6 +368,7 @@ Result<FrameHead> decode_frame_head(std::span<const std::uint8_t, kFrameHeadByte
   head.counters.depth_without_color = from.number<std::uint64_t>();
   head.counters.color_without_depth = from.number<std::uint64_t>();
   head.counters.damaged = from.number<std::uint64_t>();
+  head.counters.dark = from.number<std::uint64_t>();
   const std::size_t access_units = body_bytes - kFrameHeadBytes;
   if (head.sequence == 0 || !sent_at.believable || flags & ~kKeyframe || head.depth_bytes == 0 ||
       head.depth_bytes > access_units) {

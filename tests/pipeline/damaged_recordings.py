@@ -5,6 +5,9 @@ seconds with a sentence, or plays on; damage in payloads alone never refuses a f
 
   tests/pipeline/damaged_recordings.py                 all 830, as docs/recording.md quotes them (about 3 minutes)
   tests/pipeline/damaged_recordings.py --count 60      as the test does
+  tests/pipeline/damaged_recordings.py --more --count 90 --recording FILE.oni
+                                                       other kinds: records swapped, missing or twice, one stream only,
+                                                       lies about codec, type, counts, times and places, holes and insertions
 
 Exits 0 where all of this holds; prints what became of each kind of damage."""
 import argparse
@@ -98,10 +101,77 @@ class Damage:
             struct.pack_into("<I", data, at + 8, huge)
         return bytes(data)
 
+    def rebuilt(self, kept):
+        return self.whole[:24] + b"".join(self.whole[at:at + fields + payload] for at, _, fields, payload in kept)
+
+    def swapped(self):
+        kept = list(self.records)
+        for _ in range(self.random.randint(1, 4)):
+            i, j = self.random.randrange(len(kept)), self.random.randrange(len(kept))
+            kept[i], kept[j] = kept[j], kept[i]
+        return self.rebuilt(kept)
+
+    def missing(self):
+        kept = list(self.records)
+        for _ in range(self.random.randint(1, 4)):
+            kept.pop(self.random.randrange(len(kept)))
+        return self.rebuilt(kept)
+
+    def doubled(self):
+        kept = list(self.records)
+        kept.insert(self.random.randrange(len(kept)), self.random.choice(kept))
+        return self.rebuilt(kept)
+
+    def one_stream(self):
+        node = lambda record: struct.unpack_from("<I", self.whole, record[0] + 8)[0]
+        lost = self.random.choice(sorted({node(record) for record in self.frames}))
+        frames_only = self.random.random() < 0.5
+        return self.rebuilt([r for r in self.records if node(r) != lost or (frames_only and r[1] != NEW_DATA)])
+
+    def lie(self):
+        """In what a stream's definition says of it: type, codec, frames, first and last time, the seek table's place."""
+        data = bytearray(self.whole)
+        at = self.random.choice([r for r in self.records if r[1] == NODE_ADDED])[0] + 28
+        at += 4 + struct.unpack_from("<I", data, at)[0]
+        offset, form = self.random.choice([(0, "<I"), (4, "<I"), (8, "<I"), (12, "<Q"), (20, "<Q"), (28, "<Q")])
+        codecs = [int.from_bytes(code, "little") for code in (b"NONE", b"16zT", b"16zP", b"JPEG", b"Im8z", b"H264")]
+        value = self.random.choice(codecs if offset == 4 else [0, 1, 2, 3, 5, 24, 1000, 1 << 22, len(data), 0xFFFFFFFF])
+        struct.pack_into(form, data, at + offset, value)
+        return bytes(data)
+
+    def payload_size(self):
+        data = bytearray(self.whole)
+        at, _, _, payload = self.random.choice(self.frames)
+        size = self.random.choice([0, 1, 2, 4, payload - 1, payload + 1, 2 * payload, 0x7FFFFFFF, 0xFFFFFFFF])
+        struct.pack_into("<I", data, at + 16, size)
+        return bytes(data)
+
+    def filled(self):
+        data = bytearray(self.whole)
+        at, size = self.random.randrange(len(data)), self.random.choice([16, 512, 4096, 65536])
+        size = min(size, len(data) - at)
+        data[at:at + size] = self.random.choice([b"\0", b"\xFF"]) * size
+        return bytes(data)
+
+    def bytes_gone(self):
+        at = self.random.randrange(len(self.whole))
+        return self.whole[:at] + self.whole[at + self.random.choice([1, 4, 512, 4096]):]
+
+    def bytes_more(self):
+        at = self.random.randrange(len(self.whole))
+        return self.whole[:at] + self.random.randbytes(self.random.choice([1, 4, 512, 4096])) + self.whole[at:]
+
+    def no_recording(self):
+        return self.random.choice([b"", b"NI10", self.whole[:24], self.whole[:2000], b"\x7fELF" + bytes(100), bytes(1000),
+                                   self.random.randbytes(5000), b"NI10" + self.random.randbytes(3000)])
+
 
 # Of 83: how many of each kind.
 KINDS = {"truncated": 13, "header": 8, "first_bytes": 10, "definition": 10, "record_head": 10, "frame_head": 10,
          "tables": 3, "payload": 12, "anywhere": 4, "node_ids": 3}
+# Of 18.
+MORE_KINDS = {"swapped": 2, "missing": 2, "doubled": 2, "one_stream": 1, "lie": 5, "payload_size": 1, "filled": 2,
+              "bytes_gone": 1, "bytes_more": 1, "no_recording": 1}
 
 
 def play(server, path, port):
@@ -154,6 +224,7 @@ def main():
     parser.add_argument("--port", type=int, default=7870)
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
     parser.add_argument("--recording", type=pathlib.Path, default=ROOT / "data/recordings/camera0.oni")
+    parser.add_argument("--more", action="store_true", help="the other kinds")
     parser.add_argument("--keep", type=pathlib.Path, help="a folder for the files that something was wrong with")
     options = parser.parse_args()
 
@@ -163,7 +234,8 @@ def main():
                        stdout=subprocess.DEVNULL)
         damage = Damage(short.read_bytes())
         # Round robin in proportion, so that every count has a bit of everything.
-        plan = [kind for kind, count in KINDS.items() for _ in range(count)]
+        kinds = MORE_KINDS if options.more else KINDS
+        plan = [kind for kind, count in kinds.items() for _ in range(count)]
         random.Random(options.seed).shuffle(plan)
         results = collections.defaultdict(collections.Counter)
         longest = {"played": 0.0, "refused": 0.0}
@@ -186,7 +258,7 @@ def main():
                 if options.keep:
                     options.keep.mkdir(parents=True, exist_ok=True)
                     (options.keep / f"{index:03}_{kind}.oni").write_bytes(data)
-    for kind in KINDS:
+    for kind in kinds:
         print(f"{kind:<12} " + ", ".join(f"{n} {verdict}" for verdict, n in sorted(results[kind].items())))
     for fault in faults:
         print(fault)

@@ -205,6 +205,15 @@ TEST_F(Survival, AControlThatTheCameraLacksIsRefusedWithTheWayOut) {
   EXPECT_THAT(server_says(), HasSubstr("--exposure"));
 }
 
+TEST_F(Survival, WhatACameraLeavesOutForTheOthersTurnsStandsInTheStatistics) {
+  room_.serve("simulated:empty-room?camera=0&cameras=2&projectors=" + room_.file("projectors").string(),
+              {"--projector-slot", "1/2:300"});
+  const auto stats = room_.view({"--frames", "40", "--size", "320x180"});
+  const auto& pictures = stats["cameras"][0]["pictures"];
+  EXPECT_GT(pictures["dark"], 10) << pictures;
+  EXPECT_EQ(stats["cameras"][0]["drops"]["unaccounted"], 0);
+}
+
 TEST_F(Survival, AKinectTakesFixedExposure) {
   room_.serve("openni:freenect://A1", {"--exposure", "fixed", "--white-balance", "fixed", "--frames", "65"});
   EXPECT_EQ(room_.server(0).wait(seconds(10)), 0) << server_says();
@@ -219,7 +228,8 @@ TEST_F(Survival, TheListNamesEveryKinectAndItsModes) {
   EXPECT_THAT(list.output(), HasSubstr("infrared 640x480 at 30"));
   EXPECT_THAT(list.output(), HasSubstr("openni:freenect://B2"));
   EXPECT_THAT(list.output(), HasSubstr("not ready"));
-  EXPECT_THAT(list.output(), HasSubstr("claim"));
+  EXPECT_THAT(list.output(), HasSubstr("does not open (Could not claim"));
+  EXPECT_THAT(list.output(), HasSubstr("plug it in again"));
   EXPECT_THAT(list.output(), HasSubstr("simulated:room?camera=0"));
 }
 

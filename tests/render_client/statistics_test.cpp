@@ -12,7 +12,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-Instant at(int ms) { return Instant(milliseconds(ms)); }
+Instant at(int ms) {
+  return Instant(milliseconds(ms));
+}
 
 TEST(CameraStatistics, CountsFromTheFirstFrameOn) {
   CameraStatistics camera;
@@ -49,14 +51,15 @@ TEST(CameraStatistics, SaysSoWhereAFrameIsMissingThatNobodyKnowsOf) {
 
 TEST(CameraStatistics, CountsPicturesWithoutAPartnerFromTheFirstFrameOn) {
   CameraStatistics camera;
-  camera.sensor({10, 20, 30});
-  camera.sensor({11, 20, 33});
-  camera.sensor({0, 0, 0});  // a server that started anew
-  camera.sensor({2, 1, 0});
+  camera.sensor({10, 20, 30, 40});
+  camera.sensor({11, 20, 33, 55});
+  camera.sensor({0, 0, 0, 0});  // a server that started anew
+  camera.sensor({2, 1, 0, 4});
   const Pictures pictures = camera.snapshot().pictures;
   EXPECT_EQ(pictures.depth_without_color, 3u);
   EXPECT_EQ(pictures.color_without_depth, 1u);
   EXPECT_EQ(pictures.damaged, 3u);
+  EXPECT_EQ(pictures.dark, 19u);
 }
 
 TEST(CameraStatistics, StartsAnewWithAServerThatStartsAnew) {
@@ -98,8 +101,8 @@ TEST(Statistics, WritesEveryKeyOfTheDesign) {
   std::ifstream file(path);
   const auto json = nlohmann::json::parse(file);
   const auto& left = json.at("cameras").at(0);
-  for (const char* key : {"name", "frames_captured", "frames_received", "frames_dropped", "drops", "frames_unshown",
-                          "mbps", "latency_ms", "stages_ms"}) {
+  for (const char* key : {"name", "frames_captured", "frames_received", "frames_dropped", "drops",
+                          "frames_unshown", "mbps", "latency_ms", "stages_ms"}) {
     EXPECT_TRUE(left.contains(key)) << key;
   }
   EXPECT_EQ(left.at("last_shown_sequence"), 1);

@@ -21,6 +21,8 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr double kTumPerMetre = 5000, kUsualPerMetre = 1000;
+// 7-Scenes' word for a hole; elsewhere the largest value that the file can hold, and so no measurement either.
+constexpr std::uint16_t kNotMeasured = 65535;
 // The nominal field of view of a Kinect v1, radians.
 constexpr double kKinectHorizontal = 1.0144686, kKinectVertical = 0.7898090;
 
@@ -65,6 +67,12 @@ Result<cv::Mat> read_depth(const std::filesystem::path& path) {
   return image;
 }
 
+// OpenNI2's player takes three components only, and shows a picture as it is stored, not as its camera was held.
+bool is_playable(const cv::Mat& as_stored, const cv::Mat& as_meant) {
+  return as_stored.type() == as_meant.type() && as_stored.size() == as_meant.size() &&
+         cv::norm(as_stored, as_meant, cv::NORM_INF) == 0;
+}
+
 struct Size {
   int width = 0, height = 0;
   friend bool operator==(const Size&, const Size&) = default;
@@ -92,8 +100,7 @@ class Making {
     auto writer = recording::OniWriter::create(settings_.out, *content);
     if (!writer) return fail(writer.error());
     if (auto written = write(*writer, progress); !written) {
-      std::error_code ignored;
-      std::filesystem::remove(settings_.out, ignored);
+      writer->discard();
       return fail(written.error());
     }
     return report_;
@@ -194,10 +201,11 @@ class Making {
     const auto image = read_depth(path);
     if (!image) return fail(image.error());
     if (auto fits = check_size(path, *image, depth_size_); !fits) return fits;
-    DepthImage depth(image->cols, image->rows);
+    DepthImage depth(image->cols, image->rows, 0);
     for (int y = 0; y < image->rows; ++y) {
       const auto* from = image->ptr<std::uint16_t>(y);
       for (int x = 0; x < image->cols; ++x) {
+        if (from[x] == kNotMeasured) continue;
         const double units = from[x] * units_per_value_ + 0.5;
         report_.too_far += units >= 65536.0;
         depth(x, y) = units < 65536.0 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
@@ -216,8 +224,7 @@ class Making {
     if (auto fits = check_size(path, bgr, color_size_); !fits) return fits;
     ++report_.color_frames;
     const bool is_jpeg = bytes->size() > 2 && (*bytes)[0] == 0xFF && (*bytes)[1] == 0xD8;
-    // OpenNI2's player takes three components only, and no turned pictures.
-    if (is_jpeg && decode(*bytes, cv::IMREAD_UNCHANGED).channels() == 3)
+    if (is_jpeg && is_playable(decode(*bytes, cv::IMREAD_UNCHANGED), bgr))
       return writer.write_jpeg(time, *bytes);
     ColorImage color(bgr.cols, bgr.rows);
     cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, color.data());

@@ -112,6 +112,19 @@ ImageFolder by_names(const fs::path& folder, double frames_per_second) {
   return images;
 }
 
+// ICL-NUIM's lists say a frame's number where TUM's say its time.
+void time_numbered_frames(ImageFolder& images, double frames_per_second) {
+  constexpr double kLargestNumber = 1e6;  // times are seconds since 1970
+  for (const auto* list : {&images.depth, &images.color}) {
+    for (const TimedImage& image : *list) {
+      if (image.time_s != std::floor(image.time_s) || image.time_s > kLargestNumber) return;
+    }
+  }
+  for (auto* list : {&images.depth, &images.color}) {
+    for (TimedImage& image : *list) image.time_s /= frames_per_second;
+  }
+}
+
 Result<void> check_there(const std::vector<TimedImage>& images) {
   for (const TimedImage& image : images) {
     std::error_code ignored;
@@ -188,10 +201,16 @@ Result<ImageFolder> find_images(const fs::path& folder, double frames_per_second
         if (!color) return fail(color.error());
         images->color = std::move(*color);
       }
+    } else if (fs::is_regular_file(folder / "rgb.txt", ignored)) {
+      return fail(
+          ErrorCode::kNotFound,
+          fmt::format("{}: it lists colour, but there is no depth.txt beside it; unpack the whole set",
+                      (folder / "rgb.txt").string()));
     } else {
       images = by_names(folder, frames_per_second);
     }
   }
+  if (images->has_lists) time_numbered_frames(*images, frames_per_second);
   for (const auto* list : {&images->depth, &images->color}) {
     if (auto there = check_there(*list); !there) return fail(there.error());
   }

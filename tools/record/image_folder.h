@@ -24,7 +24,8 @@ struct ImageFolder {
 };
 
 /// The folder's images: by associations.txt, else by depth.txt and rgb.txt, else by name. In names the last group of
-/// digits counts frames, at `frames_per_second`; a name that is a number of seconds ("1305031102.175304.png") is a time.
+/// digits counts frames, at `frames_per_second`; a name that is a number of seconds ("1305031102.175304.png") is a time. Lists
+/// give seconds, or count frames where all their times are whole numbers below a million (ICL-NUIM's do).
 /// Fails  kNotFound (no such folder, an image that a list names, no depth image), kInvalid (a list's line that is none).
 Result<ImageFolder> find_images(const std::filesystem::path& folder, double frames_per_second);
 

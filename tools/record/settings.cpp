@@ -30,10 +30,10 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   auto* cut_command = app.add_subcommand("cut", "copies a part of a recording, pictures unchanged");
   cut_command->add_option("FILE.oni", cut.recording, "the recording")->required();
   cut_command->add_option("--from", cut.from_s, "seconds after the recording's first frame [0]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e6));
   cut_command
       ->add_option("--to", cut.to_s, "seconds after the recording's first frame, not included [its end]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e6));
   cut_command->add_option("--out", cut.out, "the part")->required();
 
   FromImagesSettings images;

@@ -16,7 +16,7 @@ class Watch {
  public:
   /// Calls `look` every `period`, for the first time after one.
   Watch(std::chrono::milliseconds period, std::function<void()> look)
-      : thread_([period, look = std::move(look)](std::stop_token stop) {
+      : thread_([period, look = std::move(look)](const std::stop_token& stop) {
           std::mutex sleeping;
           std::condition_variable_any never;
           std::unique_lock lock(sleeping);

@@ -14,7 +14,7 @@ constexpr long kSliceUs = 5000;    // how long work may wait for the thread
 Result<std::unique_ptr<FreenectThread>> FreenectThread::open(const std::string& serial,
                                                              std::function<void()> on_lost) {
   std::unique_ptr<FreenectThread> made(new FreenectThread(serial, std::move(on_lost)));
-  made->thread_ = std::jthread([device = made.get()](std::stop_token stop) { device->live(stop); });
+  made->thread_ = std::jthread([device = made.get()](const std::stop_token& stop) { device->live(stop); });
   std::unique_lock lock(made->mutex_);
   made->changed_.wait(lock, [&] { return made->state_ != State::kOpening; });
   if (made->state_ != State::kRefused) return made;
@@ -52,7 +52,7 @@ void FreenectThread::do_work() {
   changed_.notify_all();
 }
 
-void FreenectThread::live(std::stop_token stop) {
+void FreenectThread::live(const std::stop_token& stop) {
   pthread_setname_np(pthread_self(), "kinect");
   const bool opened = open_device();
   {

@@ -36,7 +36,7 @@ class FreenectThread {
 
  private:
   FreenectThread(std::string serial, std::function<void()> on_lost);
-  void live(std::stop_token stop);
+  void live(const std::stop_token& stop);
   bool open_device();
   void do_work();
 

@@ -52,10 +52,10 @@ std::int64_t now_us() {
 
 Pose rows_of(const Rigid3& pose) {
   Pose rows{};
+  std::size_t next = 0;
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column)
-      rows[static_cast<std::size_t>(4 * row + column)] = pose.rotation(row, column);
-    rows[static_cast<std::size_t>(4 * row + 3)] = pose.translation[row];
+    for (int column = 0; column < 3; ++column) rows[next++] = pose.rotation(row, column);
+    rows[next++] = pose.translation[row];
   }
   return rows;
 }
@@ -132,7 +132,8 @@ class SimulatedDevice final : public PushDevice {
     if (!camera_) return ONI_STATUS_ERROR;
     streams_.push_back(&stream);
     shine(true);
-    if (!thread_.joinable()) thread_ = std::jthread([this](std::stop_token stop) { take_frames(stop); });
+    if (!thread_.joinable())
+      thread_ = std::jthread([this](const std::stop_token& stop) { take_frames(stop); });
     return ONI_STATUS_OK;
   }
 
@@ -165,7 +166,7 @@ class SimulatedDevice final : public PushDevice {
   }
 
   // Frames end when the camera is unplugged; the driver's watch tells OpenNI2.
-  void take_frames(std::stop_token stop) {
+  void take_frames(const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "simulated");
     FrameClock clock;
     DepthImage depth;

@@ -28,7 +28,7 @@ TEST(Loopback, CarriesAFrameAsItIs) {
   EXPECT_EQ(received->frame.color, std::vector<std::uint8_t>(25000, 0x55));
   EXPECT_EQ(received->counters, (FrameCounters{.captured = 1}));
   EXPECT_LE(received->sent_at, received->received_at);
-  EXPECT_EQ(client->bytes_received(), 283 + 96 + 75000u);
+  EXPECT_EQ(client->bytes_received(), 283 + 104 + 75000u);
 }
 
 TEST(Loopback, CarriesFramesWithoutColourAndOfEverySize) {
@@ -173,7 +173,7 @@ TEST(Loopback, RefusesAnotherVersionAndSaysWhatToDo) {
   const auto refusal = decode_refusal(body_of(*answer));
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->reason, RefusalReason::kVersion);
-  EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 4, this client 5"));
+  EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 5, this client 6"));
   EXPECT_THAT(refusal->text, HasSubstr("same release"));
   EXPECT_FALSE(stranger.hear());
 }

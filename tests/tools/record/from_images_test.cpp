@@ -88,6 +88,39 @@ TEST_F(FromImages, KeepsMillimetresOfPlainFoldersAndJpegsAsTheyAre) {
   EXPECT_EQ(*payload, test::bytes_of(folder_.file("rgb/0001.jpg")));
 }
 
+TEST_F(FromImages, TakesTheLargestValueForAHoleAsSevenScenesDoes) {
+  depth("1.png", 65535);
+  depth("2.png", 65534);
+  const auto report = make_from_images(settings_, kNobodyWatches);
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_EQ(report->too_far, 0u);
+  const auto reader = OniReader::open(settings_.out);
+  EXPECT_EQ(*reader->depth(0), DepthImage(64, 48, 0));
+  EXPECT_EQ(*reader->depth(1), DepthImage(64, 48, 65534));
+}
+
+TEST_F(FromImages, TurnsAJpegThatSaysHowItsCameraWasHeld) {
+  depth("1.png", 1000, 48, 64);
+  std::vector<std::uint8_t> jpeg;
+  cv::Mat lying(48, 64, CV_8UC3, cv::Scalar(10, 100, 200));
+  lying(cv::Rect(0, 0, 32, 48)).setTo(cv::Scalar(200, 100, 10));  // its left half is blue
+  cv::imencode(".jpg", lying, jpeg);
+  // "Exif", big-endian TIFF, one entry: orientation (0x112) 6, to be turned clockwise.
+  const char exif[] =
+      "\xFF\xE1\0\x22"
+      "Exif\0\0MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0";
+  jpeg.insert(jpeg.begin() + 2, std::begin(exif), std::end(exif) - 1);
+  std::ofstream(folder_.file("rgb/1.jpg"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
+  const auto report = make_from_images(settings_, kNobodyWatches);
+  ASSERT_TRUE(report) << report.error().what;
+  const auto picture = OniReader::open(settings_.out)->color(0);
+  ASSERT_TRUE(picture) << picture.error().what;
+  EXPECT_EQ(picture->width(), 48);
+  EXPECT_GT((*picture)(24, 8).b, 150);
+  EXPECT_GT((*picture)(24, 56).r, 150);
+}
+
 TEST_F(FromImages, CountsDepthThatTheUnitDoesNotHold) {
   depth("1.png", 60000);
   settings_.unit = DepthUnit::k100Micrometres;

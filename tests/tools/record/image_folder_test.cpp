@@ -51,6 +51,15 @@ TEST_F(ImageFolderTest, ReadsAssociationsInEitherOrder) {
   }
 }
 
+TEST_F(ImageFolderTest, TakesWholeNumbersInAListForFrames) {
+  for (const char* name : {"depth/1.png", "depth/2.png", "rgb/1.png", "rgb/2.png"}) put(name);
+  put("associations.txt", "1 depth/1.png 1 rgb/1.png\n2 depth/2.png 2 rgb/2.png\n");
+  const auto images = find();
+  ASSERT_TRUE(images) << images.error().what;
+  EXPECT_DOUBLE_EQ(images->depth.at(1).time_s, 2 / 30.0);
+  EXPECT_DOUBLE_EQ(images->color.at(1).time_s, 2 / 30.0);
+}
+
 TEST_F(ImageFolderTest, NumbersFramesByTheirNames) {
   for (const char* name : {"frame-000002.depth.png", "frame-000010.depth.png", "frame-000002.color.jpg"})
     put(name);
@@ -84,6 +93,10 @@ TEST_F(ImageFolderTest, NamesWhatIsMissing) {
   EXPECT_THAT(find().error().what, HasSubstr("no depth image"));
   put("depth.txt", "1 depth/a.png\n");
   EXPECT_THAT(find().error().what, HasSubstr("depth/a.png"));
+  std::filesystem::remove(folder_.file("depth.txt"));
+  put("depth/a.png");
+  put("rgb.txt", "1 rgb/a.png\n");
+  EXPECT_THAT(find().error().what, HasSubstr("no depth.txt"));
   EXPECT_EQ(find_images("/nonexistent", 30).error().code, ErrorCode::kNotFound);
 }
 

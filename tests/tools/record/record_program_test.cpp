@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <fstream>
 #include <iterator>
@@ -58,6 +59,35 @@ TEST(RecordProgram, RepairsAndCuts) {
   EXPECT_EQ(cut.code, 0) << cut.words;
   const auto part = nlohmann::json::parse(record({"info", folder / "part.oni", "--json"}).words);
   EXPECT_NEAR(part["streams"][0]["frames"].get<int>(), 9, 1);
+}
+
+TEST(RecordProgram, LeavesNoPartOfAFileThatFindsNoRoom) {
+  TemporaryFolder folder;
+  const std::string out = folder / "part.oni";
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  rlimit small = before;
+  small.rlim_cur = 1'000'000;
+  setrlimit(RLIMIT_FSIZE, &small);
+  const Ended cut = record({"cut", kWhole, "--out", out});
+  const bool cut_is_there = std::filesystem::exists(out);
+  const Ended repaired = record({"repair", kWhole, "--out", out});
+  setrlimit(RLIMIT_FSIZE, &before);
+  for (const Ended& ended : {cut, repaired}) {
+    EXPECT_EQ(ended.code, 1);
+    EXPECT_THAT(ended.words, HasSubstr("ulimit"));
+  }
+  EXPECT_FALSE(cut_is_there);
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(RecordProgram, LeavesNoFileBehindWhereNoFrameWasWhole) {
+  TemporaryFolder folder;
+  std::ofstream(folder / "early.oni", std::ios::binary) << read_all(kWhole).substr(0, 5000);
+  const Ended repaired = record({"repair", folder / "early.oni", "--out", folder / "out.oni"});
+  EXPECT_EQ(repaired.code, 1);
+  EXPECT_THAT(repaired.words, HasSubstr("no depth frame"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.oni"));
 }
 
 TEST(RecordProgram, AWrongCommandLineExitsWithTwo) {

@@ -108,6 +108,7 @@ Result<void> CameraReceiver::receive_from(wire::FrameClient& client, std::stop_t
 
 void CameraReceiver::hand_over(const wire::FrameClient& client, RgbdFrame frame,
                                const std::shared_ptr<const StreamDescription>& stream) {
+  temporal_filter_.apply(frame, stream->unit);
   if (scene_ && scene_->clip) {
     const scene::Camera* known = scene_->find(stream->camera);
     const Rigid3& pose =

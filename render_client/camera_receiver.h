@@ -19,6 +19,7 @@
 #include "render_client/depth_smoothing.h"
 #include "render_client/frame_decoding.h"
 #include "render_client/statistics.h"
+#include "render_client/temporal_filter.h"
 
 namespace copresence::client {
 
@@ -53,6 +54,7 @@ class CameraReceiver {
   const scene::Scene* scene_;
   flow::LatestOfEach<Received>& board_;
   CameraStatistics& statistics_;
+  TemporalFilter temporal_filter_;
   DepthSmoothing smoothing_;
 };
 

@@ -1,5 +1,5 @@
 #version 450 core
-// checked with: -DLAYERS=2 -DRANGE_PER_SQUARE=0.0043 -DTIE_RATIO=0.7
+// checked with: -DLAYERS=2 -DRANGE_PER_SQUARE=0.0043 -DTIE_RATIO=0.3
 //
 // Of the cameras' fragments within the uncertainty range of the nearest one the best wins, blended where there is no
 // clear winner (merge_rules.h, Merge). One invocation per pixel of the view.

@@ -10,9 +10,11 @@
 namespace copresence::simulation {
 namespace {
 
-constexpr int kTile = 256;      // pixels; the tile's place changes with each frame
-constexpr float kGrain = 1.3f;  // standard deviation of the noise, of 255
-constexpr float kDarkCorners = 0.12f;
+constexpr int kTile = 256;                                // pixels; the tile's place changes with each frame
+constexpr float kGrain = 1.3f;                            // standard deviation of the noise, of 255
+constexpr float kDarkCorners = 0.12f;                     // of the light
+constexpr float kScreenGamma = 2.4f;                      // about: what a pixel's value is to its light
+constexpr float kLeastLight = 0.4f, kMostLight = 0.7f;  // of camera 0's, by automatic exposure
 
 }  // namespace
 
@@ -20,6 +22,8 @@ ColorResponse::ColorResponse(int width, int height, std::uint32_t seed, std::uin
     : seed_(hash(seed, camera, 0xC0)) {
   const float strength = camera == 0 ? 0.15f : 1.0f;
   const auto draw = [&](std::uint32_t what) { return strength * (2 * unit(hash(seed_, what)) - 1); };
+  const float light = camera == 0 ? 1.0f : kLeastLight + (kMostLight - kLeastLight) * unit(hash(seed_, 40));
+  const float exposure = std::pow(light, 1 / kScreenGamma);
   mixing_.setIdentity();
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::uint32_t>(c);
@@ -27,6 +31,7 @@ ColorResponse::ColorResponse(int width, int height, std::uint32_t seed, std::uin
     for (int d = 0; d < 3; ++d) {
       if (d != c) mixing_(c, d) = 0.04f * draw(10 + 3 * channel + static_cast<std::uint32_t>(d));
     }
+    mixing_.row(c) *= exposure;
     offset_[c] = 5.0f / 255 * draw(20 + channel);
     gamma_[c] = 1 + 0.08f * draw(30 + channel);
     offset_fixed_[static_cast<std::size_t>(c)] =
@@ -47,7 +52,7 @@ ColorResponse::ColorResponse(int width, int height, std::uint32_t seed, std::uin
     for (int x = 0; x < width; ++x) {
       const float dx = static_cast<float>(x) - center_x, dy = static_cast<float>(y) - center_y;
       corner_.push_back(static_cast<std::uint16_t>(
-          std::lround(4096 * (1 - kDarkCorners * (dx * dx + dy * dy) / diagonal))));
+          std::lround(4096 * std::pow(1 - kDarkCorners * (dx * dx + dy * dy) / diagonal, 1 / kScreenGamma))));
     }
   }
   for (std::uint32_t i = 0; i < 3 * kTile * kTile; ++i) {

@@ -1,8 +1,8 @@
 #pragma once
 
-// How a camera's colours differ from the scene's: gain, offset, gamma and crosstalk of its channels, darker
-// corners, and noise. Each camera has its own, drawn from its seed, as different as two Kinects with
-// automatic white balance are.
+// How a camera's colours differ from the scene's: exposure; gain, offset, gamma and crosstalk of its channels; corners
+// that get less light; and noise. Each camera has its own, drawn from its seed, as different as two Kinects are whose
+// automatic exposure and white balance see different parts of a room.
 //
 // Thread: one thread per object.
 
@@ -17,7 +17,8 @@ namespace copresence::simulation {
 
 class ColorResponse {
  public:
-  /// Camera 0 is nearly true; the others differ by up to 12 % in gain, 5 of 255 in offset and 8 % in gamma.
+  /// Camera 0 is nearly true; the others take 40 to 70 % of its light and differ by up to 12 % in gain, 5 of 255 in offset
+  /// and 8 % in gamma.
   ColorResponse(int width, int height, std::uint32_t seed, std::uint32_t camera);
 
   /// The camera's picture of a true one. What did not change since the last exposure is not computed again.

@@ -14,10 +14,21 @@ using Eigen::Vector3f;
 constexpr float kLampRadius = 0.2f;
 constexpr int kCell = 8;                                     // pixels; as many as are traced at once
 constexpr float kFigureReach = 0.95f, kFigureHeight = 2.0f;  // metres around the place where it stands
-std::array<Vector2f, 4> sub_pixels() {
-  return {Vector2f(-0.125f, -0.375f), Vector2f(0.375f, -0.125f), Vector2f(0.125f, 0.375f),
-          Vector2f(-0.375f, 0.125f)};
-}
+// Where in a pixel its colour is looked at: no two in one row or column. The room is looked at once, and closer.
+constexpr int kRoomGrid = 3;
+const auto kRoomSubPixels = [] {
+  std::array<Vector2f, kRoomGrid * kRoomGrid> places;
+  for (int i = 0; i < kRoomGrid; ++i) {
+    for (int j = 0; j < kRoomGrid; ++j) {
+      const int x = kRoomGrid * i + j, y = kRoomGrid * j + kRoomGrid - 1 - i;
+      places[static_cast<std::size_t>(x)] =
+          (Vector2f(static_cast<float>(x), static_cast<float>(y)).array() + 0.5f) / places.size() - 0.5f;
+    }
+  }
+  return places;
+}();
+const std::array<Vector2f, 4> kSubPixels{Vector2f(-0.125f, -0.375f), Vector2f(0.375f, -0.125f),
+                                         Vector2f(0.125f, 0.375f), Vector2f(-0.375f, 0.125f)};
 
 struct Surface {
   Vector3f position, normal;
@@ -66,6 +77,7 @@ TrueCamera::TrueCamera(std::shared_ptr<const World> world, const CameraModel& mo
   bound_parts();
   part_of_.assign(directions_.size(), -1);
   figure_light_.resize(directions_.size(), Vector3f::Zero());
+  figure_uv_.resize(directions_.size(), Vector2f::Zero());
 }
 
 Vector3f TrueCamera::still_light(const Ray& ray, const Vector3f& looking, Vector3f& of_lamp,
@@ -117,15 +129,16 @@ void TrueCamera::trace_still() {
       still_.infrared.data()[start + x] =
           material.infrared * std::abs(surface.normal.dot(directions_[start + x].normalized()));
     }
-    for (const Vector2f& offset : sub_pixels()) {
+    constexpr float kShare = 1.0f / kRoomSubPixels.size();
+    for (const Vector2f& offset : kRoomSubPixels) {
       for (std::size_t x = 0; x < width; ++x) {
         row[x] = Ray{eye_, directions_[start + x] + offset.x() * pixel_x_ + offset.y() * pixel_y_};
       }
       world_->still().trace(row);
       for (std::size_t x = 0; x < width; ++x) {
         Vector3f of_lamp;
-        still_light_[start + x] += 0.25f * still_light(row[x], row[x].direction.normalized(), of_lamp, true);
-        still_lamp_[start + x] += 0.25f * of_lamp;
+        still_light_[start + x] += kShare * still_light(row[x], row[x].direction.normalized(), of_lamp, true);
+        still_lamp_[start + x] += kShare * of_lamp;
       }
     }
     for (std::size_t x = 0; x < width; ++x)
@@ -267,7 +280,7 @@ void TrueCamera::draw_figure(const std::vector<Eigen::Isometry3f>& pose,
   const Furnishing& furnishing = world_->furnishing();
   std::vector<std::size_t> pixels;
   std::vector<Light> lights;
-  std::vector<Vector3f> colors;
+  std::vector<const Material*> materials;
   ShadowPoints points;
   const Vector3f lamp = furnishing.lights.empty() ? Vector3f::Zero() : furnishing.lights.front().center;
   for_each_run([&](std::size_t start, std::size_t count) {
@@ -292,50 +305,83 @@ void TrueCamera::draw_figure(const std::vector<Eigen::Isometry3f>& pose,
       part_of_[i] = static_cast<std::int8_t>(ray.mesh);
       view_.depth_m.data()[i] = ray.far;
       view_.infrared.data()[i] = material.infrared * std::abs(facing);
+      figure_uv_[i] = surface.uv;
       pixels.push_back(i);
+      materials.push_back(&material);
       lights.push_back(light_at(furnishing, world_->light(), position, normal));
-      colors.push_back(albedo(material, surface.uv));
       points.add(position, lamp);
     }
   });
   std::vector<float> hidden(points.size());
   shade(points, capsules, kLampRadius, hidden);
   for (std::size_t k = 0; k < pixels.size(); ++k) {
-    const Vector3f light = colors[k].cwiseProduct(lights[k].rest + (1 - hidden[k]) * lights[k].lamp);
+    const Vector3f color = mean_albedo(*materials[k], pixels[k]);
+    const Vector3f light = color.cwiseProduct(lights[k].rest + (1 - hidden[k]) * lights[k].lamp);
     figure_light_[pixels[k]] = light;
     view_.color.data()[pixels[k]] = to_screen(light);
   }
 }
 
-// Pixels on the outline show the share of each side.
+// How uv changes over `distance` pixels of the picture's buffer, as far as a neighbour shows the same part.
+Vector2f TrueCamera::uv_change(std::size_t pixel, std::size_t distance) const {
+  constexpr float kSeam = 0.05f;  // metres; more is the jump from one end of the cloth to the other
+  for (const auto& [from, to] : {std::pair{pixel, pixel + distance}, std::pair{pixel - distance, pixel}}) {
+    if (from >= part_of_.size() || to >= part_of_.size() || part_of_[from] != part_of_[to]) continue;
+    const Vector2f change = figure_uv_[to] - figure_uv_[from];
+    if (change.squaredNorm() < kSeam * kSeam) return change;
+  }
+  return Vector2f::Zero();
+}
+
+// A pixel sees an area, not a point. Light changes little within it, cloth does.
+Vector3f TrueCamera::mean_albedo(const Material& material, std::size_t pixel) const {
+  const Vector2f across = uv_change(pixel, 1),
+                 down = uv_change(pixel, static_cast<std::size_t>(model_.width));
+  Vector3f sum = Vector3f::Zero();
+  for (const Vector2f& offset : kSubPixels) {
+    sum += albedo(material, figure_uv_[pixel] + offset.x() * across + offset.y() * down);
+  }
+  return sum / kSubPixels.size();
+}
+
+// Pixels on the outline of a part show the share of each side.
 void TrueCamera::smooth_outline() {
   const auto width = static_cast<std::size_t>(model_.width), height = static_cast<std::size_t>(model_.height);
   rays_.clear();
-  std::vector<std::pair<std::size_t, std::size_t>> outline;  // the pixel, and one that shows the figure there
+  std::vector<std::size_t> outline;
+  const auto around = [&](std::size_t i) { return std::array{i - 1, i + 1, i - width, i + width}; };
   for_each_run([&](std::size_t start, std::size_t count) {
     const std::size_t y = start / width;
     if (y == 0 || y + 1 == height) return;
     for (std::size_t i = std::max(start, y * width + 1); i < std::min(start + count, (y + 1) * width - 1);
          ++i) {
-      const bool here = part_of_[i] >= 0;
-      for (const std::size_t beside : {i - 1, i + 1, i - width, i + width}) {
-        if ((part_of_[beside] >= 0) == here) continue;
-        outline.push_back({i, here ? i : beside});
-        for (const Vector2f& offset : sub_pixels()) {
-          const float room = still_.depth_m.data()[i];
-          rays_.push_back(Ray{eye_, directions_[i] + offset.x() * pixel_x_ + offset.y() * pixel_y_, 1e-3f,
-                              room > 0 ? room : 1e30f});
-        }
-        break;
+      const auto beside = around(i);
+      if (std::all_of(beside.begin(), beside.end(),
+                      [&](std::size_t n) { return part_of_[n] == part_of_[i]; }))
+        continue;
+      outline.push_back(i);
+      const float room = still_.depth_m.data()[i];
+      for (const Vector2f& offset : kSubPixels) {
+        rays_.push_back(Ray{eye_, directions_[i] + offset.x() * pixel_x_ + offset.y() * pixel_y_, 1e-3f,
+                            room > 0 ? room : 1e30f});
       }
     }
   });
   posed_.trace(rays_);
+  // A part's light at the pixel is that of the nearest pixel that shows it.
+  const auto light_of = [&](int part, std::size_t pixel) -> const Vector3f& {
+    if (part < 0) return room_light_[pixel];
+    if (part_of_[pixel] == part) return figure_light_[pixel];
+    for (const std::size_t beside : around(pixel)) {
+      if (part_of_[beside] == part) return figure_light_[beside];
+    }
+    return part_of_[pixel] < 0 ? room_light_[pixel] : figure_light_[pixel];
+  };
   for (std::size_t k = 0; k < outline.size(); ++k) {
-    float share = 0;
-    for (std::size_t ray = 4 * k; ray < 4 * k + 4; ++ray) share += rays_[ray].mesh >= 0 ? 0.25f : 0.0f;
-    const auto [pixel, figure] = outline[k];
-    view_.color.data()[pixel] = to_screen(share * figure_light_[figure] + (1 - share) * room_light_[pixel]);
+    Vector3f light = Vector3f::Zero();
+    for (std::size_t ray = 0; ray < kSubPixels.size(); ++ray)
+      light += light_of(rays_[k * kSubPixels.size() + ray].mesh, outline[k]);
+    view_.color.data()[outline[k]] = to_screen(light / kSubPixels.size());
   }
 }
 

@@ -60,6 +60,8 @@ class TrueCamera {
   template <class Visit>
   void for_each_run(Visit&& visit) const;
   void draw_figure(const std::vector<Eigen::Isometry3f>& pose, const std::vector<Capsule>& capsules);
+  Eigen::Vector2f uv_change(std::size_t pixel, std::size_t distance) const;
+  Eigen::Vector3f mean_albedo(const Material& material, std::size_t pixel) const;
   void smooth_outline();
   Eigen::Vector3f still_light(const Ray& ray, const Eigen::Vector3f& direction, Eigen::Vector3f& of_lamp,
                               bool mirrors) const;
@@ -83,6 +85,7 @@ class TrueCamera {
   Image<std::uint8_t> cells_;                  // rows of kCell pixels in which the figure may be
   std::vector<std::int8_t> part_of_;           // per pixel: the figure's part, or -1
   std::vector<Eigen::Vector3f> figure_light_;  // per pixel, valid where part_of_ >= 0
+  std::vector<Eigen::Vector2f> figure_uv_;     // likewise
   std::vector<Eigen::Vector3f> room_light_;    // per pixel: the still light with the figure's shadow
   ColorImage room_color_;                      // the same as seen
   std::vector<Ray> rays_;

@@ -7,6 +7,7 @@
 
 #include "render_client/renderer/band_merge.h"
 #include "render_client/renderer/depth_mesh.h"
+#include "render_client/renderer/outlines.h"
 #include "render_client/renderer/source_texture.h"
 
 namespace copresence::renderer {
@@ -162,7 +163,11 @@ class CpuRenderer : public Renderer {
                    static_cast<float>(eye.near_m), bands[i]);
       }
     }
-    if (!bands.empty()) return merge_band(merge_sources_, bands, wanted, view);
+    if (!bands.empty()) {
+      merge_band(merge_sources_, bands, wanted, view);
+      if (wanted.color) soften_outlines(bands, view);
+      return;
+    }
     for (int y = top; y < top + rows; ++y) {
       if (wanted.color) std::fill(view.color.row(y).begin(), view.color.row(y).end(), Rgba8{0, 0, 0, 0});
       if (wanted.depth) {

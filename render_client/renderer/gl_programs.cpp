@@ -15,6 +15,7 @@
 #include "shaders/measure_tilts.comp.h"
 #include "shaders/merge_layers.comp.h"
 #include "shaders/outline_flat_blocks.comp.h"
+#include "shaders/soften_outlines.comp.h"
 
 namespace copresence::renderer {
 namespace {
@@ -177,6 +178,27 @@ Result<void> MergeLayers::run(std::span<const Source> sources, const Eye& eye, c
     program.set(element("calibration_error", i).c_str(), sources[i].calibration_error_m);
   }
   program.dispatch_over(target.color.width(), target.color.height());
+  return {};
+}
+
+Result<void> SoftenOutlines::run(std::size_t count, const Eigen::Vector2f& w_near_far,
+                                 const gl::Texture& fragments, const gl::Texture& depths,
+                                 const gl::Texture& merged, const gl::Texture& softened) {
+  auto compiled = programs_.find(count);
+  if (compiled == programs_.end()) {
+    const std::array defines = {Define{"LAYERS", std::to_string(count)},
+                                Define{"APART", literal(kOutlineSteps * kStepInverse)},
+                                Define{"SHARE", literal(1.0F / kOutlineDivisor)}};
+    auto program = gl::Program::compute(*context_, shaders::soften_outlines_comp, defines);
+    if (!program) return fail(program.error());
+    compiled = programs_.emplace(count, std::move(*program)).first;
+  }
+  fragments.bind(0);
+  depths.bind(1);
+  merged.bind(2);
+  softened.bind_image(0, Access::kWrite);
+  compiled->second.set("w_near_far", w_near_far);
+  compiled->second.dispatch_over(softened.width(), softened.height());
   return {};
 }
 

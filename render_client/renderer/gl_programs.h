@@ -126,4 +126,19 @@ class MergeLayers {
   std::map<std::size_t, gl::Program> programs_;
 };
 
+/// soften_outlines.comp: a merged view's colours to those shown.
+class SoftenOutlines {
+ public:
+  explicit SoftenOutlines(gl::Context& context) : context_(&context) {}
+
+  /// Layers as MergeLayers has them, `count` of them. A shader is compiled for each number once. `w_near_far` as in
+  /// MergeLayers::Eye.
+  Result<void> run(std::size_t count, const Eigen::Vector2f& w_near_far, const gl::Texture& fragments,
+                   const gl::Texture& depths, const gl::Texture& merged, const gl::Texture& softened);
+
+ private:
+  gl::Context* context_;
+  std::map<std::size_t, gl::Program> programs_;
+};
+
 }  // namespace copresence::renderer

@@ -31,10 +31,11 @@ struct Layers {
 
 // What is made for a size of the view.
 struct Target {
-  gl::Texture color, depth, camera, quality;
+  gl::Texture merged, color, depth, camera, quality;  // `merged` before its outlines are softened
 
   Target(gl::Context& context, int width, int height)
-      : color(context, Format::kRgba8, width, height),
+      : merged(context, Format::kRgba8, width, height),
+        color(context, Format::kRgba8, width, height),
         depth(context, Format::kR32f, width, height),
         camera(context, Format::kR8ui, width, height),
         quality(context, Format::kR32f, width, height) {}
@@ -78,7 +79,8 @@ class GlRenderer final : public Renderer {
         settings_(settings),
         shaders_(std::move(shaders)),
         draw_(std::move(draw)),
-        merge_(context) {}
+        merge_(context),
+        soften_(context) {}
 
   std::string_view name() const override { return "gl"; }
 
@@ -142,11 +144,17 @@ class GlRenderer final : public Renderer {
                             HostPixels wanted) {
     merge_sources_.clear();
     for (const CameraView& camera : cameras) merge_sources_.push_back(merge_source(camera, eye));
-    auto merged =
-        merge_.run(merge_sources_, merge_eye(eye), layers_->fragments, layers_->depths, wanted.depth,
-                   {target_->color, target_->depth, target_->camera, target_->quality});
+    const MergeLayers::Eye seen = merge_eye(eye);
+    if (auto merged = merge_.run(merge_sources_, seen, layers_->fragments, layers_->depths, wanted.depth,
+                                 {target_->merged, target_->depth, target_->camera, target_->quality});
+        !merged) {
+      return merged;
+    }
+    context_.barrier(Reader::kFetch);
+    auto softened = soften_.run(cameras.size(), seen.w_near_far, layers_->fragments, layers_->depths,
+                                target_->merged, target_->color);
     context_.barrier(Reader::kFetch | Reader::kFramebuffer | Reader::kHost);
-    return merged;
+    return softened;
   }
 
   void show_nothing() {
@@ -178,6 +186,7 @@ class GlRenderer final : public Renderer {
   GlSource::Shaders shaders_;
   DrawMesh draw_;
   MergeLayers merge_;
+  SoftenOutlines soften_;
   std::vector<GlSource> sources_;  // by camera
   std::vector<MergeLayers::Source> merge_sources_;
   std::optional<Layers> layers_;

@@ -22,6 +22,9 @@
 // Colour    bilinear in the source image, clamped at its border, then the camera's color_matching, clamped to
 // 0..1; a
 //           camera without colour shows gray of shade_without_color().
+// Outlines  Where two neighbours of a row of the view lie kOutlineSteps apart, nearest fragments by inverse depth
+//           along the eye's axis, each takes a kOutlineDivisor-th of its difference to the other's colour. An
+//           outline lies somewhere within a pixel: half covered is the best guess, and the eye wants no steps.
 //
 // Thread: pure functions.
 
@@ -75,7 +78,7 @@ inline float cos_theta(float w, float dw_dx, float dw_dy, float x, float y) {
 }
 
 /// What a filled pixel is worth beside a measured one.
-inline constexpr float kFilledWorth = 0.5F;
+inline constexpr float kFilledWorth = 0.25F;
 
 /// The quality index of thesis eq. 2.5, 1/m^2; z_m > 0 along the source camera's axis.
 inline float quality_index(float cosine, float z_m, DepthState state) {
@@ -102,10 +105,14 @@ inline float fragment_worth(float quality, float behind_m, float range_m) {
 /// Share of a fragment in the pixel's colour, before dividing by the sum of all shares: 1 for the best, 0 for
 /// one worth less than kTieRatio of it, linear between. Depth, camera and quality of the pixel are the best
 /// one's (the lowest camera index of equals).
-inline constexpr float kTieRatio = 0.7F;
+inline constexpr float kTieRatio = 0.3F;
 inline float blend_weight(float worth, float best_worth) {
   return std::clamp((worth - kTieRatio * best_worth) / ((1.0F - kTieRatio) * best_worth), 0.0F, 1.0F);
 }
+
+/// See Outlines above. Levels of a Kinect; anything that stands 5 cm before a wall 2.5 m away is an outline.
+inline constexpr float kOutlineSteps = 8.0F;
+inline constexpr int kOutlineDivisor = 4;
 
 /// Gray, 0 to 1, of a surface of a camera without colour: lit from that camera.
 inline constexpr float kAmbient = 0.15F;

@@ -19,6 +19,7 @@
 #include "common/scene/scene.h"
 #include "render_client/depth_smoothing.h"
 #include "render_client/renderer/cpu_renderer.h"
+#include "render_client/temporal_filter.h"
 #include "render_client/viewpoint/look_at.h"
 #include "tests/pipeline/running_room.h"
 #include "tests/support/real_recordings.h"
@@ -79,18 +80,22 @@ class Fidelity : public ::testing::Test {
     return room_.file("eye.path").string();
   }
 
-  /// The frame with this sequence number as the hole filling leaves it.
-  static RgbdFrame filled_frame(const scene::Camera& camera, std::uint64_t sequence) {
+  /// What the client would show of the frame with this sequence number, had it got all frames up to it uncoded.
+  static RgbdFrame shown_frame(const scene::Camera& camera, std::uint64_t sequence) {
     auto source = open_source(camera.source, {sensor::SourceSettings::Pace::kFast, true});
     EXPECT_TRUE(source) << source.error().what;
+    const DepthUnit unit = (*source)->description().unit;
+    const auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
+                                           {camera.model.width, camera.model.height, unit, DepthRange{}});
+    client::TemporalFilter temporal_filter;
     RgbdFrame frame;
-    while (frame.stamp.sequence < sequence) frame = *(*source)->next({});
-    server::keep_range(frame, to_units(DepthRange{}, (*source)->description().unit));
-    const auto filler = hole_filling::open(
-        hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
-        {camera.model.width, camera.model.height, (*source)->description().unit, DepthRange{}});
-    EXPECT_TRUE((*filler)->fill(frame));
-    client::DepthSmoothing().smooth(frame.depth, (*source)->description().unit);
+    while (frame.stamp.sequence < sequence) {
+      frame = *(*source)->next({});
+      server::keep_range(frame, to_units(DepthRange{}, unit));
+      EXPECT_TRUE((*filler)->fill(frame));
+      temporal_filter.apply(frame, unit);
+    }
+    client::DepthSmoothing().smooth(frame.depth, unit);
     return frame;
   }
 
@@ -98,7 +103,7 @@ class Fidelity : public ::testing::Test {
                            const Rigid3& world_from_eye) {
     std::vector<RgbdFrame> frames;
     for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
-      frames.push_back(filled_frame(scene.cameras[i], sequences[i]));
+      frames.push_back(shown_frame(scene.cameras[i], sequences[i]));
     }
     std::vector<renderer::CameraView> views;
     for (std::size_t i = 0; i < frames.size(); ++i) {

@@ -56,6 +56,28 @@ TEST(CpuMerge, BlendsEqualsEvenly) {
   EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), {125, 125, 30}, 6));
 }
 
+TEST(CpuMerge, SoftensTheOutlineOfWhatStandsBeforeAWall) {
+  Looking near_red(kinect_model(), wall(1.5), plain(kRed)), far_green(kinect_model(), wall(3), plain(kGreen));
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 320; x < 640; ++x) {
+      near_red.frame.depth(x, y) = 0;
+      near_red.frame.state(x, y) = DepthState::kHole;
+    }
+  }
+  const MergedView view = render({&near_red, &far_green}, eye_at_origin(kWidth, kHeight));
+  const int y = kHeight / 2;
+  int edge = 0;
+  while (edge + 1 < kWidth && view.depth_m(edge + 1, y) < 2) ++edge;
+  const auto mixed = [](int own, int other) { return own + (other - own) / kOutlineDivisor; };
+  const Rgb8 red_side{static_cast<std::uint8_t>(mixed(220, 30)), static_cast<std::uint8_t>(mixed(30, 220)),
+                      30},
+      green_side{red_side.g, red_side.r, 30};
+  EXPECT_TRUE(near_color(view.color(edge, y), red_side));
+  EXPECT_TRUE(near_color(view.color(edge + 1, y), green_side));
+  EXPECT_TRUE(near_color(view.color(edge - 1, y), kRed));
+  EXPECT_TRUE(near_color(view.color(edge + 2, y), kGreen));
+}
+
 TEST(CpuMerge, ChangesFromCameraToCameraWithoutASeam) {
   // Two cameras turned towards one wall from left and right: each is better on its own side.
   const Rigid3 from_left = {turned(35), {-1.2, 0, 0}}, from_right = {turned(-35), {1.2, 0, 0}};

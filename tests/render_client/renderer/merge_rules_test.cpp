@@ -70,7 +70,7 @@ TEST(MergeRules, BlendEqualsEvenlyAndLeaveOutTheMuchWorse) {
   EXPECT_FLOAT_EQ(blend_weight(3, 3), 1);
   EXPECT_FLOAT_EQ(blend_weight(3 * kTieRatio, 3), 0);
   EXPECT_FLOAT_EQ(blend_weight(0.1F, 3), 0);
-  EXPECT_NEAR(blend_weight(3 * 0.85F, 3), 0.5, 1e-5);
+  EXPECT_NEAR(blend_weight(3 * 0.5F * (1 + kTieRatio), 3), 0.5, 1e-5);
 }
 
 TEST(MergeRules, ValueMeasuredAboveFilledAndNearAboveFar) {

@@ -1,0 +1,74 @@
+#pragma once
+
+// Keeps still what stands still. A Kinect measures a wall anew in every frame: levels come and go, rims of holes and
+// outlines flicker, colours have grain; and a view from beside the camera turns all of it into motion.
+//
+// Depth and colour of each pixel become their means over the last frames, for as long as the pixel's block says that
+// nothing moves there. A surface that comes nearer, though by less than a step a frame, moves the mean of the block's
+// differences, which noise hardly does; what moves sideways changes its colours. What moves is shown as it comes,
+// without delay. A pixel that loses its depth keeps it for some frames while its colour stays; a lone jump waits for a
+// second frame to confirm it. When much of the picture moves, the camera does, and nothing is kept.
+//
+// The idea of keeping depth by whether it changed for longer than noise does is that of temporal filters of depth
+// cameras (librealsense's, for one); judging blocks, and colour as the witness, are ours. Constants against a Kinect
+// v1's noise (docs/simulation.md has its figures).
+//
+// Thread: one thread at a time per object.
+
+#include <cstdint>
+#include <vector>
+
+#include "common/frame/depth_unit.h"
+#include "common/frame/rgbd_frame.h"
+
+namespace copresence::client {
+
+class TemporalFilter {
+ public:
+  static constexpr int kBlock = 8;        ///< pixels a side
+  static constexpr int kFrames = 8;       ///< in a mean: each new one counts for 1/kFrames at least
+  static constexpr int kKeptFrames = 15;  ///< that depth outlives its last measurement, half a second
+  static constexpr float kJump = 2.5F;    ///< sensor steps; what differs by more is another surface
+  static constexpr float kNoise = 0.35F;  ///< sensor steps; noise explains such a mean difference of a block,
+  static constexpr float kMotion = 0.75F;      ///< ...and this only motion
+  static constexpr int kColorJump = 14;        ///< of 255; a colour that differs by more is another thing's
+  static constexpr int kColorMotion = 5;       ///< of 255; likewise the mean of a block's differences
+  static constexpr float kMovingShare = 0.4F;  ///< of the blocks that move when the camera does
+
+  /// Replaces depth, state and colour by what is kept. Depth that is shown beyond its measurement keeps its state. The
+  /// first frame, and one of another size or one with colour after others without, begin anew.
+  void apply(RgbdFrame& frame, DepthUnit unit);
+
+ private:
+  struct Block {
+    float gain = 0;  // of new depth: 0 noise alone, 1 it replaces what is kept
+    bool is_recolored = false;
+  };
+  struct Kept {
+    std::vector<float> depth;  // in units; 0 where there is none
+    std::vector<DepthState> state;
+    std::vector<std::uint8_t> frames;  // in the mean, at most kFrames
+    std::vector<std::uint8_t> missed;  // frames since the last that agreed
+    std::vector<std::uint16_t> color;  // r, g, b of each pixel, times 256
+  };
+
+  bool fits(const RgbdFrame& frame) const;
+  void begin(const RgbdFrame& frame);
+  /// Returns whether the camera moves.
+  bool judge(const RgbdFrame& frame);
+  Block judge_block(const RgbdFrame& frame, int left, int top) const;
+  void mix_depth(RgbdFrame& frame);
+  void decide(RgbdFrame& frame, const Block& block, std::size_t at);
+  bool is_recolored(const RgbdFrame& frame, std::size_t at) const;
+  void mix_color(ColorImage& color);
+  const Block& block_of(int x, int y) const {
+    return blocks_[static_cast<std::size_t>(y / kBlock * columns_ + x / kBlock)];
+  }
+
+  int width_ = 0, height_ = 0, columns_ = 0;
+  float step_per_square_ = 0;  // a sensor step at depth z is this times z^2, in units
+  std::vector<Block> blocks_;
+  Kept kept_;
+};
+
+}  // namespace copresence::client

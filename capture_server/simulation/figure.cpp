@@ -78,9 +78,7 @@ void pose_leg(const Vector3f& hip, const Vector3f& ankle, Isometry3f& thigh, Iso
   shank = along(knee, (ankle - knee).normalized());
 }
 
-}  // namespace
-
-std::vector<Isometry3f> Figure::pose(double phase) const {
+std::vector<Isometry3f> move_person(double phase) {
   std::vector<Isometry3f> parts_in_figure(kParts);
   auto& p = parts_in_figure;
 
@@ -122,9 +120,17 @@ std::vector<Isometry3f> Figure::pose(double phase) const {
     pose_leg(hip, ankle, p[thigh], p[thigh + 1]);
     p[thigh + 2] = joint(ankle, Eigen::Quaternionf(about_y(-side * 0.22f)));
   }
-
-  for (Isometry3f& part : p) part = place * part;
   return parts_in_figure;
+}
+
+}  // namespace
+
+std::vector<Isometry3f> Figure::pose(double phase) const {
+  if (empty()) return {};
+  std::vector<Isometry3f> parts_in_world = motion(phase);
+  assert(parts_in_world.size() == parts.size());
+  for (Isometry3f& part : parts_in_world) part = place * part;
+  return parts_in_world;
 }
 
 Figure make_person(Furnishing& world) {
@@ -143,6 +149,7 @@ Figure make_person(Furnishing& world) {
 
   const Isometry3f here = Isometry3f::Identity();
   Figure figure;
+  figure.motion = move_person;
   figure.parts.resize(kParts);
   figure.capsules.resize(kParts);
   const auto body = [&](Part part, int material, std::vector<Ring> rings, float square = 0, int around = 28) {

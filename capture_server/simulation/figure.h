@@ -1,7 +1,7 @@
 #pragma once
 
-// A person-like figure that stands, shifts its weight, waves and talks with its hands: rigid parts on joints,
-// in clothes.
+// What moves in a world: rigid parts. Mostly a person-like figure that stands, shifts its weight, waves and talks with
+// its hands, on joints and in clothes.
 //
 // All motion has the period 1 in `phase`: phase 0 and phase 1 are the same pose, and so is the speed there.
 // Thread: a value; pose() is pure.
@@ -22,10 +22,13 @@ struct Capsule {
 };
 
 struct Figure {
-  std::vector<Mesh> parts;        ///< each in its own frame: the joint at the origin, the limb along +y
+  std::vector<Mesh> parts;        ///< each in its own frame; a limb's joint at the origin, the limb along +y
   std::vector<Capsule> capsules;  ///< one per part
   Eigen::Isometry3f place =
       Eigen::Isometry3f::Identity();  ///< world_from_figure: between the feet, facing -z
+
+  /// figure_from_part for every part; set where there are parts.
+  std::vector<Eigen::Isometry3f> (*motion)(double phase) = nullptr;
 
   bool empty() const { return parts.empty(); }
 

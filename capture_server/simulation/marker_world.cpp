@@ -48,7 +48,10 @@ void hang_board(Furnishing& world, const PlacedMarker& marker, int paper) {
       panel(marker.center - kAbove * towards, kBorder * marker.half_u, kBorder * marker.half_v, paper, 0.1f));
 }
 
-void build_shell(Furnishing& world) {
+}  // namespace
+
+Furnishing furnish_bare_room() {
+  Furnishing world;
   const auto paint = [&](Pattern pattern, std::uint32_t color, std::uint32_t accent, float scale) {
     return world.add(Material{pattern, srgb(color), srgb(accent), scale, 0, 0, 0.6f});
   };
@@ -66,9 +69,8 @@ void build_shell(Furnishing& world) {
     world.lights.push_back({{0, -kHeight + 0.02f, z}, {1.2f, 0, 0}, {0, 0, 0.3f}, Vector3f::Constant(1.6f)});
   }
   world.ambient = Vector3f::Constant(0.35f);
+  return world;
 }
-
-}  // namespace
 
 std::vector<PlacedMarker> placed_markers() {
   const std::array<Vector3f, 6> hanging{Vector3f(-0.62f, -1.30f, 0.15f), {0.00f, -1.50f, 0.55f},
@@ -90,8 +92,7 @@ std::vector<PlacedMarker> placed_markers() {
 }
 
 Furnishing furnish_markers() {
-  Furnishing world;
-  build_shell(world);
+  Furnishing world = furnish_bare_room();
   const int paper = world.add(Material{Pattern::kPlain, srgb(0xE8E8E4), srgb(0xE8E8E4), 0.1f, 0, 0, 0.7f});
   const int ink = world.add(Material{Pattern::kPlain, srgb(0x202020), srgb(0x202020), 0.1f, 0, 0, 0.3f});
   const int card = world.add(Material{Pattern::kPlain, srgb(0x9A7B55), srgb(0x8A6B45), 0.1f, 0, 0, 0.6f});

@@ -22,4 +22,7 @@ std::vector<PlacedMarker> placed_markers();
 
 Furnishing furnish_markers();
 
+/// The same room with nothing in it.
+Furnishing furnish_bare_room();
+
 }  // namespace copresence::simulation

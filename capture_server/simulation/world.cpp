@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "capture_server/simulation/board_world.h"
 #include "capture_server/simulation/marker_world.h"
 
 namespace copresence::simulation {
@@ -15,14 +16,21 @@ double phase_of_frame(std::uint64_t frame, std::uint64_t frames) {
 }
 
 std::vector<std::string> World::names() {
-  return {"room", "empty-room", "markers"};
+  return {"room", "empty-room", "markers", "board", "still-board"};
 }
 
 Result<World> World::make(std::string_view name) {
   if (name == "markers") return of(furnish_markers());
+  if (name == "still-board") return of(furnish_still_board());
+  if (name == "board") {
+    Furnishing bare = furnish_bare_room();
+    Figure board = make_moving_board(bare);
+    return of(std::move(bare), std::move(board));
+  }
   if (name != "room" && name != "empty-room") {
-    return fail(ErrorCode::kInvalid,
-                "there is no world \"" + std::string(name) + "\"; there are room, empty-room and markers");
+    std::string all;
+    for (const std::string& known : names()) all += (all.empty() ? "" : ", ") + known;
+    return fail(ErrorCode::kInvalid, "there is no world \"" + std::string(name) + "\"; there are " + all);
   }
   Furnishing furnishing = furnish_room();
   Figure figure;

@@ -62,8 +62,10 @@ class Refine : public ::testing::Test {
     return calibrate(arguments);
   }
 
-  Rigid3 refined() {
-    const Ended ended = run("refine", {"--out", folder_ / "out.toml", "--json", folder_ / "out.json"});
+  Rigid3 refined(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"--out", folder_ / "out.toml", "--json", folder_ / "out.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = run("refine", arguments);
     EXPECT_EQ(ended.code, 0) << ended.words;
     const auto out = scene::load(folder_ / "out.toml");
     EXPECT_TRUE(out) << ended.words;
@@ -154,7 +156,11 @@ class RefineSimulated : public Refine {
 TEST_F(RefineSimulated, TheProjectsOwnRecordingsEndWhereTheyWereMade) {
   const Rigid3 truth = *scene_.cameras[1].world_from_camera;
   disturb(truth, 1);
-  const Rigid3 found = refined();
+  const Ended shown = run("check", {"--picture", folder_ / "check.png"});
+  EXPECT_EQ(shown.code, 1) << shown.words;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "check.png"));
+  const Rigid3 found = refined({"--picture", folder_ / "refine.png"});
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "refine.png"));
   // What counts is where things are seen: the middle of the room, 2.35 m before the camera.
   const Eigen::Vector3d middle(0, -1, 0);
   EXPECT_LT(1000 * (found * (truth.inverse() * middle) - middle).norm(), 12);

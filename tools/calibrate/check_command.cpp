@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "common/scene/scene.h"
+#include "tools/calibrate/agreement_picture.h"
 #include "tools/calibrate/alignment/agreement.h"
 #include "tools/calibrate/command.h"
 #include "tools/calibrate/report.h"
@@ -15,7 +16,7 @@ namespace {
 constexpr double kLeastOverlap = 0.05;
 
 struct Options {
-  std::string scene, json;
+  std::string scene, json, picture;
   std::vector<NamedSource> sources;
   double most_median_sigmas = 2, most_median_mm = 15, most_contradicted_percent = 5;
 };
@@ -44,6 +45,7 @@ Result<void> run(const Options& options) {
   const auto views = still_views(options.sources, *scene, options.scene);
   if (!views) return fail(views.error());
   nlohmann::json pairs = nlohmann::json::array();
+  std::vector<SeenAgainst> seen;
   std::string wrong;
   int judged = 0;
   for (std::size_t i = 0; i < views->size(); ++i) {
@@ -62,6 +64,12 @@ Result<void> run(const Options& options) {
       entry.update(
           {{"a", a.name}, {"b", b.name}, {"good", says_something && problem.empty()}, {"verdict", verdict}});
       pairs.push_back(std::move(entry));
+      if (says_something) {
+        seen.push_back({fmt::format("{} against {}", a.name, b.name), a.surface, a.world_from_camera,
+                        b.surface, b.world_from_camera});
+        seen.push_back({fmt::format("{} against {}", b.name, a.name), b.surface, b.world_from_camera,
+                        a.surface, a.world_from_camera});
+      }
       judged += says_something;
       if (wrong.empty() && !problem.empty()) wrong = fmt::format("{} and {}: {}", a.name, b.name, problem);
     }
@@ -76,6 +84,9 @@ Result<void> run(const Options& options) {
                                 {"contradicted_percent", options.most_contradicted_percent},
                                 {"least_overlap", kLeastOverlap}}}};
     if (auto written = write_json(told, options.json); !written) return written;
+  }
+  if (!options.picture.empty()) {
+    if (auto written = write_agreement_picture(seen, options.picture); !written) return written;
   }
   if (!wrong.empty()) {
     return fail(ErrorCode::kRefused,
@@ -100,6 +111,8 @@ Command check_command(CLI::App& program) {
   parser->add_option("--scene", options->scene, "the scene file with the cameras' poses")->required();
   add_source_options(*parser, options->sources, 2, 64);
   parser->add_option("--json", options->json, "also tells everything to this file");
+  parser->add_option("--picture", options->picture,
+                     "write how far surfaces of each pair lie apart as coloured pictures (.png or .jpg)");
   parser
       ->add_option("--most-sigmas", options->most_median_sigmas,
                    "largest good median, in units of the sensors' expected noise")

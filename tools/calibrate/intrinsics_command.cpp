@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/scene/write_scene.h"
+#include "tools/calibrate/board_picture.h"
 #include "tools/calibrate/capture.h"
 #include "tools/calibrate/command.h"
 #include "tools/calibrate/lens/camera_info.h"
@@ -22,13 +23,14 @@ namespace {
 
 struct LensSettings {
   std::vector<NamedSource> sources;
-  std::string images, name = "camera", out, json, scene, scene_out;
+  std::string images, camera_info, name, out, json, picture, scene, scene_out;
   std::string size = "9x6";
   double square_mm = 25, marker_mm = 18;
   Board board;
   std::size_t frames = 90;
   double pause_s = 0.5;
   bool depth_to_color = false;
+  bool of_color_camera = false;  ///< of a sensor that does not register: what a camera_info file is of
 };
 
 // The pictures, whose lens it is, and what the scene file is told.
@@ -36,6 +38,7 @@ struct Pictures {
   std::string camera;
   int width = 0, height = 0;
   std::vector<BoardView> views;
+  BoardPictures shown;
   std::size_t looked_at = 0;
   bool is_depths_own = true;  ///< the lens is depth's too, which a registered sensor's colour has
 };
@@ -51,7 +54,10 @@ void look_at(const Board& board, const ColorImage& picture, const std::string& n
   out.width = picture.width();
   out.height = picture.height();
   ++out.looked_at;
-  if (auto view = find_board(board, picture, name)) out.views.push_back(std::move(*view));
+  auto view = find_board(board, picture, name);
+  if (!view) return;
+  out.shown.add(*view, picture);
+  out.views.push_back(std::move(*view));
 }
 
 Result<Pictures> pictures_of_source(const LensSettings& settings, const scene::Scene* scene) {
@@ -80,7 +86,7 @@ Result<Pictures> pictures_of_folder(const LensSettings& settings) {
   const auto files = picture_files(settings.images);
   if (!files) return fail(files.error());
   Pictures out;
-  out.camera = settings.name;
+  out.camera = settings.name.empty() ? "camera" : settings.name;
   for (const auto& file : *files) {
     const auto picture = load_picture(file);
     if (!picture) return fail(picture.error());
@@ -178,6 +184,9 @@ Result<void> calibrate_lens(const LensSettings& settings) {
     file << to_json(*fit, pictures->camera).dump(2) << '\n';
     if (!file.flush()) return fail(ErrorCode::kUnavailable, settings.json + ": cannot be written");
   }
+  if (!settings.picture.empty()) {
+    if (auto shown = pictures->shown.write(*fit, settings.picture); !shown) return shown;
+  }
   if (!settings.out.empty()) {
     if (auto saved = save_camera_info({pictures->camera, fit->model}, settings.out); !saved) return saved;
   }
@@ -188,6 +197,33 @@ Result<void> calibrate_lens(const LensSettings& settings) {
     } else {
       camera.model = fit->model;
     }
+  });
+}
+
+// A lens that somebody else found.
+Result<void> take_lens(const LensSettings& settings) {
+  if (settings.out.empty() && settings.scene_out.empty()) {
+    return fail(ErrorCode::kInvalid,
+                "--camera-info is for putting a lens into a scene file: give --scene-out as well");
+  }
+  const auto scene = scene_of(settings);
+  if (!scene) return fail(scene.error());
+  auto info = load_camera_info(settings.camera_info);
+  if (!info) return fail(info.error());
+  if (!settings.name.empty()) info->name = settings.name;
+  const CameraModel& m = info->model;
+  fmt::print("{}: {}x{} pixels, fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}\n", info->name, m.width, m.height,
+             m.fx, m.fy, m.cx, m.cy);
+  if (!settings.out.empty()) {
+    if (auto saved = save_camera_info(*info, settings.out); !saved) return saved;
+  }
+  return change_camera(settings, *scene, info->name, [&](scene::Camera& camera) {
+    if (!settings.of_color_camera) {
+      camera.model = info->model;
+      return;
+    }
+    if (!camera.color) camera.color.emplace();
+    camera.color->model = info->model;
   });
 }
 
@@ -231,9 +267,23 @@ Command intrinsics_command(CLI::App& program) {
           ->check(CLI::ExistingDirectory)
           ->excludes(source.recording)
           ->excludes(source.stream);
-  parser->add_option("--name", settings->name, "the camera's name, with --images")
-      ->capture_default_str()
-      ->needs(images);
+  auto* camera_info = parser
+                          ->add_option("--camera-info", settings->camera_info,
+                                       "take the lens from a ROS camera_info YAML file instead of finding it")
+                          ->check(CLI::ExistingFile)
+                          ->excludes(images)
+                          ->excludes(source.recording)
+                          ->excludes(source.stream);
+  parser
+      ->add_flag(
+          "--color-camera", settings->of_color_camera,
+          "with --camera-info: it is of the colour camera of a sensor that does not register, not of depth's")
+      ->needs(camera_info);
+  parser
+      ->add_option("--name", settings->name,
+                   "the camera's name, with --images or --camera-info [camera; the file's own]")
+      ->excludes(source.recording)
+      ->excludes(source.stream);
   parser->add_option("--board", settings->board.kind, "chessboard or charuco [chessboard]")
       ->transform(
           CLI::CheckedTransformer(std::map<std::string, Board::Kind>{{"chessboard", Board::Kind::kChessboard},
@@ -265,18 +315,24 @@ Command intrinsics_command(CLI::App& program) {
       parser->add_flag("--depth-to-color", settings->depth_to_color,
                        "find the rigid transform from depth to colour from markers whose dark cells return "
                        "no depth; both lenses are the scene file's or the recording's");
-  to_color->excludes(images)->needs(source.recording);
+  to_color->excludes(images)->excludes(camera_info)->needs(source.recording);
   parser->add_option("--out", settings->out, "write the lens as ROS camera_info YAML")->excludes(to_color);
   parser->add_option("--json", settings->json, "also write the report as JSON")->excludes(to_color);
+  parser
+      ->add_option("--picture", settings->picture,
+                   "write the pictures with the corners found and their errors (.png or .jpg)")
+      ->excludes(to_color);
   parser->add_option("--scene", settings->scene, "scene file to start from")->check(CLI::ExistingFile);
   parser->add_option("--scene-out", settings->scene_out,
                      "write the lens into a scene file; may be the one of --scene");
   return {parser, [settings]() -> Result<void> {
             settings->board.square_m = settings->square_mm * 1e-3;
             settings->board.marker_m = settings->marker_mm * 1e-3;
+            if (!settings->camera_info.empty()) return take_lens(*settings);
             if (settings->sources.empty() && settings->images.empty()) {
               return fail(ErrorCode::kInvalid,
-                          "give --recording NAME=FILE.oni, --stream NAME=HOST:PORT or --images FOLDER");
+                          "give --recording NAME=FILE.oni, --stream NAME=HOST:PORT, --images FOLDER or "
+                          "--camera-info FILE");
             }
             if (settings->board.kind == Board::Kind::kCharuco &&
                 settings->board.marker_m >= settings->board.square_m) {

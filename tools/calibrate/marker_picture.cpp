@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "tools/calibrate/picture_file.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -13,11 +14,6 @@ const cv::Scalar kGood(80, 220, 80), kDoubtful(0, 220, 255), kBad(60, 60, 255); 
 
 cv::Point point(const Eigen::Vector2d& pixel) {
   return {cv::saturate_cast<int>(pixel.x()), cv::saturate_cast<int>(pixel.y())};
-}
-
-void write_label(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color) {
-  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, {0, 0, 0}, 3, cv::LINE_AA);
-  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, color, 1, cv::LINE_AA);
 }
 
 void mark(cv::Mat& image, const FoundMarker& marker, const std::string& text, const cv::Scalar& color) {
@@ -78,15 +74,7 @@ Result<void> write_marked_pictures(std::span<const MarkedPicture> cameras, const
                           : kBad);
     }
   }
-  try {
-    if (!cv::imwrite(file.string(), all)) {
-      return fail(ErrorCode::kUnavailable, fmt::format("{}: the picture cannot be written", file.string()));
-    }
-  } catch (const cv::Exception&) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}: end the picture's name with .png or .jpg", file.string()));
-  }
-  return {};
+  return write_picture(all, file);
 }
 
 }  // namespace copresence::calibrate

@@ -6,6 +6,7 @@
 
 #include "common/scene/scene.h"
 #include "common/scene/write_scene.h"
+#include "tools/calibrate/agreement_picture.h"
 #include "tools/calibrate/alignment/refinement.h"
 #include "tools/calibrate/command.h"
 #include "tools/calibrate/report.h"
@@ -21,7 +22,7 @@ using Outcome = CameraRefinement::Outcome;
 constexpr double kLeastError_m = 1e-4;
 
 struct Options {
-  std::string scene, out, json;
+  std::string scene, out, json, picture;
   std::vector<NamedSource> sources;
 };
 
@@ -140,6 +141,22 @@ double error_to(const StillView& first, const StillView& view) {
                   std::hypot(*view.calibration_error_m, first.calibration_error_m.value_or(0)));
 }
 
+// Each pair's first camera against the second, before and after.
+Result<void> show(const alignment::Refinement& refinement, std::span<const StillView> views,
+                  const std::string& file) {
+  std::vector<SeenAgainst> all;
+  for (const alignment::PairRefinement& pair : refinement.pairs) {
+    const StillView &a = views[pair.a], &b = views[pair.b];
+    const std::string who = fmt::format("{} against {}", a.name, b.name);
+    all.push_back({fmt::format("{}, before: median {:.1f} mm", who, 1000 * pair.before.median_m), a.surface,
+                   a.world_from_camera, b.surface, b.world_from_camera});
+    all.push_back({fmt::format("after: median {:.1f} mm", 1000 * pair.after.median_m), a.surface,
+                   refinement.cameras[pair.a].world_from_camera, b.surface,
+                   refinement.cameras[pair.b].world_from_camera});
+  }
+  return write_agreement_picture(all, file);
+}
+
 Result<void> run(const Options& options) {
   auto scene = scene::load(options.scene);
   if (!scene) return fail(scene.error());
@@ -166,6 +183,9 @@ Result<void> run(const Options& options) {
   }
   if (!options.json.empty()) {
     if (auto written = write_json(to_json(refinement, *views), options.json); !written) return written;
+  }
+  if (!options.picture.empty()) {
+    if (auto shown = show(refinement, *views, options.picture); !shown) return shown;
   }
   if (!any) {
     return fail(
@@ -208,6 +228,9 @@ Command refine_command(CLI::App& program) {
   add_source_options(*parser, options->sources, 2, 64);
   parser->add_option("--out", options->out, "the scene file to write; may be the same")->required();
   parser->add_option("--json", options->json, "also tells everything to this file");
+  parser->add_option(
+      "--picture", options->picture,
+      "write how far surfaces lie apart, before and after, as coloured pictures (.png or .jpg)");
   return {parser, [options] { return run(*options); }};
 }
 

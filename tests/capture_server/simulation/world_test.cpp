@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "capture_server/simulation/board_world.h"
+#include "capture_server/simulation/simulated_kinect.h"
 #include "tests/capture_server/simulation/scenes.h"
 
 namespace copresence::simulation {
@@ -12,6 +14,29 @@ TEST(World, RefusesAnUnknownNameAndSaysWhichThereAre) {
   ASSERT_FALSE(world);
   EXPECT_EQ(world.error().code, ErrorCode::kInvalid);
   EXPECT_NE(world.error().what.find("room"), std::string::npos);
+}
+
+TEST(World, MakesEveryWorldThatItNames) {
+  for (const std::string& name : World::names()) EXPECT_TRUE(World::make(name)) << name;
+}
+
+TEST(World, AMovingBoardFacesTheFirstCameraAndRestsInEachPlace) {
+  Furnishing furnishing;
+  const Figure board = make_moving_board(furnishing);
+  const Rigid3 camera_from_world = kinect_poses(1).front().inverse();
+  const CameraModel model = kinect_model(640, 480);
+  for (int place = 0; place < 24; ++place) {
+    const Eigen::Isometry3f world_from_board = board.pose((place + 0.1) / 24).front();
+    EXPECT_TRUE(world_from_board.isApprox(board.pose((place + 0.9) / 24).front())) << place;
+    const Eigen::Vector3d towards =
+        camera_from_world.rotation * world_from_board.linear().col(2).cast<double>();
+    EXPECT_GT(towards.z(), 0.7) << place;
+    for (const Vertex& vertex : board.parts[1].vertices) {  // the squares
+      const Eigen::Vector2d pixel =
+          project(model, camera_from_world * (world_from_board * vertex.position).cast<double>());
+      EXPECT_TRUE(pixel.x() > 0 && pixel.x() < 639 && pixel.y() > 0 && pixel.y() < 479) << place;
+    }
+  }
 }
 
 TEST(World, PhasesOfARecordingCloseWhateverItsLength) {

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "capture_server/simulation/simulated_kinect.h"
 #include "common/scene/scene.h"
 #include "tests/support/process.h"
 #include "tests/tools/calibrate/painted_board.h"
@@ -62,6 +63,51 @@ TEST(CalibrateIntrinsics, WritesOneLensForRosAndForTheScene) {
   const auto report = nlohmann::json::parse(std::ifstream(json));
   EXPECT_GE(report["views"].size(), 9u);
   EXPECT_LT(report["rms_px"], 0.25);
+}
+
+TEST(CalibrateIntrinsics, FindsASimulatedKinectsLensFromARecordingAndShowsTheCorners) {
+  const testing::TemporaryFolder folder;
+  testing::Process made({program("simulate_kinect").string(), "board", "--cameras", "1", "--frames", "24",
+                         "--out", (folder / "board").string()});
+  ASSERT_EQ(made.wait(std::chrono::seconds(60)).value_or(-1), 0) << made.output();
+  const std::string yaml = folder / "camera0.yaml", sheet = folder / "board.jpg";
+  const Outcome outcome = run({"--recording", "camera0=" + (folder / "board/camera0.oni").string(),
+                               "--board-size", "9x6", "--square", "40", "--out", yaml, "--picture", sheet});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
+  const CameraModel truth = simulation::kinect_model(640, 480), found = load_camera_info(yaml).value().model;
+  EXPECT_NEAR(found.fx, truth.fx, 2);
+  EXPECT_NEAR(found.fy, truth.fy, 2);
+  for (int y = 40; y < 480; y += 100) {
+    for (int x = 40; x < 640; x += 140) {
+      const Eigen::Vector3d ray = unproject(truth, {double(x), double(y)}, 1);
+      EXPECT_LT((project(found, ray) - Eigen::Vector2d(x, y)).norm(), 2) << x << ", " << y;
+    }
+  }
+  const cv::Mat picture = cv::imread(sheet);
+  EXPECT_EQ(picture.cols, 960);
+  EXPECT_GT(picture.rows, 300);
+}
+
+TEST(CalibrateIntrinsics, TakesALensFromRosIntoTheSceneFile) {
+  const testing::TemporaryFolder folder;
+  const std::string yaml = folder / "kinect.yaml", toml = folder / "scene.toml", back = folder / "back.yaml";
+  ASSERT_TRUE(save_camera_info({"kinect", kLens}, yaml));
+  const Outcome depth = run({"--camera-info", yaml, "--scene-out", toml, "--out", back});
+  ASSERT_EQ(depth.exit_code, 0) << depth.said;
+  EXPECT_EQ(scene::load(toml).value().find("kinect")->model, kLens);
+  EXPECT_EQ(load_camera_info(back).value().model, kLens);
+  CameraModel color = kLens;
+  color.fx = 310;
+  ASSERT_TRUE(save_camera_info({"rgb", color}, yaml));
+  const Outcome both = run(
+      {"--camera-info", yaml, "--color-camera", "--name", "kinect", "--scene", toml, "--scene-out", toml});
+  ASSERT_EQ(both.exit_code, 0) << both.said;
+  const auto scene = scene::load(toml).value();
+  EXPECT_EQ(scene.find("kinect")->model, kLens);
+  EXPECT_EQ(scene.find("kinect")->color->model, color);
+  const Outcome idle = run({"--camera-info", yaml});
+  EXPECT_EQ(idle.exit_code, 1);
+  EXPECT_THAT(idle.said, HasSubstr("give --scene-out as well"));
 }
 
 TEST(CalibrateIntrinsics, SaysWhatIsMissing) {

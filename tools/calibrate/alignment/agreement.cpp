@@ -15,60 +15,66 @@ struct Tally {
   int contradictions = 0, looked_at = 0;
 };
 
+struct Look {
+  Meeting meeting = Meeting::kUnseen;
+  double distance = 0, sigma = 0;  // metres
+};
+
+// A point of a, in b's frame, in b's picture.
+Look look(const Surface& a, int x, int y, const Surface& b, const Rigid3& b_from_a, bool distorted) {
+  if (a.sigma(x, y) == 0) return {Meeting::kNone};
+  const Eigen::Vector3d point = b_from_a * a.point(x, y).cast<double>();
+  if (point.z() < 0.1) return {};
+  if (distorted && point.head<2>().squaredNorm() > 4 * point.z() * point.z()) return {};
+  const Eigen::Vector2d pixel = project(b.model, point);
+  if (!(pixel.x() > -0.5 && pixel.x() < b.model.width - 0.5 && pixel.y() > -0.5 &&
+        pixel.y() < b.model.height - 0.5)) {
+    return {};
+  }
+  const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
+  if (b.depth_m(u, v) == 0) return {};
+  const double sigma = std::hypot(a.sigma(x, y), b.sigma(u, v));
+  if (b.sigma(u, v) > 0) {
+    const Eigen::Vector3d normal_a = b_from_a.rotation * a.normal(x, y).cast<double>();
+    const Eigen::Vector3d normal_b = b.normal(u, v).cast<double>();
+    if (normal_a.dot(normal_b) > kLeastCosine) {
+      const double distance = (normal_a + normal_b).normalized().dot(point - b.point(u, v).cast<double>());
+      if (std::abs(distance) < kSameSurface_m) return {Meeting::kMeets, distance, sigma};
+    }
+  }
+  // Beside an edge a pixel decides between two surfaces, so only what the whole neighbourhood lies behind counts.
+  for (int dv = -2; dv <= 2; dv += 2) {
+    for (int du = -2; du <= 2; du += 2) {
+      const int nu = std::clamp(u + du, 0, b.model.width - 1), nv = std::clamp(v + dv, 0, b.model.height - 1);
+      if (b.depth_m(nu, nv) <= point.z() + kSameSurface_m + 3 * sigma) return {};
+    }
+  }
+  return {Meeting::kContradicts, 0, sigma};
+}
+
 // One way: points of a in b's picture. Returns how many meet.
-int look(const Surface& a, const Surface& b, const Rigid3& b_from_a, int spacing, Tally& tally) {
+int look_at_all(const Surface& a, const Surface& b, const Rigid3& b_from_a, int spacing, Tally& tally) {
   const bool distorted = b.model.is_distorted();
   int meetings = 0;
   for (int y = spacing / 2; y < a.model.height; y += spacing) {
     for (int x = spacing / 2; x < a.model.width; x += spacing) {
-      if (a.sigma(x, y) == 0) continue;
-      ++tally.looked_at;
-      const Eigen::Vector3d point = b_from_a * a.point(x, y).cast<double>();
-      if (point.z() < 0.1) continue;
-      if (distorted && point.head<2>().squaredNorm() > 4 * point.z() * point.z()) continue;
-      const Eigen::Vector2d pixel = project(b.model, point);
-      if (!(pixel.x() > -0.5 && pixel.x() < b.model.width - 0.5 && pixel.y() > -0.5 &&
-            pixel.y() < b.model.height - 0.5)) {
-        continue;
+      const Look seen = look(a, x, y, b, b_from_a, distorted);
+      tally.looked_at += seen.meeting != Meeting::kNone;
+      if (seen.meeting == Meeting::kMeets) {
+        const double share = seen.distance / kSameSurface_m, weight = weight_of(seen.sigma);
+        ++meetings;
+        tally.distances.push_back(std::abs(seen.distance));
+        tally.sigmas.push_back(std::abs(seen.distance) / seen.sigma);
+        tally.weights += weight;
+        tally.squares += weight * seen.distance * seen.distance;
+        tally.support += 1 - share * share;
+      } else if (seen.meeting == Meeting::kContradicts) {
+        const double weight = weight_of(seen.sigma);
+        ++tally.contradictions;
+        tally.weights += weight;
+        tally.squares += weight * kSameSurface_m * kSameSurface_m;
+        tally.support -= 1;
       }
-      const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
-      const double seen = b.depth_m(u, v);
-      if (seen == 0) continue;
-      const double sigma = std::hypot(a.sigma(x, y), b.sigma(u, v));
-      const double weight = weight_of(sigma);
-      if (b.sigma(u, v) > 0) {
-        const Eigen::Vector3d normal_a = b_from_a.rotation * a.normal(x, y).cast<double>();
-        const Eigen::Vector3d normal_b = b.normal(u, v).cast<double>();
-        if (normal_a.dot(normal_b) > kLeastCosine) {
-          const double distance =
-              (normal_a + normal_b).normalized().dot(point - b.point(u, v).cast<double>());
-          const double share = distance / kSameSurface_m;
-          if (std::abs(share) < 1) {
-            ++meetings;
-            tally.distances.push_back(std::abs(distance));
-            tally.sigmas.push_back(std::abs(distance) / sigma);
-            tally.weights += weight;
-            tally.squares += weight * distance * distance;
-            tally.support += 1 - share * share;
-            continue;
-          }
-        }
-      }
-      // Beside an edge a pixel decides between two surfaces, so only what the whole neighbourhood lies behind counts.
-      bool through = true;
-      for (int dv = -2; dv <= 2 && through; dv += 2) {
-        for (int du = -2; du <= 2 && through; du += 2) {
-          const int nu = std::clamp(u + du, 0, b.model.width - 1),
-                    nv = std::clamp(v + dv, 0, b.model.height - 1);
-          const double near = b.depth_m(nu, nv);
-          through = near > point.z() + kSameSurface_m + 3 * sigma;
-        }
-      }
-      if (!through) continue;
-      ++tally.contradictions;
-      tally.weights += weight;
-      tally.squares += weight * kSameSurface_m * kSameSurface_m;
-      tally.support -= 1;
     }
   }
   return meetings;
@@ -89,14 +95,29 @@ double weight_of(double sigma_m) {
   return 1 / std::hypot(sigma_m, kFloor_m);
 }
 
+Meetings find_meetings(const Surface& a, const Rigid3& world_from_a, const Surface& b,
+                       const Rigid3& world_from_b) {
+  const Rigid3 b_from_a = world_from_b.inverse() * world_from_a;
+  const bool distorted = b.model.is_distorted();
+  Meetings found{Image<Meeting>(a.model.width, a.model.height), Image<float>(a.model.width, a.model.height)};
+  for (int y = 0; y < a.model.height; ++y) {
+    for (int x = 0; x < a.model.width; ++x) {
+      const Look seen = look(a, x, y, b, b_from_a, distorted);
+      found.meeting(x, y) = seen.meeting;
+      found.distance_m(x, y) = static_cast<float>(seen.distance);
+    }
+  }
+  return found;
+}
+
 Agreement measure_agreement(const Surface& a, const Rigid3& world_from_a, const Surface& b,
                             const Rigid3& world_from_b, int spacing) {
   const Rigid3 b_from_a = world_from_b.inverse() * world_from_a;
   Tally tally;
   Agreement agreement;
-  const int one_way = look(a, b, b_from_a, spacing, tally);
+  const int one_way = look_at_all(a, b, b_from_a, spacing, tally);
   const int points_of_a = tally.looked_at;
-  const int other_way = look(b, a, b_from_a.inverse(), spacing, tally);
+  const int other_way = look_at_all(b, a, b_from_a.inverse(), spacing, tally);
   const int points_of_b = tally.looked_at - points_of_a;
   agreement.overlap =
       std::max(one_way / std::max(1.0, 1.0 * points_of_a), other_way / std::max(1.0, 1.0 * points_of_b));

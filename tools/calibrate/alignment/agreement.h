@@ -10,6 +10,9 @@
 //
 // Thread: pure.
 
+#include <cstdint>
+
+#include "common/frame/image.h"
 #include "common/frame/rigid3.h"
 #include "tools/calibrate/alignment/surface.h"
 
@@ -29,6 +32,22 @@ struct Agreement {
   double support = 0;
   int points = 0;  ///< meetings
 };
+
+/// What becomes of one camera's point in the other's picture.
+enum class Meeting : std::uint8_t {
+  kNone,    ///< no surface to look for
+  kUnseen,  ///< outside of the other's picture, hidden from it, or it measured nothing there
+  kMeets,
+  kContradicts,
+};
+
+/// The same for every pixel of a, to look at.
+struct Meetings {
+  Image<Meeting> meeting;
+  Image<float> distance_m;  ///< along the normals' mean, positive before b's surface; where it meets
+};
+Meetings find_meetings(const Surface& a, const Rigid3& world_from_a, const Surface& b,
+                       const Rigid3& world_from_b);
 
 /// spacing  pixels between the points looked at.
 Agreement measure_agreement(const Surface& a, const Rigid3& world_from_a, const Surface& b,

@@ -18,6 +18,7 @@ namespace {
 using Pair = std::pair<std::size_t, std::size_t>;
 
 constexpr std::array<Level, 3> kCoarse{{{0.2, 10, 15}, {0.1, 10, 10}, {0.05, 10, 10}}};
+constexpr double kMet_m = 0.005, kMet_rad = 0.004;  // of ends of its first level, from which all goes one way
 constexpr std::array<Level, 2> kFine{{{0.1, 4, 20}, {0.05, 4, 40}}};
 constexpr std::array<Level, 1> kFinest{{{0.05, 2, 25}}};
 constexpr Level kJudged{0.05, 8, 1};
@@ -72,10 +73,18 @@ bool place(std::span<const Surface> surfaces, std::size_t camera, const std::vec
     double support;
   };
   std::vector<Candidate> candidates;
+  std::vector<Rigid3> met;
   const Rigid3 given = poses[camera];
   for (const Rigid3& start : starts_around(given)) {
     poses[camera] = start;
-    if (!descend(problem, kCoarse, {}, poses) || !is_near(poses[camera], given)) continue;
+    if (!descend(problem, std::span(kCoarse).first(1), {}, poses)) continue;
+    const bool again = std::any_of(met.begin(), met.end(), [&](const Rigid3& other) {
+      return is_near(poses[camera], other, kMet_m, kMet_rad);
+    });
+    if (again) continue;
+    met.push_back(poses[camera]);
+    if (!descend(problem, std::span(kCoarse).subspan(1), {}, poses) || !is_near(poses[camera], given))
+      continue;
     candidates.push_back({poses[camera], support(problem, poses, kScoreSpacing)});
   }
   std::stable_sort(candidates.begin(), candidates.end(),

@@ -205,7 +205,9 @@ std::vector<Weighed> weigh(const Problem& problem, const Frozen& frozen, std::sp
   bool any_held = false;
   for (std::size_t i = 0; i < weighed.size(); ++i) {
     if (!scales.is_known(i) || weighed[i].contradicts) continue;
-    if (error_of(i) < kWorthMoving * errors_m[problem.moving[i]]) continue;
+    // Surfaces that know less than what is told know more in some directions only, too little to risk the others for.
+    const double told_m = errors_m[problem.moving[i]];
+    if (error_of(i) < kWorthMoving * told_m && weighed[i].surfaces_m < told_m) continue;
     keep(i, Verdict::kKnownBetter);
     any_held = true;
   }

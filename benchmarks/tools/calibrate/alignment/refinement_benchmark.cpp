@@ -1,13 +1,16 @@
 // Time of one refinement, and how good it is on the 50 seeded layouts on which marker calibration is measured, their
-// cameras set into the simulated room: from what markers leave, and from poses farther off. Layouts are made once, about
-// a minute for all of them; COPRESENCE_LAYOUTS=N takes the first N only.
+// cameras set into the simulated room: from what markers leave, and from poses farther off. Layouts are made once, some
+// four minutes for all of them; COPRESENCE_LAYOUTS=N takes the first N only, COPRESENCE_LAYOUTS=M-N those from M up to N,
+// so that several processes share the work. What each camera came to stands in lines on standard error.
 
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -21,6 +24,7 @@ namespace copresence::alignment {
 namespace {
 
 struct Layout {
+  int number = 0;
   std::vector<Rigid3> truth, by_markers;
   std::vector<double> marker_errors_m;  // as the marker fit expects them
   std::vector<Surface> surfaces;
@@ -50,6 +54,7 @@ Layout make_layout(const std::shared_ptr<const simulation::World>& world, int nu
                          .value();
   const Rigid3 room_from_rig{Eigen::Matrix3d::Identity(), kMiddle};
   Layout layout;
+  layout.number = number;
   for (std::size_t i = 0; i < rig.world_from_camera.size(); ++i) {
     layout.truth.push_back(room_from_rig * rig.world_from_camera[i]);
     layout.by_markers.push_back(room_from_rig * found.cameras[i].world_from_camera);
@@ -71,10 +76,15 @@ Layout make_layout(const std::shared_ptr<const simulation::World>& world, int nu
 
 const std::vector<Layout>& layouts() {
   static const std::vector<Layout> kLayouts = [] {
-    const char* count = std::getenv("COPRESENCE_LAYOUTS");
+    int first = 0, end = 50;
+    if (const char* which = std::getenv("COPRESENCE_LAYOUTS")) {
+      const char* dash = std::strchr(which, '-');
+      first = dash ? std::atoi(which) : 0;
+      end = std::atoi(dash ? dash + 1 : which);
+    }
     const auto world = std::make_shared<const simulation::World>(simulation::World::make("room").value());
     std::vector<Layout> made;
-    for (int number = 0; number < (count ? std::atoi(count) : 50); ++number) {
+    for (int number = first; number < end; ++number) {
       made.push_back(make_layout(world, number));
     }
     return made;
@@ -116,9 +126,8 @@ void refine_simulated_layouts(benchmark::State& state) {
   int worse = 0, kept = 0, runs = 0, alone = 0;
   double most_worse = 0;
   for (auto _ : state) {
-    for (std::size_t number = 0; number < layouts().size(); ++number) {
-      const Layout& layout = layouts()[number];
-      std::mt19937 random(static_cast<unsigned>(1000 + number));
+    for (const Layout& layout : layouts()) {
+      std::mt19937 random(static_cast<unsigned>(1000 + layout.number));
       std::vector<Rigid3> given = layout.by_markers;
       std::vector<double> errors_m = layout.marker_errors_m;
       if (state.range(0) == kPushed) {
@@ -144,6 +153,11 @@ void refine_simulated_layouts(benchmark::State& state) {
         kept += camera.moved_mm == 0;
         worse += is > was + 1e-6;
         most_worse = std::max(most_worse, is - was);
+        std::fprintf(
+            stderr,
+            "layout %d camera %zu of %zu: %.2f to %.2f mm, told %.2f, surfaces know %.2f, outcome %d\n",
+            layout.number, i, given.size() - 1, was, is, camera.told_mm, camera.surfaces_mm,
+            static_cast<int>(camera.outcome));
       }
     }
   }

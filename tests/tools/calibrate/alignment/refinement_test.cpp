@@ -69,6 +69,11 @@ TEST(Refinement, KeepsAPoseThatIsKnownBetterThanSurfacesTellIt) {
   EXPECT_DOUBLE_EQ(kept.error_mm, 0.5);
 }
 
+TEST(Refinement, KeepsAPoseThatSurfacesAloneTellNearlyAsWell) {
+  const double alone_m = 1e-3 * refine_told({0.0003, 0, -0.0003}, 0, 0.05).surfaces_mm;
+  EXPECT_EQ(refine_told({0.0003, 0, -0.0003}, 0, 0.97 * alone_m).outcome, Outcome::kKnownBetter);
+}
+
 TEST(Refinement, ImprovesAPoseThatIsKnownWorseThanSurfacesTellIt) {
   const CameraRefinement moved = refine_told({0.015, 0.01, 0.01}, 0.3, 0.02),
                          freely = refine_told({0.015, 0.01, 0.01}, 0.3, 0);

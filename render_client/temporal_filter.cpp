@@ -3,17 +3,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 
 namespace copresence::client {
 namespace {
 
 constexpr int kMeanShift = 3;
 static_assert(1 << kMeanShift == TemporalFilter::kFrames);
+constexpr int kColorBits = 7;      // of Kept::color after the point
+constexpr int kSumShift = 3;       // so that eight rows of colour differences fit
 constexpr int kFewestPixels = 16;  // of a block, whose mean difference says something
 
 const std::uint8_t* bytes(const ColorImage& color) {
   static_assert(sizeof(Rgb8) == 3);
   return reinterpret_cast<const std::uint8_t*>(color.data());
+}
+
+std::int16_t kept_color(std::uint8_t value) {
+  return static_cast<std::int16_t>(value << kColorBits);
 }
 
 }  // namespace
@@ -30,56 +37,70 @@ void TemporalFilter::begin(const RgbdFrame& frame) {
   const std::size_t pixels = frame.depth.pixels().size();
   kept_.depth.assign(frame.depth.pixels().begin(), frame.depth.pixels().end());
   kept_.state.assign(frame.state.pixels().begin(), frame.state.pixels().end());
-  kept_.frames.assign(pixels, 1);
+  kept_.frames.assign(pixels, 1.0F);
   kept_.missed.assign(pixels, 0);
   kept_.color.resize(frame.color ? 3 * pixels : 0);
-  for (std::size_t i = 0; i < kept_.color.size(); ++i)
-    kept_.color[i] = static_cast<std::uint16_t>(bytes(*frame.color)[i] << 8);
+  if (frame.color) {
+    std::transform(bytes(*frame.color), bytes(*frame.color) + 3 * pixels, kept_.color.begin(), kept_color);
+  }
 }
 
-TemporalFilter::Block TemporalFilter::judge_block(const RgbdFrame& frame, int left, int top) const {
-  const int columns = std::min(kBlock, width_ - left), rows = std::min(kBlock, height_ - top);
-  float difference = 0, agreeing = 0, jumping = 0;
-  int recolored = 0;
-  const auto sum = [&](std::size_t at, int count) {
-    const std::uint16_t* const measured = frame.depth.data() + at;
-    const float* const kept = kept_.depth.data() + at;
-    for (int x = 0; x < count; ++x) {
-      const float z = measured[x], before = kept[x], step = step_per_square_ * before * before;
-      const float there = z > 0 && before > 0 ? 1.0F : 0.0F;
-      const float agrees = std::abs(z - before) <= kJump * step ? there : 0.0F;
-      difference += agrees * (z - before) / std::max(step, 1e-3F);
-      agreeing += agrees;
-      jumping += there - agrees;
-    }
-    if (!frame.color) return;
-    const std::uint8_t* const color = bytes(*frame.color) + 3 * at;
-    const std::uint16_t* const kept_color = kept_.color.data() + 3 * at;
-    for (int i = 0; i < 3 * count; ++i) recolored += std::abs((color[i] << 8) - kept_color[i]);
-  };
-  for (int y = top; y < top + rows; ++y) {
-    const std::size_t at =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(left);
-    if (columns == kBlock) {
-      sum(at, kBlock);  // a number that the compiler knows
-    } else {
-      sum(at, columns);
-    }
+void TemporalFilter::sum_row(const RgbdFrame& frame, int y) {
+  const std::size_t width = static_cast<std::size_t>(width_), at = static_cast<std::size_t>(y) * width;
+  const std::uint16_t* __restrict const measured = frame.depth.data() + at;
+  const float* __restrict const kept = kept_.depth.data() + at;
+  float* __restrict const difference = sums_.difference.data();
+  float* __restrict const agreeing = sums_.agreeing.data();
+  float* __restrict const jumping = sums_.jumping.data();
+  for (std::size_t x = 0; x < width; ++x) {
+    const float z = measured[x], before = kept[x], step = step_per_square_ * before * before;
+    const float there = (z > 0 ? 1.0F : 0.0F) * (before > 0 ? 1.0F : 0.0F);
+    const float agrees = std::abs(z - before) <= kJump * step ? there : 0.0F;
+    difference[x] += agrees * (z - before) / std::max(step, 1e-3F);
+    agreeing[x] += agrees;
+    jumping[x] += there - agrees;
   }
+  if (!frame.color) return;
+  const std::uint8_t* __restrict const color = bytes(*frame.color) + 3 * at;
+  const std::int16_t* __restrict const before = kept_.color.data() + 3 * at;
+  std::int16_t* __restrict const recolored = sums_.recolored.data();
+  for (std::size_t i = 0; i < 3 * width; ++i) {
+    const auto change = static_cast<std::int16_t>(kept_color(color[i]) - before[i]);
+    const auto size = static_cast<std::int16_t>(change < 0 ? -change : change);
+    recolored[i] = static_cast<std::int16_t>(recolored[i] + (size >> kSumShift));
+  }
+}
+
+TemporalFilter::Block TemporalFilter::judge_block(int left, int rows) const {
+  const int columns = std::min(kBlock, width_ - left);
+  const auto sum = [&](const auto& of, int first, int count, auto zero) {
+    return std::accumulate(of.begin() + first, of.begin() + first + count, zero);
+  };
+  const float agreeing = sum(sums_.agreeing, left, columns, 0.0F),
+              jumping = sum(sums_.jumping, left, columns, 0.0F);
   Block block;
-  if (agreeing >= kFewestPixels)
-    block.gain = std::clamp((std::abs(difference) / agreeing - kNoise) / (kMotion - kNoise), 0.0F, 1.0F);
+  if (agreeing >= kFewestPixels) {
+    const float mean = std::abs(sum(sums_.difference, left, columns, 0.0F)) / agreeing;
+    block.gain = std::clamp((mean - kNoise) / (kMotion - kNoise), 0.0F, 1.0F);
+  }
   if (2 * jumping > static_cast<float>(columns * rows)) block.gain = 1;
-  block.is_recolored = recolored > (kColorMotion << 8) * 3 * columns * rows;
+  block.is_recolored =
+      !sums_.recolored.empty() && sum(sums_.recolored, 3 * left, 3 * columns, 0) >
+                                      (kColorMotion << (kColorBits - kSumShift)) * 3 * columns * rows;
   return block;
 }
 
 bool TemporalFilter::judge(const RgbdFrame& frame) {
+  const auto width = static_cast<std::size_t>(width_);
   blocks_.clear();
   int moving = 0;
   for (int top = 0; top < height_; top += kBlock) {
+    for (auto* sums : {&sums_.difference, &sums_.agreeing, &sums_.jumping}) sums->assign(width, 0.0F);
+    sums_.recolored.assign(frame.color ? 3 * width : 0, 0);
+    const int rows = std::min(kBlock, height_ - top);
+    for (int y = top; y < top + rows; ++y) sum_row(frame, y);
     for (int left = 0; left < width_; left += kBlock) {
-      blocks_.push_back(judge_block(frame, left, top));
+      blocks_.push_back(judge_block(left, rows));
       moving += blocks_.back().gain > 0.5F || blocks_.back().is_recolored;
     }
   }
@@ -89,7 +110,7 @@ bool TemporalFilter::judge(const RgbdFrame& frame) {
 bool TemporalFilter::is_recolored(const RgbdFrame& frame, std::size_t at) const {
   if (!frame.color) return false;
   for (std::size_t i = 3 * at; i < 3 * at + 3; ++i) {
-    if (std::abs((bytes(*frame.color)[i] << 8) - kept_.color[i]) > kColorJump << 8) return true;
+    if (std::abs(kept_color(bytes(*frame.color)[i]) - kept_.color[i]) > kColorJump << kColorBits) return true;
   }
   return false;
 }
@@ -114,81 +135,81 @@ void TemporalFilter::decide(RgbdFrame& frame, const Block& block, std::size_t at
   kept_.missed[at] = 0;
 }
 
-void TemporalFilter::mix_depth(RgbdFrame& frame) {
-  const float jump_per_square = kJump * step_per_square_;
-  for (int y = 0; y < height_; ++y) {
-    for (int left = 0; left < width_; left += kBlock) {
-      const Block& block = block_of(left, y);
-      const std::size_t at =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(left);
-      std::uint16_t* const depth = frame.depth.data() + at;
-      DepthState* const state = frame.state.data() + at;
-      float* const kept = kept_.depth.data() + at;
-      std::uint8_t* const frames = kept_.frames.data() + at;
-      std::uint8_t* const missed = kept_.missed.data() + at;
-      const DepthState* const kept_state = kept_.state.data() + at;
-      const float least_gain = block.is_recolored ? 1.0F : block.gain;
-      unsigned others = 0;  // one bit per pixel
-      const auto mix = [&](int count) {
-        for (int x = 0; x < count; ++x) {
-          const float z = depth[x], before = kept[x];
-          const bool goes_on =
-              state[x] == kept_state[x] && std::abs(z - before) <= jump_per_square * before * before;
-          const int mean_of = std::min(frames[x] + 1, kFrames);
-          const float gain = std::max(1.0F / static_cast<float>(mean_of), least_gain);
-          kept[x] = goes_on ? before + gain * (z - before) : before;
-          frames[x] = static_cast<std::uint8_t>(goes_on ? mean_of : frames[x]);
-          missed[x] = goes_on ? std::uint8_t{0} : missed[x];
-          others |= goes_on ? 0U : 1U << x;
-        }
-      };
-      const int columns = std::min(kBlock, width_ - left);
-      if (columns == kBlock) {
-        mix(kBlock);  // a number that the compiler knows
-      } else {
-        mix(columns);
-      }
-      for (int x = 0; others; ++x, others >>= 1) {
-        if (others & 1U) decide(frame, block, at + static_cast<std::size_t>(x));
-      }
-      for (int x = 0; x < columns; ++x) depth[x] = static_cast<std::uint16_t>(kept[x] + 0.5F);
-      std::copy_n(kept_state, columns, state);
-    }
+// What the blocks say, pixel by pixel, for loops over whole rows.
+void TemporalFilter::spread(int block_row) {
+  const auto width = static_cast<std::size_t>(width_);
+  spread_.gain.resize(width);
+  spread_.jump.resize(3 * width);
+  for (int left = 0; left < width_; left += kBlock) {
+    const Block& block = blocks_[static_cast<std::size_t>(block_row * columns_ + left / kBlock)];
+    const int columns = std::min(kBlock, width_ - left);
+    std::fill_n(spread_.gain.begin() + left, columns, block.is_recolored ? 1.0F : block.gain);
+    std::fill_n(spread_.jump.begin() + 3 * left, 3 * columns,
+                static_cast<std::int16_t>(block.is_recolored ? -1 : kColorJump << kColorBits));
   }
 }
 
-void TemporalFilter::mix_color(ColorImage& color) {
-  auto* const colors = reinterpret_cast<std::uint8_t*>(color.data());
-  for (int y = 0; y < height_; ++y) {
-    for (int left = 0; left < width_; left += kBlock) {
-      const int jump = block_of(left, y).is_recolored ? -1 : kColorJump << 8;
-      const std::size_t at = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                  static_cast<std::size_t>(left));
-      std::uint8_t* const shown = colors + at;
-      std::uint16_t* const kept = kept_.color.data() + at;
-      const auto mix = [&](int count) {
-        for (int i = 0; i < count; ++i) {
-          const int now = shown[i] << 8, change = now - kept[i];
-          const int mixed = kept[i] + (change >> kMeanShift);
-          kept[i] = static_cast<std::uint16_t>(std::abs(change) > jump ? now : mixed);
-          shown[i] = static_cast<std::uint8_t>((kept[i] + 128) >> 8);
-        }
-      };
-      const int columns = std::min(kBlock, width_ - left);
-      if (columns == kBlock) {
-        mix(3 * kBlock);
-      } else {
-        mix(3 * columns);
-      }
-    }
+void TemporalFilter::mix_depth(RgbdFrame& frame, int y) {
+  const float jump_per_square = kJump * step_per_square_;
+  const std::size_t width = static_cast<std::size_t>(width_), at = static_cast<std::size_t>(y) * width;
+  std::uint16_t* __restrict const depth = frame.depth.data() + at;
+  const DepthState* __restrict const state = frame.state.data() + at;
+  float* __restrict const kept = kept_.depth.data() + at;
+  float* __restrict const frames = kept_.frames.data() + at;
+  std::uint8_t* __restrict const missed = kept_.missed.data() + at;
+  const DepthState* __restrict const kept_state = kept_.state.data() + at;
+  const float* __restrict const least_gain = spread_.gain.data();
+  changed_.resize(width);
+  goes_on_.resize(width);
+  std::uint8_t* __restrict const changed = changed_.data();
+  float* __restrict const goes_on = goes_on_.data();
+  // One kind of number a loop, so that compilers take many pixels at a time.
+  for (std::size_t x = 0; x < width; ++x) changed[x] = state[x] != kept_state[x];
+  for (std::size_t x = 0; x < width; ++x) goes_on[x] = 1.0F - static_cast<float>(changed[x]);
+  for (std::size_t x = 0; x < width; ++x) {
+    const float z = depth[x], before = kept[x];
+    const float agrees = std::abs(z - before) <= jump_per_square * before * before ? goes_on[x] : 0.0F;
+    const float mean_of = std::min(frames[x] + 1, static_cast<float>(kFrames));
+    const float gain = std::max(1 / mean_of, least_gain[x]);
+    kept[x] = before + agrees * gain * (z - before);
+    frames[x] += agrees * (mean_of - frames[x]);
+    goes_on[x] = agrees;
+  }
+  for (std::size_t x = 0; x < width; ++x) changed[x] = goes_on[x] == 0.0F;
+  for (std::size_t x = 0; x < width; ++x) missed[x] = static_cast<std::uint8_t>(changed[x] * missed[x]);
+  for (std::size_t x = 0; x < width; ++x) {
+    x = static_cast<std::size_t>(
+        std::find(changed_.begin() + static_cast<std::ptrdiff_t>(x), changed_.end(), 1) - changed_.begin());
+    if (x < width) decide(frame, block_of(static_cast<int>(x), y), at + x);
+  }
+  for (std::size_t x = 0; x < width; ++x)
+    depth[x] = static_cast<std::uint16_t>(static_cast<int>(kept[x] + 0.5F));
+  std::copy_n(kept_state, width, frame.state.data() + at);
+}
+
+void TemporalFilter::mix_color(ColorImage& color, int y) {
+  const std::size_t count = 3 * static_cast<std::size_t>(width_), at = static_cast<std::size_t>(y) * count;
+  std::uint8_t* __restrict const shown = reinterpret_cast<std::uint8_t*>(color.data()) + at;
+  std::int16_t* __restrict const kept = kept_.color.data() + at;
+  const std::int16_t* __restrict const jump = spread_.jump.data();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int16_t now = kept_color(shown[i]);
+    const auto change = static_cast<std::int16_t>(now - kept[i]);
+    const auto size = static_cast<std::int16_t>(change < 0 ? -change : change);
+    const auto mixed = static_cast<std::int16_t>(kept[i] + (change >> kMeanShift));
+    kept[i] = size > jump[i] ? now : mixed;
+    shown[i] = static_cast<std::uint8_t>((kept[i] + (1 << (kColorBits - 1))) >> kColorBits);
   }
 }
 
 void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit) {
   step_per_square_ = static_cast<float>(sensor_step_m(1.0) * metres_per_unit(unit));
   if (!fits(frame) || judge(frame)) return begin(frame);
-  mix_depth(frame);
-  if (frame.color) mix_color(*frame.color);
+  for (int y = 0; y < height_; ++y) {
+    if (y % kBlock == 0) spread(y / kBlock);
+    mix_depth(frame, y);
+    if (frame.color) mix_color(*frame.color, y);
+  }
 }
 
 }  // namespace copresence::client

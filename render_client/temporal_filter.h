@@ -47,20 +47,32 @@ class TemporalFilter {
   struct Kept {
     std::vector<float> depth;  // in units; 0 where there is none
     std::vector<DepthState> state;
-    std::vector<std::uint8_t> frames;  // in the mean, at most kFrames
+    std::vector<float> frames;         // in the mean, at most kFrames
     std::vector<std::uint8_t> missed;  // frames since the last that agreed
-    std::vector<std::uint16_t> color;  // r, g, b of each pixel, times 256
+    std::vector<std::int16_t> color;   // r, g, b of each pixel, times 128
+  };
+  // Of a row of blocks, by column of pixels, or by byte of colour.
+  struct Sums {
+    std::vector<float> difference, agreeing, jumping;
+    std::vector<std::int16_t> recolored;
+  };
+  // Of a row of blocks spread over their pixels.
+  struct Spread {
+    std::vector<float> gain;         // of new depth, at least
+    std::vector<std::int16_t> jump;  // of colour, that replaces what is kept; by byte
   };
 
   bool fits(const RgbdFrame& frame) const;
   void begin(const RgbdFrame& frame);
   /// Returns whether the camera moves.
   bool judge(const RgbdFrame& frame);
-  Block judge_block(const RgbdFrame& frame, int left, int top) const;
-  void mix_depth(RgbdFrame& frame);
+  void sum_row(const RgbdFrame& frame, int y);
+  Block judge_block(int left, int rows) const;
+  void spread(int block_row);
+  void mix_depth(RgbdFrame& frame, int y);
   void decide(RgbdFrame& frame, const Block& block, std::size_t at);
   bool is_recolored(const RgbdFrame& frame, std::size_t at) const;
-  void mix_color(ColorImage& color);
+  void mix_color(ColorImage& color, int y);
   const Block& block_of(int x, int y) const {
     return blocks_[static_cast<std::size_t>(y / kBlock * columns_ + x / kBlock)];
   }
@@ -69,6 +81,10 @@ class TemporalFilter {
   float step_per_square_ = 0;  // a sensor step at depth z is this times z^2, in units
   std::vector<Block> blocks_;
   Kept kept_;
+  Sums sums_;
+  Spread spread_;
+  std::vector<std::uint8_t> changed_;  // of a row: 1 where pixels do not simply go on...
+  std::vector<float> goes_on_;         // ...and 1 where they do
 };
 
 }  // namespace copresence::client

@@ -14,7 +14,7 @@ constexpr int kTile = 256;                                // pixels; the tile's 
 constexpr float kGrain = 1.3f;                            // standard deviation of the noise, of 255
 constexpr float kDarkCorners = 0.12f;                     // of the light
 constexpr float kScreenGamma = 2.4f;                      // about: what a pixel's value is to its light
-constexpr float kLeastLight = 0.4f, kMostLight = 0.7f;  // of camera 0's, by automatic exposure
+constexpr float kLeastLight = 0.35f, kMostLight = 0.65f;  // of camera 0's, by automatic exposure
 
 }  // namespace
 

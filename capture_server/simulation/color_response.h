@@ -17,7 +17,7 @@ namespace copresence::simulation {
 
 class ColorResponse {
  public:
-  /// Camera 0 is nearly true; the others take 40 to 70 % of its light and differ by up to 12 % in gain, 5 of 255 in offset
+  /// Camera 0 is nearly true; the others take 35 to 65 % of its light and differ by up to 12 % in gain, 5 of 255 in offset
   /// and 8 % in gamma.
   ColorResponse(int width, int height, std::uint32_t seed, std::uint32_t camera);
 

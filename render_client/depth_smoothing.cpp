@@ -12,8 +12,8 @@ namespace {
 constexpr int kRadius = DepthSmoothing::kRadius;
 constexpr int kRowsAtATime = 32;  // so few stay in a core's second-level cache until they are taken down
 
-/// Means over the pairs of opposite taps whose own mean is near the middle one, for a row of pixels. Tap i of pixel x is
-/// `first[i * distance + x]`; 0 is a hole, which brings its pair far off. Written so that compilers take eight pixels at a time.
+/// Means over the taps that lie on the surface of the middle one, for a row of pixels. Tap i of pixel x is
+/// `first[i * distance + x]`; 0 is a hole. Written so that compilers take eight pixels at a time.
 void mean_of_same_surface(const float* __restrict first, std::size_t distance, float tolerance_per_square,
                           int width, float* __restrict out) {
   const float* __restrict middle = first + kRadius * distance;
@@ -22,14 +22,16 @@ void mean_of_same_surface(const float* __restrict first, std::size_t distance, f
     const float tolerance = z * z * tolerance_per_square;
     float sum = z;
     std::int32_t count = 1;
+    const auto add = [&](float tap) {
+      // All bits or none: choosing by a condition costs twice the steps.
+      const std::int32_t on_surface = -static_cast<std::int32_t>(std::abs(tap - z) <= tolerance);
+      sum += std::bit_cast<float>(std::bit_cast<std::int32_t>(tap) & on_surface);
+      count -= on_surface;
+    };
 #pragma GCC unroll 8
     for (int i = 1; i <= kRadius; ++i) {
-      const float before = middle[x - i * static_cast<std::ptrdiff_t>(distance)] - z,
-                  after = middle[x + i * static_cast<std::ptrdiff_t>(distance)] - z;
-      // All bits or none: choosing by a condition costs twice the steps.
-      const std::int32_t on_surface = -static_cast<std::int32_t>(std::abs(before + after) <= 2 * tolerance);
-      sum += std::bit_cast<float>(std::bit_cast<std::int32_t>(2 * z + (before + after)) & on_surface);
-      count -= 2 * on_surface;
+      add(middle[x - i * static_cast<std::ptrdiff_t>(distance)]);
+      add(middle[x + i * static_cast<std::ptrdiff_t>(distance)]);
     }
     out[x] = sum / static_cast<float>(count);
   }

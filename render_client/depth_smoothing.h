@@ -3,9 +3,8 @@
 // Takes a sensor's and a codec's grain out of depth before it becomes a surface. A Kinect's levels lie 25 mm apart at
 // 3 m and coding adds a level or so; seen from the side that is a rough surface with ragged edges.
 //
-// Each value becomes the mean of its neighbours along the row, then along the column, taken in pairs of opposite ones:
-// where a surface goes on to both sides, their mean lies within a few sensor steps of the pixel, however tilted it is. So
-// planes stay as they are up to their rims, holes stay holes, nothing is mixed across a discontinuity, states are kept.
+// Each value becomes the mean of its neighbours along the row, then along the column, as far as they lie on the same
+// surface: within a few sensor steps. Holes stay holes, nothing is mixed across a discontinuity, states are kept.
 // Thread: one thread at a time per object.
 
 #include <vector>
@@ -18,7 +17,8 @@ namespace copresence::client {
 class DepthSmoothing {
  public:
   static constexpr int kRadius = 3;  ///< pixels
-  static constexpr float kSameSurface = 2.1f;  ///< sensor steps between a pixel and the mean of a pair
+  static constexpr float kSameSurface =
+      2.5f;  ///< sensor steps between a pixel and a neighbour of its surface
 
   /// Changes depth only where it is not 0, by at most kSameSurface steps each way.
   void smooth(DepthImage& depth, DepthUnit unit);

@@ -101,18 +101,26 @@ bool TemporalFilter::judge(const RgbdFrame& frame) {
     for (int y = top; y < top + rows; ++y) sum_row(frame, y);
     for (int left = 0; left < width_; left += kBlock) {
       blocks_.push_back(judge_block(left, rows));
-      moving += blocks_.back().gain > 0.5F || blocks_.back().is_recolored;
+      moving += blocks_.back().moves();
     }
   }
+  find_still();
   return static_cast<float>(moving) > kMovingShare * static_cast<float>(blocks_.size());
 }
 
-bool TemporalFilter::is_recolored(const RgbdFrame& frame, std::size_t at) const {
-  if (!frame.color) return false;
-  for (std::size_t i = 3 * at; i < 3 * at + 3; ++i) {
-    if (std::abs(kept_color(bytes(*frame.color)[i]) - kept_.color[i]) > kColorJump << kColorBits) return true;
+// Beside what moves, what a block says hangs on little: a codec's grain would decide it.
+void TemporalFilter::find_still() {
+  const int rows = static_cast<int>(blocks_.size()) / columns_;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns_; ++column) {
+      Block& block = blocks_[static_cast<std::size_t>(row * columns_ + column)];
+      block.is_still = true;
+      for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows - 1); ++y) {
+        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns_ - 1); ++x)
+          block.is_still = block.is_still && !blocks_[static_cast<std::size_t>(y * columns_ + x)].moves();
+      }
+    }
   }
-  return false;
 }
 
 // A pixel that does not simply go on: it gained, lost or changed its state, or jumped.
@@ -123,10 +131,9 @@ void TemporalFilter::decide(RgbdFrame& frame, const Block& block, std::size_t at
   const bool has_less =
       now == DepthState::kHole || (now == DepthState::kFilled && before == DepthState::kMeasured);
   const int patience = has_less ? kKeptFrames : 1;
-  const bool waits = !has_more && kept_.missed[at] < patience && block.gain <= 0.5F && !block.is_recolored &&
-                     !is_recolored(frame, at);
+  const bool waits = !has_more && block.is_still && kept_.missed[at] < patience;
   if (waits) {
-    ++kept_.missed[at];
+    kept_.missed[at] = static_cast<std::uint8_t>(std::min(kept_.missed[at] + frames_since_, 255));
     return;
   }
   kept_.depth[at] = frame.depth.data()[at];
@@ -204,6 +211,9 @@ void TemporalFilter::mix_color(ColorImage& color, int y) {
 
 void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit) {
   step_per_square_ = static_cast<float>(sensor_step_m(1.0) * metres_per_unit(unit));
+  // Frames that were left out on the way have passed, too.
+  frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.stamp.sequence - sequence_, 1, 255));
+  sequence_ = frame.stamp.sequence;
   if (!fits(frame) || judge(frame)) return begin(frame);
   for (int y = 0; y < height_; ++y) {
     if (y % kBlock == 0) spread(y / kBlock);

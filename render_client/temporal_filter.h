@@ -4,10 +4,10 @@
 // outlines flicker, colours have grain; and a view from beside the camera turns all of it into motion.
 //
 // Depth and colour of each pixel become their means over the last frames, for as long as the pixel's block says that
-// nothing moves there. A surface that comes nearer, though by less than a step a frame, moves the mean of the block's
-// differences, which noise hardly does; what moves sideways changes its colours. What moves is shown as it comes,
-// without delay. A pixel that loses its depth keeps it for some frames while its colour stays; a lone jump waits for a
-// second frame to confirm it. When much of the picture moves, the camera does, and nothing is kept.
+// nothing moves there. A surface that comes nearer moves the mean of the block's differences, which noise hardly does;
+// what moves sideways changes its colours. What moves is shown as it comes, without delay. Where neither the block nor a
+// neighbour moves, a pixel that loses its depth keeps it for some frames, and a lone jump waits for a second frame to
+// confirm it. When much of the picture moves, the camera does, and nothing is kept.
 //
 // The idea of keeping depth by whether it changed for longer than noise does is that of temporal filters of depth
 // cameras (librealsense's, for one); judging blocks, and colour as the witness, are ours. Constants against a Kinect
@@ -27,12 +27,12 @@ class TemporalFilter {
  public:
   static constexpr int kBlock = 8;        ///< pixels a side
   static constexpr int kFrames = 8;       ///< in a mean: each new one counts for 1/kFrames at least
-  static constexpr int kKeptFrames = 15;  ///< that depth outlives its last measurement, half a second
-  static constexpr float kJump = 2.5F;    ///< sensor steps; what differs by more is another surface
-  static constexpr float kNoise = 0.35F;  ///< sensor steps; noise explains such a mean difference of a block,
-  static constexpr float kMotion = 0.75F;      ///< ...and this only motion
-  static constexpr int kColorJump = 14;        ///< of 255; a colour that differs by more is another thing's
-  static constexpr int kColorMotion = 5;       ///< of 255; likewise the mean of a block's differences
+  static constexpr int kKeptFrames = 8;   ///< that depth outlives its last measurement
+  static constexpr float kJump = 3.5F;    ///< sensor steps; what differs by more is another surface
+  static constexpr float kNoise = 0.5F;   ///< sensor steps; noise explains such a mean difference of a block,
+  static constexpr float kMotion = 1.0F;  ///< ...and this only motion
+  static constexpr int kColorJump = 14;   ///< of 255; a colour that differs by more is another thing's
+  static constexpr int kColorMotion = 5;  ///< of 255; likewise the mean of a block's differences
   static constexpr float kMovingShare = 0.4F;  ///< of the blocks that move when the camera does
 
   /// Replaces depth, state and colour by what is kept. Depth that is shown beyond its measurement keeps its state. The
@@ -43,6 +43,8 @@ class TemporalFilter {
   struct Block {
     float gain = 0;  // of new depth: 0 noise alone, 1 it replaces what is kept
     bool is_recolored = false;
+    bool is_still = false;  // neither it nor a neighbour moves
+    bool moves() const { return gain > 0.5F || is_recolored; }
   };
   struct Kept {
     std::vector<float> depth;  // in units; 0 where there is none
@@ -68,17 +70,19 @@ class TemporalFilter {
   bool judge(const RgbdFrame& frame);
   void sum_row(const RgbdFrame& frame, int y);
   Block judge_block(int left, int rows) const;
+  void find_still();
   void spread(int block_row);
   void mix_depth(RgbdFrame& frame, int y);
   void decide(RgbdFrame& frame, const Block& block, std::size_t at);
-  bool is_recolored(const RgbdFrame& frame, std::size_t at) const;
   void mix_color(ColorImage& color, int y);
   const Block& block_of(int x, int y) const {
     return blocks_[static_cast<std::size_t>(y / kBlock * columns_ + x / kBlock)];
   }
 
   int width_ = 0, height_ = 0, columns_ = 0;
-  float step_per_square_ = 0;  // a sensor step at depth z is this times z^2, in units
+  std::uint64_t sequence_ = 0;  // of the last frame
+  int frames_since_ = 1;        // from the last frame to this one
+  float step_per_square_ = 0;   // a sensor step at depth z is this times z^2, in units
   std::vector<Block> blocks_;
   Kept kept_;
   Sums sums_;

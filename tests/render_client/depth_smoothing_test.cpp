@@ -37,17 +37,6 @@ TEST(DepthSmoothing, MixesNothingAcrossADiscontinuity) {
   EXPECT_EQ(depth, before);
 }
 
-TEST(DepthSmoothing, DoesNotBendATiltedSurfaceAtItsRim) {
-  DepthImage depth(64, 48);
-  for (int y = 0; y < 48; ++y) {
-    for (int x = 0; x < 64; ++x)
-      depth(x, y) = static_cast<std::uint16_t>(x < 32 ? 1500 + 4 * x + 2 * y : 3000);
-  }
-  const DepthImage before = depth;
-  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre);
-  EXPECT_EQ(depth, before);
-}
-
 TEST(DepthSmoothing, KeepsHolesAndDoesNotLetThemPull) {
   DepthImage depth(64, 48, 2000);
   for (int y = 10; y < 20; ++y) {

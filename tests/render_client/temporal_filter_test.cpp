@@ -109,11 +109,28 @@ TEST_F(TemporalFilterTest, KeepsDepthThatFlickersOut) {
   EXPECT_EQ(shown.state(10, 10), DepthState::kHole);
 }
 
-TEST_F(TemporalFilterTest, LetsGoOfDepthWhoseColourChanged) {
+TEST_F(TemporalFilterTest, LetsGoOfDepthBesideWhatMoves) {
   show_wall(3);
   RgbdFrame frame = wall();
   set_hole(frame, 10, 10);
-  (*frame.color)(10, 10) = {20, 20, 20};
+  set_hole(frame, 50, 40);
+  for (int y = 0; y < 8; ++y) {  // the block to the right of the first hole's
+    for (int x = 16; x < 24; ++x) (*frame.color)(x, y) = {20, 20, 20};
+  }
+  const RgbdFrame shown = show(frame);
+  EXPECT_EQ(shown.depth(10, 10), 0);
+  EXPECT_EQ(shown.depth(50, 40), kWall) << "far from it nothing moves";
+}
+
+TEST_F(TemporalFilterTest, CountsFramesThatWereLeftOut) {
+  show_wall(3);
+  RgbdFrame frame = wall();
+  frame.stamp.sequence = 1;
+  set_hole(frame, 10, 10);
+  EXPECT_EQ(show(frame).depth(10, 10), kWall);
+  frame.stamp.sequence += TemporalFilter::kKeptFrames;
+  EXPECT_EQ(show(frame).depth(10, 10), kWall);
+  ++frame.stamp.sequence;
   EXPECT_EQ(show(frame).depth(10, 10), 0);
 }
 

@@ -80,7 +80,7 @@ TEST(CalibrateIntrinsics, FindsASimulatedKinectsLensFromARecordingAndShowsTheCor
   for (int y = 40; y < 480; y += 100) {
     for (int x = 40; x < 640; x += 140) {
       const Eigen::Vector3d ray = unproject(truth, {double(x), double(y)}, 1);
-      EXPECT_LT((project(found, ray) - Eigen::Vector2d(x, y)).norm(), 2) << x << ", " << y;
+      EXPECT_LT((project(found, ray) - Eigen::Vector2d(x, y)).norm(), 3) << x << ", " << y;
     }
   }
   const cv::Mat picture = cv::imread(sheet);

@@ -124,7 +124,7 @@ void TemporalFilter::find_still() {
 }
 
 // A pixel that does not simply go on: it gained, lost or changed its state, or jumped.
-void TemporalFilter::decide(RgbdFrame& frame, const Block& block, std::size_t at) {
+void TemporalFilter::decide(const RgbdFrame& frame, const Block& block, std::size_t at) {
   const DepthState before = kept_.state[at], now = frame.state.data()[at];
   const bool has_more =
       before == DepthState::kHole || (before == DepthState::kFilled && now == DepthState::kMeasured);

@@ -73,7 +73,7 @@ class TemporalFilter {
   void find_still();
   void spread(int block_row);
   void mix_depth(RgbdFrame& frame, int y);
-  void decide(RgbdFrame& frame, const Block& block, std::size_t at);
+  void decide(const RgbdFrame& frame, const Block& block, std::size_t at);
   void mix_color(ColorImage& color, int y);
   const Block& block_of(int x, int y) const {
     return blocks_[static_cast<std::size_t>(y / kBlock * columns_ + x / kBlock)];

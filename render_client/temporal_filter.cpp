@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <utility>
 
 namespace copresence::client {
 namespace {
@@ -35,13 +36,24 @@ void TemporalFilter::begin(const RgbdFrame& frame) {
   height_ = frame.depth.height();
   columns_ = (width_ + kBlock - 1) / kBlock;
   const std::size_t pixels = frame.depth.pixels().size();
-  kept_.depth.assign(frame.depth.pixels().begin(), frame.depth.pixels().end());
+  kept_.depth.resize(pixels);
+  kept_.color.resize(frame.color ? 3 * pixels : 0);
+  keep_pictures(frame, 1);
   kept_.state.assign(frame.state.pixels().begin(), frame.state.pixels().end());
   kept_.frames.assign(pixels, 1.0F);
   kept_.missed.assign(pixels, 0);
-  kept_.color.resize(frame.color ? 3 * pixels : 0);
-  if (frame.color) {
-    std::transform(bytes(*frame.color), bytes(*frame.color) + 3 * pixels, kept_.color.begin(), kept_color);
+  camera_moves_ = false;
+}
+
+void TemporalFilter::keep_pictures(const RgbdFrame& frame, int every) {
+  const auto width = static_cast<std::size_t>(width_);
+  for (int top = 0; top < height_; top += every * kBlock) {
+    const std::size_t at = static_cast<std::size_t>(top) * width;
+    const std::size_t pixels = static_cast<std::size_t>(std::min(kBlock, height_ - top)) * width;
+    std::copy_n(frame.depth.data() + at, pixels, kept_.depth.data() + at);
+    if (!frame.color) continue;
+    std::transform(bytes(*frame.color) + 3 * at, bytes(*frame.color) + 3 * (at + pixels),
+                   kept_.color.data() + 3 * at, kept_color);
   }
 }
 
@@ -90,11 +102,11 @@ TemporalFilter::Block TemporalFilter::judge_block(int left, int rows) const {
   return block;
 }
 
-bool TemporalFilter::judge(const RgbdFrame& frame) {
+bool TemporalFilter::judge(const RgbdFrame& frame, int every) {
   const auto width = static_cast<std::size_t>(width_);
   blocks_.clear();
   int moving = 0;
-  for (int top = 0; top < height_; top += kBlock) {
+  for (int top = 0; top < height_; top += every * kBlock) {
     for (auto* sums : {&sums_.difference, &sums_.agreeing, &sums_.jumping}) sums->assign(width, 0.0F);
     sums_.recolored.assign(frame.color ? 3 * width : 0, 0);
     const int rows = std::min(kBlock, height_ - top);
@@ -104,7 +116,6 @@ bool TemporalFilter::judge(const RgbdFrame& frame) {
       moving += blocks_.back().moves();
     }
   }
-  find_still();
   return static_cast<float>(moving) > kMovingShare * static_cast<float>(blocks_.size());
 }
 
@@ -214,7 +225,12 @@ void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit) {
   // Frames that were left out on the way have passed, too.
   frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.stamp.sequence - sequence_, 1, 255));
   sequence_ = frame.stamp.sequence;
-  if (!fits(frame) || judge(frame)) return begin(frame);
+  if (!fits(frame)) return begin(frame);
+  // While the camera moves it is enough to see that it still does.
+  const bool moved = std::exchange(camera_moves_, judge(frame, camera_moves_ ? kGlance : 1));
+  if (camera_moves_) return keep_pictures(frame, kGlance);
+  if (moved) return begin(frame);
+  find_still();
   for (int y = 0; y < height_; ++y) {
     if (y % kBlock == 0) spread(y / kBlock);
     mix_depth(frame, y);

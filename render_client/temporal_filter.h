@@ -7,7 +7,8 @@
 // nothing moves there. A surface that comes nearer moves the mean of the block's differences, which noise hardly does;
 // what moves sideways changes its colours. What moves is shown as it comes, without delay. Where neither the block nor a
 // neighbour moves, a pixel that loses its depth keeps it for some frames, and a lone jump waits for a second frame to
-// confirm it. When much of the picture moves, the camera does, and nothing is kept.
+// confirm it. When much of the picture moves, the camera does, and nothing is kept
+// until a frame is like the one before it again.
 //
 // The idea of keeping depth by whether it changed for longer than noise does is that of temporal filters of depth
 // cameras (librealsense's, for one); judging blocks, and colour as the witness, are ours. Constants against a Kinect
@@ -34,6 +35,7 @@ class TemporalFilter {
   static constexpr int kColorJump = 14;   ///< of 255; a colour that differs by more is another thing's
   static constexpr int kColorMotion = 5;  ///< of 255; likewise the mean of a block's differences
   static constexpr float kMovingShare = 0.4F;  ///< of the blocks that move when the camera does
+  static constexpr int kGlance = 4;  ///< only every so many rows of blocks are looked at while it does
 
   /// Replaces depth, state and colour by what is kept. Depth that is shown beyond its measurement keeps its state. The
   /// first frame, and one of another size or one with colour after others without, begin anew.
@@ -66,8 +68,10 @@ class TemporalFilter {
 
   bool fits(const RgbdFrame& frame) const;
   void begin(const RgbdFrame& frame);
-  /// Returns whether the camera moves.
-  bool judge(const RgbdFrame& frame);
+  /// Depth and colour of every `every`th row of blocks, to judge the next frame by.
+  void keep_pictures(const RgbdFrame& frame, int every);
+  /// Looks at every `every`th row of blocks; returns whether the camera moves.
+  bool judge(const RgbdFrame& frame, int every);
   void sum_row(const RgbdFrame& frame, int y);
   Block judge_block(int left, int rows) const;
   void find_still();
@@ -80,6 +84,7 @@ class TemporalFilter {
   }
 
   int width_ = 0, height_ = 0, columns_ = 0;
+  bool camera_moves_ = false;   // so only the rows of blocks that are looked at are kept
   std::uint64_t sequence_ = 0;  // of the last frame
   int frames_since_ = 1;        // from the last frame to this one
   float step_per_square_ = 0;   // a sensor step at depth z is this times z^2, in units

@@ -7,6 +7,7 @@
 
 #include "render_client/renderer/lanes.h"
 #include "render_client/renderer/merge_rules.h"
+#include "render_client/renderer/outlines.h"
 #include "render_client/renderer/texture_sampling.h"
 
 namespace copresence::renderer {
@@ -29,9 +30,10 @@ struct CameraSpan {
 
 struct Span {
   std::array<CameraSpan, kMostCameras> cameras;
-  alignas(32) std::array<std::int32_t, kSpan> first;  // the nearest fragment's camera
-  alignas(32) std::array<std::int32_t, kSpan> shown;  // all bits set where there is anything
-  std::array<bool, kGroups> is_contested;             // several cameras may count somewhere in the group
+  alignas(32) std::array<float, kSpan + kLanes> nearest;  // inverse depth, of the span and the pixel after it
+  alignas(32) std::array<std::int32_t, kSpan> first;      // the nearest fragment's camera
+  alignas(32) std::array<std::int32_t, kSpan> shown;      // all bits set where there is anything
+  std::array<bool, kGroups> is_contested;                 // several cameras may count somewhere in the group
 };
 
 // kCount: the number of cameras where the compiler is to know it, 0 where it is not.
@@ -39,7 +41,11 @@ template <std::size_t kCount>
 class SpanMerge {
  public:
   SpanMerge(std::span<const MergeSource> sources, std::span<const Band> bands, MergedView& view)
-      : sources_(sources), bands_(bands), empty_(bands[0].empty()), view_(view) {}
+      : sources_(sources),
+        bands_(bands),
+        empty_(bands[0].empty()),
+        view_(view),
+        outlines_((view.width + kLanes - 1) / kLanes, bands[0].rows()) {}
 
   // Merges `groups` groups of eight pixels from (x, y) on. The last may reach beyond the view.
   void run(int x, int y, int groups, HostPixels wanted) {
@@ -50,6 +56,7 @@ class SpanMerge {
       depth_of_row_[i] = sources_[i].depth[1] * static_cast<float>(y) + sources_[i].depth[2];
     }
     survey(x, groups);
+    if (wanted.color) keep_outlines(x, groups);
     for (std::size_t i = 0; i < count(); ++i) sample(i, groups);
     Rgba8* const pixels = wanted.color ? view_.color.row(y).data() + x : nullptr;
     for (int g = 0; g < groups; ++g) {
@@ -61,6 +68,9 @@ class SpanMerge {
       if (wanted.depth) write_depths(x, at, count, best);
     }
   }
+
+  /// Of all that was merged.
+  const OutlineBits& outlines() const { return outlines_; }
 
  private:
   std::size_t count() const { return kCount ? kCount : sources_.size(); }
@@ -80,6 +90,7 @@ class SpanMerge {
         first = w[i] > nearest ? all(static_cast<std::int32_t>(i)) : first;
         nearest = larger(w[i], nearest);
       }
+      store(&span_.nearest[at], nearest);
       store(&span_.first[at], first);
       store(&span_.shown[at], shown);
       if (bits(overlap)) {
@@ -91,6 +102,19 @@ class SpanMerge {
           store(&span_.cameras[i].worth_per_cosine[at], is_first ? all(1.0F) : Floats{});
         }
       }
+    }
+  }
+
+  void keep_outlines(int x, int groups) {
+    // Rows of a band go on for a group of pixels beyond the view.
+    const int end = groups * kLanes;
+    span_.nearest[end] = depths_[0][end];
+    for (std::size_t i = 1; i < count(); ++i)
+      span_.nearest[end] = std::max(span_.nearest[end], depths_[i][end]);
+    std::uint8_t* const outlines = outlines_.row(y_ - bands_[0].top()).data() + x / kLanes;
+    for (int g = 0; g < groups; ++g) {
+      const float* const nearest = &span_.nearest[g * kLanes];
+      outlines[g] = find_outlines(load<Floats>(nearest), load<Floats>(nearest + 1), empty_);
     }
   }
 
@@ -232,6 +256,7 @@ class SpanMerge {
   const std::uint32_t* texels_[kMostCameras];
   float depth_of_row_[kMostCameras];  // the part of MergeSource::depth that is the row's
   MergedView& view_;
+  OutlineBits outlines_;
   Span span_;
 };
 
@@ -261,6 +286,7 @@ void merge_spans(std::span<const MergeSource> sources, std::span<const Band> ban
     const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
     for (int y = bands[0].top(); y < bands[0].top() + bands[0].rows(); ++y) merge.run(x, y, groups, wanted);
   }
+  if (wanted.color) soften_outlines(merge.outlines(), bands[0].top(), view);
 }
 
 }  // namespace

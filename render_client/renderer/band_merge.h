@@ -1,7 +1,7 @@
 #pragma once
 
-// Merges the cameras' fragments of some rows of the view, and colours what is left: a texture is read only
-// where its camera counts. Private to the CPU renderer. Thread: distinct bands may be merged side by side.
+// Merges the cameras' fragments of some rows of the view, colours what is left (a texture is read only where its camera
+// counts) and softens its outlines. Private to the CPU renderer. Thread: distinct bands may be merged side by side.
 
 #include <span>
 

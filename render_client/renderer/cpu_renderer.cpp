@@ -7,7 +7,6 @@
 
 #include "render_client/renderer/band_merge.h"
 #include "render_client/renderer/depth_mesh.h"
-#include "render_client/renderer/outlines.h"
 #include "render_client/renderer/source_texture.h"
 
 namespace copresence::renderer {
@@ -31,15 +30,16 @@ class Source {
     if (new_frame) {
       const auto pixel_angle = static_cast<float>(1.0 / model_.fx);
       invert_depth(camera.frame->depth, metres_per_unit(unit_), inverse_);
-      find_flat_blocks(inverse_, pixel_angle, blocks_);
-      measure_tilts(inverse_, blocks_, model_, cosines_);
+      find_flat_blocks(inverse_, pixel_angle, flat_);
+      measure_tilts(inverse_, flat_, model_, cosines_);
+      list_blocks(inverse_, flat_, largest_block_, blocks_);
       if (model_.is_distorted()) {
         straightened_rays_ = rays_;
-        outlines_.draw(blocks_, largest_block_, inverse_, &straightened_rays_);
-        build_mesh(inverse_, blocks_, largest_block_, straightened_rays_, pixel_angle, mesh);
+        outlines_.draw(flat_, blocks_, inverse_, &straightened_rays_);
+        build_mesh(inverse_, blocks_, straightened_rays_, pixel_angle, mesh);
       } else {
-        outlines_.draw(blocks_, largest_block_, inverse_);
-        build_mesh(inverse_, blocks_, largest_block_, rays_, pixel_angle, mesh);
+        outlines_.draw(flat_, blocks_, inverse_);
+        build_mesh(inverse_, blocks_, rays_, pixel_angle, mesh);
       }
     }
     if (new_frame || camera.color_matching != color_matching_) {
@@ -94,7 +94,8 @@ class Source {
   Eigen::Matrix<float, 3, 4> color_matching_;
   std::vector<Eigen::Vector2f> rays_, straightened_rays_;
   InverseDepth inverse_;
-  FlatBlocks blocks_;
+  FlatBlocks flat_;
+  MeshBlocks blocks_;
   BlockOutlines outlines_;
   Image<float> cosines_;
 };
@@ -164,9 +165,7 @@ class CpuRenderer : public Renderer {
       }
     }
     if (!bands.empty()) {
-      merge_band(merge_sources_, bands, wanted, view);
-      if (wanted.color) soften_outlines(bands, view);
-      return;
+      return merge_band(merge_sources_, bands, wanted, view);
     }
     for (int y = top; y < top + rows; ++y) {
       if (wanted.color) std::fill(view.color.row(y).begin(), view.color.row(y).end(), Rgba8{0, 0, 0, 0});

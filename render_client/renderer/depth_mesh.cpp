@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <span>
 
 #include "render_client/renderer/merge_rules.h"
 
@@ -11,22 +12,22 @@ namespace {
 // One patch while it is made. At most 17 x 17 vertices and a quad or a triangle per pixel.
 class PatchBuilder {
  public:
-  PatchBuilder(const InverseDepth& inverse, const FlatBlocks& blocks, int largest_block,
-               const std::vector<Eigen::Vector2f>& rays, float pixel_angle)
-      : inverse_(inverse),
-        blocks_(blocks),
-        largest_block_(largest_block),
-        rays_(rays.data()),
+  PatchBuilder(const InverseDepth& inverse, const std::vector<Eigen::Vector2f>& rays, float pixel_angle)
+      : rays_(rays.data()),
         w_from_(inverse.w.data()),
         w_row_(inverse.w.width()),
+        width_(inverse.width),
+        last_x_(inverse.width - 1),
+        last_y_(inverse.height - 1),
         pixel_angle_(pixel_angle) {}
 
-  void build(int i, int j) {
-    left_ = 16 * i;
-    top_ = 16 * j;
+  // The patch whose first pixel is (left, top).
+  void build(int left, int top, std::span<const MeshBlocks::Part> parts) {
+    left_ = left;
+    top_ = top;
     numbers_.fill(kUnused);
     vertices_ = quads_ = triangles_ = 0;
-    add_block(kLevels - 1, i, j);
+    for (const MeshBlocks::Part& part : parts) add(part);
   }
 
   void append_to(DepthMesh& mesh) const {
@@ -53,22 +54,16 @@ class PatchBuilder {
   static constexpr int kSide = 17;
   static constexpr std::uint16_t kUnused = 0xFFFF;
 
-  void add_block(int level, int i, int j) {
-    const int size = kBlockSizes[level];
-    const int x0 = size * i, y0 = size * j;
-    const int x1 = std::min(x0 + size, inverse_.width - 1);
-    const int y1 = std::min(y0 + size, inverse_.height - 1);
-    if (x0 >= x1 || y0 >= y1) return;
-    if (size <= largest_block_ && blocks_.planes[level](i, j).is_flat()) {
+  void add(const MeshBlocks::Part& part) {
+    const int size = kBlockSizes[part.level];
+    const int x0 = size * part.block.i, y0 = size * part.block.j;
+    const int x1 = std::min(x0 + size, last_x_), y1 = std::min(y0 + size, last_y_);
+    if (part.is_flat) {
       add_quad(vertex(x0, y0), vertex(x1, y0), vertex(x1, y1), vertex(x0, y1));
-    } else if (level > 0) {
-      for (int dj = 0; dj < 2; ++dj) {
-        for (int di = 0; di < 2; ++di) add_block(level - 1, 2 * i + di, 2 * j + dj);
-      }
-    } else {
-      for (int y = y0; y < y1; ++y) {
-        for (int x = x0; x < x1; ++x) add_pixel(x, y);
-      }
+      return;
+    }
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) add_pixel(x, y);
     }
   }
 
@@ -114,7 +109,7 @@ class PatchBuilder {
     std::uint16_t& number = numbers_[(y - top_) * kSide + (x - left_)];
     if (number == kUnused) {
       number = static_cast<std::uint16_t>(vertices_);
-      const Eigen::Vector2f& ray = rays_[static_cast<std::ptrdiff_t>(y) * inverse_.width + x];
+      const Eigen::Vector2f& ray = rays_[static_cast<std::ptrdiff_t>(y) * width_ + x];
       x_[vertices_] = ray.x();
       y_[vertices_] = ray.y();
       w_[vertices_] = w_from_[static_cast<std::ptrdiff_t>(y) * w_row_ + x];
@@ -125,13 +120,10 @@ class PatchBuilder {
     return number;
   }
 
-  const InverseDepth& inverse_;
-  const FlatBlocks& blocks_;
-  const int largest_block_;
   // Without a check of every pixel: build_mesh() has checked the shapes.
   const Eigen::Vector2f* const rays_;
   const float* const w_from_;
-  const int w_row_;
+  const int w_row_, width_, last_x_, last_y_;
   const float pixel_angle_;
 
   int left_ = 0, top_ = 0;
@@ -144,18 +136,23 @@ class PatchBuilder {
 
 }  // namespace
 
-void build_mesh(const InverseDepth& inverse, const FlatBlocks& blocks, int largest_block,
+void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks,
                 const std::vector<Eigen::Vector2f>& rays, float pixel_angle, DepthMesh& mesh) {
   assert(rays.size() == static_cast<std::size_t>(inverse.width) * inverse.height);
+  assert(blocks.ends.size() == static_cast<std::size_t>(inverse.patches_x()) * inverse.patches_y());
   for (auto* numbers : {&mesh.x, &mesh.y, &mesh.w, &mesh.u, &mesh.v}) numbers->clear();
   mesh.quads.clear();
   mesh.triangles.clear();
   mesh.patches.clear();
-  PatchBuilder patch(inverse, blocks, largest_block, rays, pixel_angle);
+  PatchBuilder patch(inverse, rays, pixel_angle);
+  const std::span<const MeshBlocks::Part> parts = blocks.parts;
+  std::size_t number = 0, begin = 0;
   for (int j = 0; j < inverse.patches_y(); ++j) {
     for (int i = 0; i < inverse.patches_x(); ++i) {
-      patch.build(i, j);
+      const std::size_t end = blocks.ends[number++];
+      patch.build(16 * i, 16 * j, parts.subspan(begin, end - begin));
       patch.append_to(mesh);
+      begin = end;
     }
   }
   for (auto* numbers : {&mesh.x, &mesh.y, &mesh.w, &mesh.u, &mesh.v}) {

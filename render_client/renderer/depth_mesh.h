@@ -11,6 +11,7 @@
 
 #include "common/frame/image.h"
 #include "render_client/renderer/flat_blocks.h"
+#include "render_client/renderer/mesh_blocks.h"
 
 namespace copresence::renderer {
 
@@ -41,34 +42,27 @@ struct DepthMesh {
 /// adjoining blocks agree, so that coarse and fine triangles meet without cracks.
 class BlockOutlines {
  public:
-  /// Blocks larger than `largest_block` pixels a side are not used. Requires 1, which changes nothing, 4, 8
-  /// or 16.
+  /// `flat` and `blocks` are those of `inverse`.
   /// A distorted lens sees a straight line bent: where `bent_rays` is given, the pixels of the outlines get
   /// the straight lines' rays.
-  void draw(const FlatBlocks& blocks, int largest_block, InverseDepth& inverse,
+  void draw(const FlatBlocks& flat, const MeshBlocks& blocks, InverseDepth& inverse,
             std::vector<Eigen::Vector2f>* bent_rays = nullptr);
 
  private:
-  struct Block {
-    int i, j;
-  };
   struct Corner {
     float sum = 0;
     int count = 0;
   };
-  void list(const FlatBlocks& blocks, int level, Block block, int largest_block, const InverseDepth& inverse);
-  void draw_level(const Image<Plane>& planes, int level, InverseDepth& inverse,
-                  std::vector<Eigen::Vector2f>* bent_rays);
+  class Level;
 
-  std::array<std::vector<Block>, kLevels> listed_;  // flat blocks that lie in no larger flat one
   Image<std::uint8_t> drawn_;  // pixels on a larger block's outline: smaller blocks take them as they are
   std::array<Image<Corner>, kLevels> corners_;  // of the level's blocks; zero but while it is drawn
 };
 
 /// The mesh of an image whose outlines are drawn. `rays` are (x, y) at z = 1 by pixel
 /// (common/frame/camera_model.h), `pixel_angle` as in joined(). Requires rays.size() == inverse.width *
-/// inverse.height.
-void build_mesh(const InverseDepth& inverse, const FlatBlocks& blocks, int largest_block,
+/// inverse.height, and the `blocks` of `inverse`.
+void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks,
                 const std::vector<Eigen::Vector2f>& rays, float pixel_angle, DepthMesh& mesh);
 
 }  // namespace copresence::renderer

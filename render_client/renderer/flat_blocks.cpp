@@ -9,6 +9,8 @@
 namespace copresence::renderer {
 namespace {
 
+constexpr Plane kEmpty{.w = -1};
+
 bool too_steep(const Plane& plane, float pixel_angle) {
   return std::abs(plane.dx) + std::abs(plane.dy) >
          kGapSteps * kStepInverse + kMaxSlope * pixel_angle * plane.w;
@@ -80,7 +82,11 @@ void find_blocks_of_4(const InverseDepth& inverse, float pixel_angle, Image<Plan
     measure_distances(rows, planes.width(), c);
     for (int i = 0; i < planes.width(); ++i) {
       const int x = 4 * i;
-      // A hole among depths is far off any plane, and holes alone have w = 0.
+      if (c.w[x] == 0) {
+        planes(i, j) = kEmpty;
+        continue;
+      }
+      // A hole among depths is far off any plane.
       const Plane plane{c.w[x], c.dx[x], c.dy[x]};
       const float off = std::max(std::max(c.off[x], c.off[x + 1]), std::max(c.off[x + 2], c.off[x + 3]));
       planes(i, j) = off <= kPixelTolerance && !too_steep(plane, pixel_angle) ? plane : Plane{};
@@ -113,7 +119,7 @@ void find_blocks_of_2(const InverseDepth& inverse, float pixel_angle, const Imag
                       Image<Plane>& planes) {
   for (int j = 0; j < blocks_of_4.height(); ++j) {
     for (int i = 0; i < blocks_of_4.width(); ++i) {
-      if (blocks_of_4(i, j).is_flat()) continue;
+      if (blocks_of_4(i, j).w != 0) continue;  // flat or empty
       for (int y = 2 * j; y < 2 * j + 2; ++y) {
         for (int x = 2 * i; x < 2 * i + 2; ++x)
           planes(x, y) = fit_block_of_2(inverse, 2 * x, 2 * y, pixel_angle);
@@ -124,7 +130,9 @@ void find_blocks_of_2(const InverseDepth& inverse, float pixel_angle, const Imag
 
 // The plane through four quarters, each `size` pixels a side, where they lie in one.
 Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float size) {
-  if (!a.is_flat() || !b.is_flat() || !c.is_flat() || !d.is_flat()) return {};
+  if (!a.is_flat() || !b.is_flat() || !c.is_flat() || !d.is_flat()) {
+    return a.is_empty() && b.is_empty() && c.is_empty() && d.is_empty() ? kEmpty : Plane{};
+  }
   const Plane whole{(a.w + b.w + c.w + d.w) * 0.25F, ((b.w - a.w) + (d.w - c.w)) * (0.5F / size),
                     ((c.w - a.w) + (d.w - b.w)) * (0.5F / size)};
   const float half = 0.5F * size;

@@ -25,10 +25,11 @@ struct InverseDepth {
 /// `metres_per_unit` of the depth values. Keeps its memory where it can.
 void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth& inverse);
 
-/// w at a block's middle, and its change per pixel. Not flat: w = 0.
+/// w at a block's middle, and its change per pixel. Not flat: w = 0; without any depth: w < 0.
 struct Plane {
   float w = 0, dx = 0, dy = 0;
   bool is_flat() const { return w > 0; }
+  bool is_empty() const { return w < 0; }
 };
 
 inline constexpr std::array<int, 4> kBlockSizes = {2, 4, 8, 16};
@@ -41,7 +42,8 @@ inline constexpr float kPlaneTolerance = 1.0F * kStepInverse;
 
 struct FlatBlocks {
   /// By level, blocks of kBlockSizes[level]; block (i, j) begins at pixel (size i, size j). Blocks of 2 have
-  /// a plane only where the block of 4 that holds them is not flat; elsewhere it is undefined.
+  /// a plane only where the block of 4 that holds them is neither flat nor empty; elsewhere it is undefined, and they
+  /// are never empty.
   std::array<Image<Plane>, kLevels> planes;
 };
 

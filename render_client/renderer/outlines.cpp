@@ -1,21 +1,9 @@
 #include "render_client/renderer/outlines.h"
 
 #include <algorithm>
-#include <array>
-#include <cassert>
-
-#include "render_client/renderer/lanes.h"
-#include "render_client/renderer/merge_rules.h"
 
 namespace copresence::renderer {
 namespace {
-
-// The nearest fragments at eight pixels from x on.
-Floats nearest(std::span<const Band> bands, int x, int y) {
-  Floats w = load<Floats>(bands[0].depths(y) + x);
-  for (std::size_t i = 1; i < bands.size(); ++i) w = larger(w, load<Floats>(bands[i].depths(y) + x));
-  return w;
-}
 
 // Both sides of an outline, as they were before.
 void soften(Rgba8& left, Rgba8& right, const Rgba8& left_before) {
@@ -31,21 +19,16 @@ void soften(Rgba8& left, Rgba8& right, const Rgba8& left_before) {
 
 }  // namespace
 
-void soften_outlines(std::span<const Band> bands, MergedView& view) {
-  assert(!bands.empty());
-  constexpr float kApart = kOutlineSteps * kStepInverse;
-  const float empty = bands[0].empty();
-  for (int y = bands[0].top(); y < bands[0].top() + bands[0].rows(); ++y) {
-    Rgba8* const pixels = view.color.row(y).data();
+void soften_outlines(const OutlineBits& outlines, int top, MergedView& view) {
+  for (int row = 0; row < outlines.height(); ++row) {
+    Rgba8* const pixels = view.color.row(top + row).data();
+    const std::uint8_t* const groups = outlines.row(row).data();
     int changed_x = -1;  // the last pixel that was on the right of an outline, and its colour before
     Rgba8 changed{};
-    for (int x = 0; x + 1 < view.width; x += kLanes) {
-      const Floats here = nearest(bands, x, y), next = nearest(bands, x + 1, y);
-      const Floats difference = here - next;
-      unsigned outlines =
-          bits(((difference > kApart) | (difference < -kApart)) & (here > empty) & (next > empty));
-      for (int at = x; outlines != 0 && at + 1 < view.width; ++at, outlines >>= 1) {
-        if (!(outlines & 1U)) continue;
+    for (int group = 0; group < outlines.width(); ++group) {
+      unsigned here = groups[group];
+      for (int at = group * kLanes; here != 0 && at + 1 < view.width; ++at, here >>= 1) {
+        if (!(here & 1U)) continue;
         const Rgba8 left_before = at == changed_x ? changed : pixels[at];
         changed = pixels[at + 1];
         changed_x = at + 1;

@@ -1,7 +1,9 @@
 #include "render_client/renderer/source_texture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 #include "render_client/renderer/lanes.h"
@@ -58,9 +60,9 @@ void interpolate_row(const Image<float>& cosines, int y, std::vector<float>& bet
   const int cells = cosines.width();
   // Both ends are repeated, so that every pixel lies between two numbers.
   between_rows.resize(cells + 2);
-  for (int i = 0; i < cells; ++i) {
-    between_rows[i + 1] = cosines(i, upper) + (cosines(i, lower) - cosines(i, upper)) * t;
-  }
+  const float* const above = cosines.row(upper).data();
+  const float* const below = cosines.row(lower).data();
+  for (int i = 0; i < cells; ++i) between_rows[i + 1] = above[i] + (below[i] - above[i]) * t;
   between_rows[0] = between_rows[1];
   between_rows[cells + 1] = between_rows[cells];
   row.resize(static_cast<std::size_t>(cells + 1) * kCell);
@@ -73,23 +75,122 @@ void interpolate_row(const Image<float>& cosines, int y, std::vector<float>& bet
   }
 }
 
-std::uint32_t pack(std::uint32_t r, std::uint32_t g, std::uint32_t b) {
-  return r | g << 8 | b << 16;
+using Bytes = std::uint8_t __attribute__((vector_size(16)));
+using Half = std::int32_t __attribute__((vector_size(16)));
+
+Bytes load_bytes(const void* from) {
+  Bytes bytes;
+  std::memcpy(&bytes, from, sizeof bytes);
+  return bytes;
 }
 
-// Eight pixels at a time; `row` has whole groups of kLanes, of which the last may be padding.
-void match_row(const Eigen::Matrix<float, 3, 4>& m, std::span<std::uint32_t> row) {
-  const auto channel = [&](int c, const Floats& r, const Floats& g, const Floats& b) {
-    const Floats value = m(c, 0) * r + m(c, 1) * g + m(c, 2) * b + 255 * m(c, 3);
-    return truncated(smaller(larger(value, Floats{}), all(255.0F)) + 0.5F);
+Ints join(const Bytes& first, const Bytes& second) {
+  return __builtin_shufflevector(reinterpret_cast<Half>(first), reinterpret_cast<Half>(second), 0, 1, 2, 3, 4,
+                                 5, 6, 7);
+}
+
+// Eight pixels of three bytes; reads 28 bytes.
+Ints unpack(const Rgb8* from) {
+  static_assert(sizeof(Rgb8) == 3);
+  const auto four = [](const Bytes& bytes) {
+    return __builtin_shufflevector(bytes, Bytes{}, 0, 1, 2, 16, 3, 4, 5, 16, 6, 7, 8, 16, 9, 10, 11, 16);
   };
-  for (std::size_t x = 0; x < row.size(); x += kLanes) {
-    const Ints texels = load<Ints>(&row[x]);
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(from);
+  return join(four(load_bytes(bytes)), four(load_bytes(bytes + 12)));
+}
+
+// Eight numbers; reads 16 bytes. The compiler's conversion takes them one by one.
+Ints unpack(const DepthState* from) {
+  static_assert(sizeof(DepthState) == 1);
+  const Bytes bytes = load_bytes(from);
+  return join(
+      __builtin_shufflevector(bytes, Bytes{}, 0, 16, 16, 16, 1, 16, 16, 16, 2, 16, 16, 16, 3, 16, 16, 16),
+      __builtin_shufflevector(bytes, Bytes{}, 4, 16, 16, 16, 5, 16, 16, 16, 6, 16, 16, 16, 7, 16, 16, 16));
+}
+
+// A camera's color_matching for numbers from 0 to 255.
+class ColorMatching {
+ public:
+  explicit ColorMatching(const Eigen::Matrix<float, 3, 4>& matrix)
+      : is_identity_(matrix == Eigen::Matrix<float, 3, 4>::Identity()) {
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < 4; ++k) factors_[c][k] = all(k < 3 ? matrix(c, k) : 255 * matrix(c, k));
+    }
+  }
+
+  Ints operator()(const Ints& texels) const {
+    if (is_identity_) return texels;
     const Floats r = as_floats(texels & 0xFF), g = as_floats(texels >> 8 & 0xFF),
                  b = as_floats(texels >> 16 & 0xFF);
-    store(&row[x], channel(0, r, g, b) | channel(1, r, g, b) << 8 | channel(2, r, g, b) << 16);
+    const auto channel = [&](const std::array<Floats, 4>& f) {
+      const Floats value = f[0] * r + f[1] * g + f[2] * b + f[3];
+      return truncated(smaller(larger(value, Floats{}), all(255.0F)) + 0.5F);
+    };
+    return channel(factors_[0]) | channel(factors_[1]) << 8 | channel(factors_[2]) << 16;
   }
+
+ private:
+  bool is_identity_;
+  std::array<std::array<Floats, 4>, 3> factors_;
+};
+
+Ints shade(const Floats& cosines) {
+  const auto gray = [](float cosine) { return 255 * shade_without_color(cosine) + 0.5F; };
+  Floats shades;
+  for (int lane = 0; lane < kLanes; ++lane) shades[lane] = gray(cosines[lane]);
+  return truncated(shades) * 0x10101;
 }
+
+Ints worth(const Floats& cosines, const Ints& states) {
+  const Ints is_filled = states == static_cast<std::int32_t>(DepthState::kFilled);
+  const Ints alpha = truncated(cosines * (is_filled ? all(255 * kFilledWorth) : all(255.0F)) + 0.5F);
+  return larger(alpha, all(1)) << 24;
+}
+
+// A row of a frame and of its texture. Groups of kLanes reach beyond a row's end, into the next rows, which are made
+// later: so only an image's last rows need room of their own.
+class Row {
+ public:
+  Row(const RgbdFrame& frame, Texture& texture)
+      : frame_(frame), texture_(texture), width_(frame.depth.width()) {}
+
+  void begin(int y) {
+    y_ = y;
+    is_copy_ = (frame_.depth.height() - y) * width_ < width_ + kRoom;
+    states = is_copy_ ? copy_of_row(frame_.state, states_) : frame_.state.row(y).data();
+    if (frame_.color) colors = is_copy_ ? copy_of_row(*frame_.color, colors_) : frame_.color->row(y).data();
+    texels = is_copy_ ? copy_of_row(texture_, texels_) : texture_.row(y).data();
+  }
+
+  void end() {
+    const auto to = texture_.row(y_);
+    if (is_copy_) std::copy_n(texels_.begin(), width_, to.begin());
+    to[width_] = to[width_ - 1];
+  }
+
+  const DepthState* states = nullptr;
+  const Rgb8* colors = nullptr;  // none where the frame has none
+  std::uint32_t* texels = nullptr;
+
+ private:
+  static constexpr int kRoom = 2 * kLanes;
+
+  template <class Pixel>
+  Pixel* copy_of_row(const Image<Pixel>& image, std::vector<Pixel>& copy) const {
+    const auto row = image.row(y_);
+    copy.assign(row.begin(), row.end());
+    copy.resize(row.size() + kRoom);
+    return copy.data();
+  }
+
+  const RgbdFrame& frame_;
+  Texture& texture_;
+  int width_, y_ = 0;
+  bool is_copy_ = false;
+  std::vector<DepthState> states_;
+  std::vector<Rgb8> colors_;
+  std::vector<std::uint32_t> texels_;
+};
 
 }  // namespace
 
@@ -117,33 +218,20 @@ void make_texture(const RgbdFrame& frame, const Image<float>& cosines,
                   const Eigen::Matrix<float, 3, 4>& color_matching, Texture& texture) {
   const int width = frame.depth.width(), height = frame.depth.height();
   texture.resize(width + 1, height + 1);
-  const bool matched = color_matching != Eigen::Matrix<float, 3, 4>::Identity();
+  const ColorMatching matched(color_matching);
   std::vector<float> between_rows, tilt;
-  std::vector<std::uint32_t> packed((width + kLanes - 1) / kLanes * kLanes);
+  Row row(frame, texture);
   for (int y = 0; y < height; ++y) {
-    const auto to = texture.row(y);
     interpolate_row(cosines, y, between_rows, tilt);
     // The first pixel lies half a cell after the repeated end.
     const float* const cosine = tilt.data() + kCell / 2;
-    if (!frame.color) {
-      for (int x = 0; x < width; ++x) {
-        to[x] = static_cast<std::uint32_t>(
-                    static_cast<std::int32_t>(255 * shade_without_color(cosine[x]) + 0.5F)) *
-                0x10101U;
-      }
-    } else {
-      const auto from = frame.color->row(y);
-      for (int x = 0; x < width; ++x) packed[x] = pack(from[x].r, from[x].g, from[x].b);
-      if (matched) match_row(color_matching, packed);
-      std::copy_n(packed.begin(), width, to.begin());
+    row.begin(y);
+    for (int x = 0; x < width; x += kLanes) {
+      const Floats cosines_here = load<Floats>(cosine + x);
+      const Ints color = row.colors ? matched(unpack(row.colors + x)) : shade(cosines_here);
+      store(row.texels + x, color | worth(cosines_here, unpack(row.states + x)));
     }
-    const auto state = frame.state.row(y);
-    for (int x = 0; x < width; ++x) {
-      const float worth = cosine[x] * (state[x] == DepthState::kFilled ? 255 * kFilledWorth : 255.0F);
-      const std::int32_t alpha = std::max(1, static_cast<std::int32_t>(worth + 0.5F));
-      to[x] |= static_cast<std::uint32_t>(alpha) << 24;
-    }
-    to[width] = to[width - 1];
+    row.end();
   }
   const auto last = texture.row(height - 1);
   std::copy(last.begin(), last.end(), texture.row(height).begin());

@@ -1,7 +1,7 @@
 #pragma once
 
 // What a camera's fragments look like and what they are worth: one texel per pixel, r, g, b after colour
-// matching, and in alpha cos(theta), halved for filled pixels. A camera without colour has the gray of its
+// matching, and in alpha cos(theta), times kFilledWorth for filled pixels. A camera without colour has the gray of its
 // tilts. Private to the CPU renderer. Thread: values; distinct ones are independent.
 
 #include <Eigen/Core>

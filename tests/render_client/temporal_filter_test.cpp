@@ -165,6 +165,20 @@ TEST_F(TemporalFilterTest, KeepsNothingWhileTheCameraMoves) {
   EXPECT_EQ(shown.color, frame.color);
 }
 
+TEST_F(TemporalFilterTest, KeepsAgainOnceTheCameraStands) {
+  show_wall(10);
+  for (int i = 1; i <= 5; ++i) show(wall(static_cast<std::uint16_t>(kWall - 150 * i)));
+  const auto z = static_cast<std::uint16_t>(kWall - 150 * 5);
+  show(wall(z));
+  RgbdFrame frame = wall(z);
+  set_hole(frame, 10, 10);
+  EXPECT_EQ(show(frame).depth(10, 10), z);
+  std::minstd_rand random(1);
+  for (int i = 0; i < 20; ++i) show(noisy_wall(random));
+  const RgbdFrame before = show(noisy_wall(random)), after = show(noisy_wall(random));
+  EXPECT_NEAR(before.depth(40, 30), after.depth(40, 30), 13);
+}
+
 TEST_F(TemporalFilterTest, HolesAreExactlyWhereThereIsNoDepth) {
   std::minstd_rand random(3);
   std::bernoulli_distribution lost(0.2);

@@ -24,16 +24,23 @@ void mark_columns(const StateImage& state, int widest, int widest_at_border, Ima
       out[x] = above[x];
     }
   }
+  if (height > 0) {
+    for (std::uint8_t& holes : fillable.row(height - 1)) {
+      holes = static_cast<std::uint8_t>(holes == 0 ? 0 : std::min<int>(holes + border, kLongest));
+    }
+  }
   std::fill(run.begin(), run.end(),
             std::uint8_t{0});  // now the whole run's length, handed up from its last pixel
+  // Bytes throughout: a whole number among them, and compilers take a quarter as many pixels at a time.
+  const auto longest_short = static_cast<std::uint8_t>(widest - 1);
+  constexpr std::uint8_t kNo = 0, kYes = 1;
   for (int y = height - 1; y >= 0; --y) {
     std::uint8_t *below = run.data(), *out = fillable.row(y).data();
-    const int more = y == height - 1 ? border : 0;
     for (int x = 0; x < width; ++x) {
-      const auto whole = static_cast<std::uint8_t>(std::min<int>(out[x] + more, kLongest));
-      const std::uint8_t length = below[x] != 0 ? below[x] : whole;
-      below[x] = out[x] != 0 ? length : std::uint8_t{0};
-      out[x] = static_cast<std::uint8_t>(below[x] - 1) < widest;
+      const std::uint8_t length = below[x] != 0 ? below[x] : out[x];
+      below[x] = out[x] != 0 ? length : kNo;
+      const auto shorter_by_one = static_cast<std::uint8_t>(below[x] - 1);
+      out[x] = shorter_by_one <= longest_short ? kYes : kNo;
     }
   }
 }

@@ -51,7 +51,7 @@ constexpr milliseconds kSaySkewEvery{10'000};
 /// The render thread's side of one camera: its newest frame and what is known of it.
 struct Shown {
   std::shared_ptr<const Received> newest;
-  std::uint64_t version = 0;  ///< of `newest`; 0 while there is none
+  std::uint64_t version = 0;  ///< of `newest`, which no other camera's has; 0 while there is none
   bool is_fresh = false;      ///< not yet in any view
   bool said_no_pose = false;
 };
@@ -210,7 +210,7 @@ class Pipeline {
         shown.said_no_pose = true;
       }
       shown.is_fresh = true;
-      ++shown.version;
+      shown.version = ++frames_taken_;
       const renderer::CameraView view = camera_view(shown, scene_, color_matching::ColorMap::Identity());
       is_prepared_ = false;
       eye_.see_camera(i, view.world_from_camera);
@@ -298,6 +298,7 @@ class Pipeline {
   FrameSync frames_;
   std::deque<CameraStatistics> statistics_;  // a deque, since they cannot move
   std::vector<Shown> shown_;
+  std::uint64_t frames_taken_ = 0;
   bool is_prepared_ = false;  ///< the renderer has been given what is in `shown_`
   ViewStatistics view_statistics_;
   std::uint64_t view_index_ = 0;

@@ -26,8 +26,10 @@ namespace copresence::renderer {
 struct CameraView {
   const RgbdFrame* frame =
       nullptr;  ///< its newest; must outlive the call. Poses come from `world_from_camera` below
-  std::uint64_t version = 0;  ///< changes when *frame does: what was derived from it is kept until then
-  CameraModel model;          ///< same size as the frame's images
+  /// What was derived from *frame is kept for as long as the camera at the same place of the list has the same version:
+  /// no other frame may have it there, nor one of another camera that takes the place.
+  std::uint64_t version = 0;
+  CameraModel model;  ///< same size as the frame's images
   DepthUnit unit = DepthUnit::kMillimetre;
   Rigid3 world_from_camera;
   Eigen::Matrix<float, 3, 4> color_matching =

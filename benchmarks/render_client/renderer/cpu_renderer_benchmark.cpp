@@ -90,18 +90,20 @@ void new_frame(benchmark::State& state) {
   Room room(1);
   const auto ray = rays(kinect_model());
   InverseDepth inverse;
-  FlatBlocks blocks;
+  FlatBlocks flat;
+  MeshBlocks blocks;
   Image<float> cosines;
   Texture texture;
   BlockOutlines outlines;
   DepthMesh mesh;
   for (auto _ : state) {
     invert_depth(room.frames[0].depth, 1e-4, inverse);
-    find_flat_blocks(inverse, 1 / 585.0F, blocks);
-    measure_tilts(inverse, blocks, kinect_model(), cosines);
+    find_flat_blocks(inverse, 1 / 585.0F, flat);
+    measure_tilts(inverse, flat, kinect_model(), cosines);
     make_texture(room.frames[0], cosines, Eigen::Matrix<float, 3, 4>::Identity(), texture);
-    outlines.draw(blocks, 16, inverse);
-    build_mesh(inverse, blocks, 16, ray, 1 / 585.0F, mesh);
+    list_blocks(inverse, flat, 16, blocks);
+    outlines.draw(flat, blocks, inverse);
+    build_mesh(inverse, blocks, ray, 1 / 585.0F, mesh);
     benchmark::DoNotOptimize(mesh);
   }
   state.counters["vertices"] = double(mesh.x.size());
@@ -109,7 +111,7 @@ void new_frame(benchmark::State& state) {
 }
 BENCHMARK(new_frame)->Unit(benchmark::kMillisecond);
 
-// Merging alone, colours included, on one thread of a 1280x720 view: each band is merged when it has just been drawn, as
+// Merging alone, colours and outlines included, on one thread of a 1280x720 view: each band is merged when it has just been drawn, as
 // the renderer does it, and only that is timed. What a second camera adds to one is the difference. `one_room`: whether
 // the cameras see the same surfaces, which are mixed nearly everywhere, or walls behind each other.
 void merge(benchmark::State& state) {
@@ -129,16 +131,18 @@ void merge(benchmark::State& state) {
   std::vector<MergeSource> sources;
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     InverseDepth inverse;
-    FlatBlocks blocks;
+    FlatBlocks flat;
+    MeshBlocks blocks;
     Image<float> cosines;
     BlockOutlines outlines;
     Drawn& d = drawn[i];
     invert_depth(room.frames[i].depth, 1e-4, inverse);
-    find_flat_blocks(inverse, 1 / 585.0F, blocks);
-    measure_tilts(inverse, blocks, kinect_model(), cosines);
+    find_flat_blocks(inverse, 1 / 585.0F, flat);
+    measure_tilts(inverse, flat, kinect_model(), cosines);
     make_texture(room.frames[i], cosines, Eigen::Matrix<float, 3, 4>::Identity(), d.texture);
-    outlines.draw(blocks, 16, inverse);
-    build_mesh(inverse, blocks, 16, ray, 1 / 585.0F, d.mesh);
+    list_blocks(inverse, flat, 16, blocks);
+    outlines.draw(flat, blocks, inverse);
+    build_mesh(inverse, blocks, ray, 1 / 585.0F, d.mesh);
     d.matrix = projection_matrix(eye, room.cameras[i].world_from_camera);
     d.vertices.resize(d.mesh.vertices());
     d.extents.resize(d.mesh.patches.size());

@@ -55,7 +55,7 @@ class TemporalFilter {
     std::vector<std::uint8_t> missed;  // frames since the last that agreed
     std::vector<std::int16_t> color;   // r, g, b of each pixel, times 128
   };
-  // Of a row of blocks, by column of pixels, or by byte of colour.
+  // Of a row of whole blocks, by column of pixels, or by byte of colour.
   struct Sums {
     std::vector<float> difference, agreeing, jumping;
     std::vector<std::int16_t> recolored;

@@ -15,11 +15,13 @@ namespace {
 constexpr int kWidth = 640, kHeight = 480, kFrames = 8;
 
 /// A tilted wall from 1.5 to 3.5 m: depth off by a level here and there, 4 % holes that come and go, grain in the colours.
-std::vector<RgbdFrame> noisy_frames() {
+/// `turn_px`: how far a turning camera sees it move from frame to frame.
+std::vector<RgbdFrame> noisy_frames(int turn_px) {
   std::minstd_rand random(1);
   std::uniform_int_distribution<int> level(-1, 1), grain(-3, 3);
   std::bernoulli_distribution lost(0.04);
   std::vector<RgbdFrame> frames(kFrames);
+  int turned = 0;
   for (RgbdFrame& frame : frames) {
     frame.depth = DepthImage(kWidth, kHeight);
     frame.state = StateImage(kWidth, kHeight, DepthState::kMeasured);
@@ -28,42 +30,42 @@ std::vector<RgbdFrame> noisy_frames() {
       for (int x = 0; x < kWidth; ++x) {
         const double z = 1.5 + 2.0 * x / kWidth;
         frame.depth(x, y) = static_cast<std::uint16_t>(1000 * (z + level(random) * sensor_step_m(z)));
-        const auto gray = static_cast<std::uint8_t>((x ^ y) % 200 + 10 + grain(random));
+        const auto gray = static_cast<std::uint8_t>(((x + turned) ^ y) % 200 + 10 + grain(random));
         (*frame.color)(x, y) = {gray, gray, gray};
         if (!lost(random)) continue;
         frame.depth(x, y) = 0;
         frame.state(x, y) = DepthState::kHole;
       }
     }
+    turned += turn_px;
   }
   return frames;
 }
 
-void temporal_filter(benchmark::State& state) {
-  const auto frames = noisy_frames();
-  TemporalFilter filter;
+/// `filter` is called with one frame after the other.
+template <class Filter>
+void run(benchmark::State& state, const std::vector<RgbdFrame>& frames, Filter filter) {
   std::size_t next = 0;
   for (auto unused : state) {
     state.PauseTiming();
     RgbdFrame frame = frames[next++ % frames.size()];
     state.ResumeTiming();
-    filter.apply(frame, DepthUnit::kMillimetre);
+    filter(frame);
     benchmark::DoNotOptimize(frame.depth.data());
   }
 }
-BENCHMARK(temporal_filter)->Unit(benchmark::kMillisecond);
+
+void temporal_filter(benchmark::State& state) {
+  TemporalFilter filter;
+  run(state, noisy_frames(static_cast<int>(state.range(0))),
+      [&](RgbdFrame& frame) { filter.apply(frame, DepthUnit::kMillimetre); });
+}
+BENCHMARK(temporal_filter)->ArgName("turn_px")->Arg(0)->Arg(5)->Unit(benchmark::kMillisecond);
 
 void depth_smoothing(benchmark::State& state) {
-  const auto frames = noisy_frames();
   DepthSmoothing smoothing;
-  std::size_t next = 0;
-  for (auto unused : state) {
-    state.PauseTiming();
-    DepthImage depth = frames[next++ % frames.size()].depth;
-    state.ResumeTiming();
-    smoothing.smooth(depth, DepthUnit::kMillimetre);
-    benchmark::DoNotOptimize(depth.data());
-  }
+  run(state, noisy_frames(0),
+      [&](RgbdFrame& frame) { smoothing.smooth(frame.depth, DepthUnit::kMillimetre); });
 }
 BENCHMARK(depth_smoothing)->Unit(benchmark::kMillisecond);
 

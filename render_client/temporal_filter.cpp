@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -199,9 +200,10 @@ void TemporalFilter::mix_depth(RgbdFrame& frame, int y) {
   for (std::size_t x = 0; x < width; ++x) changed[x] = goes_on[x] == 0.0F;
   for (std::size_t x = 0; x < width; ++x) missed[x] = static_cast<std::uint8_t>(changed[x] * missed[x]);
   for (std::size_t x = 0; x < width; ++x) {
-    x = static_cast<std::size_t>(
-        std::find(changed_.begin() + static_cast<std::ptrdiff_t>(x), changed_.end(), 1) - changed_.begin());
-    if (x < width) decide(frame, block_of(static_cast<int>(x), y), at + x);
+    const void* const found = std::memchr(changed + x, 1, width - x);
+    if (found == nullptr) break;
+    x = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - changed);
+    decide(frame, block_of(static_cast<int>(x), y), at + x);
   }
   for (std::size_t x = 0; x < width; ++x)
     depth[x] = static_cast<std::uint16_t>(static_cast<int>(kept[x] + 0.5F));

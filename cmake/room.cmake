@@ -16,7 +16,18 @@ function(add_room name)
     target_link_libraries(${target} INTERFACE copresence::rules ${ROOM_USES})
     set(scope INTERFACE)
   endif()
-  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ROOM_HEADERS})
+  # A header that is the first include of its own .cpp (tests/architecture) compiles alone already.
+  set(lone_headers ${ROOM_HEADERS})
+  foreach(source IN LISTS ROOM_SOURCES)
+    string(REGEX REPLACE "[.]cpp$" ".h" header ${source})
+    list(REMOVE_ITEM lone_headers ${header})
+  endforeach()
+  set(tried_headers ${ROOM_HEADERS})
+  list(REMOVE_ITEM tried_headers ${lone_headers} "")
+  target_sources(${target} ${scope}
+    FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${lone_headers}
+    FILE_SET tried TYPE HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${tried_headers})
+  set_target_properties(${target} PROPERTIES INTERFACE_HEADER_SETS_TO_VERIFY HEADERS)
   add_library(copresence::${name} ALIAS ${target})
 endfunction()
 

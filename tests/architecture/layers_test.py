@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Reads every #include of the project: rooms may use what lies below them and nothing beside them, and each foreign
-library has one home. The table here is the table in docs/architecture.md."""
+library has one home. The table here is the table in docs/architecture.md. A .cpp includes its own header before all
+else, so that every header is known to compile alone (cmake/room.cmake tries those that have none)."""
 import pathlib
 import re
 import sys
@@ -67,7 +68,13 @@ def main():
         if room is None:
             faults.append(f"{path}: lies in no room that this test knows")
             continue
-        for number, line in enumerate(source.read_text().splitlines(), 1):
+        text = source.read_text()
+        own = source.with_suffix(".h")
+        if source.suffix == ".cpp" and own.exists():
+            first = re.search(r'^\s*#include\s+[<"]([^>"]+)[>"]', text, re.MULTILINE)
+            if not first or first.group(1) != own.relative_to(ROOT).as_posix():
+                faults.append(f"{path}: its first include is not its own header")
+        for number, line in enumerate(text.splitlines(), 1):
             match = re.match(r'\s*#include\s+[<"]([^>"]+)[>"]', line)
             if not match:
                 continue

@@ -6,12 +6,14 @@
 namespace copresence::color {
 namespace {
 
-// Coefficients in 1/65536. Each row sums to 65536 or to 0, which is what keeps greys exact.
+// Coefficients in 1/65536. Each row sums to 65536 or to 0, which is what keeps greys exact: chroma is half of one channel
+// less what the row says of the others.
 constexpr int kShift = 16;
-constexpr int kYr = 19595, kYg = 38470, kYb = 7471;
-constexpr int kUr = -11058, kUg = -21710, kUb = 32768;
-constexpr int kVr = 32768, kVg = -27439, kVb = -5329;
-static_assert(kYr + kYg + kYb == 1 << kShift && kUr + kUg + kUb == 0 && kVr + kVg + kVb == 0);
+constexpr std::uint16_t kYr = 19595, kYg = 38470, kYb = 7471;
+constexpr std::uint16_t kUr = 11058, kUg = 21710;
+constexpr std::uint16_t kVg = 27439, kVb = 5329;
+static_assert(kYr + kYg + kYb == 1 << kShift && kUr + kUg == 1 << (kShift - 1) &&
+              kVg + kVb == 1 << (kShift - 1));
 constexpr int kRv = 91881, kGu = -22554, kGv = -46802, kBu = 116130;
 
 // Rows are cut into tiles that stay in the first-level cache: loops over plain arrays that a compiler turns
@@ -34,10 +36,19 @@ void split(const Rgb8* __restrict rgb, int count, Channels& __restrict out) {
   }
 }
 
+/// A number's share, rounded down. In 16 bits, which a compiler multiplies sixteen at a time.
+std::uint16_t share(int of, std::uint16_t coefficient) {
+  return static_cast<std::uint16_t>(
+      static_cast<std::uint32_t>(static_cast<std::uint16_t>(of)) * coefficient >> kShift);
+}
+
 void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) {
+  constexpr int kBits = 8;                           // after the point
+  constexpr int kRounding = (1 << (kBits - 1)) + 1;  // and half of what three shares lose
   for (int x = 0; x < count; ++x) {
-    y[x] = static_cast<std::uint8_t>((kYr * in.r[x] + kYg * in.g[x] + kYb * in.b[x] + (1 << (kShift - 1))) >>
-                                     kShift);
+    const auto sum = static_cast<std::uint16_t>(share(in.r[x] << kBits, kYr) + share(in.g[x] << kBits, kYg) +
+                                                share(in.b[x] << kBits, kYb) + kRounding);
+    y[x] = static_cast<std::uint8_t>(sum >> kBits);
   }
 }
 
@@ -49,13 +60,20 @@ void halve(const std::uint8_t* __restrict upper, const std::uint8_t* __restrict 
   }
 }
 
-template <int kR, int kG, int kB>
-void chroma(const std::uint16_t* __restrict r, const std::uint16_t* __restrict g,
-            const std::uint16_t* __restrict b, int count, std::uint8_t* __restrict out) {
-  constexpr int kSumShift = kShift + 2;
-  constexpr int kOffset = (128 << kSumShift) + (1 << (kSumShift - 1));
-  for (int x = 0; x < count; ++x)
-    out[x] = to_byte((kR * r[x] + kG * g[x] + kB * b[x] + kOffset) >> kSumShift);
+/// `more` is the channel that the chroma takes from, by half.
+template <std::uint16_t kLess, std::uint16_t kLeast>
+void chroma(const std::uint16_t* __restrict more, const std::uint16_t* __restrict less,
+            const std::uint16_t* __restrict least, int count, std::uint8_t* __restrict out) {
+  constexpr int kBits = 7;        // after the point: all of 0 to 256 has room in 16 bits
+  constexpr int kUp = kBits - 2;  // of sums of four
+  constexpr int kZero = (128 << kBits) + (1 << (kBits - 1));
+  constexpr std::uint16_t kMost = 255;
+  for (int x = 0; x < count; ++x) {
+    const auto sum =
+        static_cast<std::uint16_t>(kZero + share(more[x] << kUp, kLess + kLeast) -
+                                   share(less[x] << kUp, kLess) - share(least[x] << kUp, kLeast));
+    out[x] = static_cast<std::uint8_t>(std::min(static_cast<std::uint16_t>(sum >> kBits), kMost));
+  }
 }
 
 /// What chroma adds to luma for each channel, already doubled along the row.
@@ -115,8 +133,8 @@ void rgb_to_yuv420(const ColorImage& image, Picture& picture) {
       halve(upper.g, lower.g, count / 2, g);
       halve(upper.b, lower.b, count / 2, b);
       const std::size_t chroma_at = static_cast<std::size_t>(row / 2) * (width / 2) + left / 2;
-      chroma<kUr, kUg, kUb>(r, g, b, count / 2, u + chroma_at);
-      chroma<kVr, kVg, kVb>(r, g, b, count / 2, v + chroma_at);
+      chroma<kUg, kUr>(b, g, r, count / 2, u + chroma_at);
+      chroma<kVg, kVb>(r, g, b, count / 2, v + chroma_at);
     }
   }
 }

@@ -38,8 +38,8 @@ std::string in_words(const std::vector<std::string>& words) {
 
 /// Of something that is checked as text and taken apart again once all is well.
 CLI::Option* add_checked(CLI::App& app, const std::string& flag, const std::string& description,
-                         const CLI::Validator& check, std::function<void(const std::string&)> take) {
-  return app.add_option_function<std::string>(flag, std::move(take), description)->check(check);
+                         const CLI::Validator& check, const std::function<void(const std::string&)>& take) {
+  return app.add_option_function<std::string>(flag, take, description)->check(check);
 }
 
 }  // namespace

@@ -105,10 +105,7 @@ class Pipeline {
     const Result<void> encoded = encode_frames();
     end_capture_.request_stop();
     capture.join();
-    if (const auto dark = source_->counters().dark) {
-      spdlog::info("{}: {} depth pictures were taken outside its projector's turns and left out",
-                   settings_.name, dark);
-    }
+    say_what_was_left_out(source_->counters());
     if (recording_) recording_->end(stop.stop_requested() ? kDrainWhenStopped : kDrainAtTheEnd);
 
     const Result<void>& result = encoded ? captured : encoded;
@@ -126,11 +123,11 @@ class Pipeline {
       alive();
       if (!frame) {
         if (frame.error().code == ErrorCode::kEndOfStream) return {};
-        if (!comes_back(frame.error())) return fail(frame.error());
-        say_camera_is_away(frame.error().what);
+        if (!goes_on(frame.error())) return fail(frame.error());
+        say_no_frames(frame.error());
         continue;
       }
-      say_camera_is_here();
+      say_frames_again();
       const std::uint64_t sequence = frame->stamp.sequence;
       if (recording_) recording_->offer(*frame, waits_for_the_encoder, stop);
       if (waits_for_the_encoder) captured_.wait_until_taken(stop);
@@ -140,21 +137,36 @@ class Pipeline {
     return {};
   }
 
-  // A camera may be plugged in again; a recording that fails stays so.
-  bool comes_back(const Error& error) const {
-    return !is_recording(settings_.source) &&
-           (error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kTimeout);
+  void say_what_was_left_out(const sensor::SourceCounters& pictures) const {
+    if (pictures.damaged) {
+      spdlog::warn("{}: {} depth or colour pictures were damaged or missing", settings_.name,
+                   pictures.damaged);
+    }
+    if (pictures.dark) {
+      spdlog::info("{}: {} depth pictures were taken outside its projector's turns and left out",
+                   settings_.name, pictures.dark);
+    }
   }
 
-  void say_camera_is_away(const std::string& why) {
-    if (std::exchange(camera_is_away_, true)) return;
-    spdlog::warn("{}; waiting for it", why);
-    server_->tell(why);
+  // A camera may be plugged in again, and a damaged recording may have better places; one that fails stays so.
+  bool goes_on(const Error& error) const {
+    if (is_recording(settings_.source)) return error.code == ErrorCode::kCorrupt;
+    return error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kTimeout;
   }
 
-  void say_camera_is_here() {
-    if (!std::exchange(camera_is_away_, false)) return;
-    spdlog::info("{}: the camera is back", settings_.name);
+  void say_no_frames(const Error& why) {
+    if (std::exchange(no_frames_since_, why.code)) return;
+    const bool is_damaged = why.code == ErrorCode::kCorrupt;
+    // A recording that loops is damaged again and again.
+    if (!is_damaged || !std::exchange(damage_is_said_, true))
+      spdlog::warn("{}; {}", why.what, is_damaged ? "playing on" : "waiting for it");
+    server_->tell(why.what);
+  }
+
+  void say_frames_again() {
+    const auto reason = std::exchange(no_frames_since_, std::nullopt);
+    if (!reason) return;
+    if (*reason != ErrorCode::kCorrupt) spdlog::info("{}: the camera is back", settings_.name);
     server_->tell({});
   }
 
@@ -216,7 +228,8 @@ class Pipeline {
   std::unique_ptr<wire::FrameServer> server_;
   flow::Latest<Captured> captured_;
   std::stop_source end_capture_;
-  bool camera_is_away_ = false;  ///< the capture thread's
+  std::optional<ErrorCode> no_frames_since_;  ///< what for; the capture thread's, as the next
+  bool damage_is_said_ = false;
 };
 
 }  // namespace

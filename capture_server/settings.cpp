@@ -10,6 +10,7 @@
 #include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/flags.h"
 #include "capture_server/source.h"
+#include "common/command_line/mistakes.h"
 #include "common/scene/settings_file.h"
 #include "common/version.h"
 
@@ -71,7 +72,7 @@ Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
                                  : from_folder(path.parent_path(), setting));
       option->run_callback();
     } catch (const CLI::ParseError& error) {
-      return wrong(error.what());
+      return wrong(command_line::sentence_of(error));
     }
   }
   return {};
@@ -118,7 +119,7 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
     fmt::print(stderr, "capture_server: {}\n", settings.error().what);
     return tl::unexpected(2);
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(app.exit(error) == 0 ? 0 : 2);
+    return tl::unexpected(command_line::explain(app, error));
   }
 }
 
@@ -127,7 +128,7 @@ Result<ServerSettings> read_again(int argc, const char* const* argv) {
   try {
     return read(app, argc, argv);
   } catch (const CLI::ParseError& error) {
-    return fail(ErrorCode::kInvalid, error.what());
+    return fail(ErrorCode::kInvalid, command_line::sentence_of(error));
   }
 }
 

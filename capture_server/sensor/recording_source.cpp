@@ -16,6 +16,8 @@
 #include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/open_ni.h"
 #include "capture_server/sensor/playback_schedule.h"
+#include "capture_server/sensor/read_position.h"
+#include "capture_server/sensor/recording_track.h"
 
 namespace copresence::sensor {
 namespace {
@@ -26,6 +28,8 @@ using std::chrono::steady_clock;
 // A damaged recording may fall silent. So does a player that gets no core: it is given the time that it lost, up to what
 // the supervisor takes for a hang.
 constexpr Duration kStallAfter = std::chrono::seconds(1), kStallAfterAtMost = std::chrono::seconds(4);
+// How long next() may keep its caller without a frame, though all is well but for the pictures.
+constexpr Duration kSignOfLife = std::chrono::seconds(1);
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::size_t kDepthsAhead = 4;  // how far a recording's colour may lag behind its depth in the file
@@ -41,6 +45,7 @@ class FileDescriptor {
   FileDescriptor& operator=(const FileDescriptor&) = delete;
 
   bool is_open() const { return number_ >= 0; }
+  int number() const { return number_; }
   std::string path() const { return fmt::format("/proc/self/fd/{}", number_); }
 
  private:
@@ -58,6 +63,7 @@ class EndListener final : public openni::OpenNI::DeviceStateChangedListener {
   EndListener& operator=(const EndListener&) = delete;
 
   bool ended() const { return ended_; }
+  void begin_again() { ended_ = false; }
 
   void onDeviceStateChanged(const openni::DeviceInfo* device, openni::DeviceState state) override {
     if (state == openni::DEVICE_STATE_EOF && uri_ == device->getUri()) ended_ = true;
@@ -68,30 +74,12 @@ class EndListener final : public openni::OpenNI::DeviceStateChangedListener {
   std::atomic<bool> ended_ = false;
 };
 
-// One stream's place in the recording: its frames count from 1 in every pass.
-struct Track {
-  std::uint64_t last = 0;   // number of a pass's last frame
-  std::uint64_t index = 0;  // number of the frame that came last
-  std::uint64_t pass = 0;
-  std::int64_t timestamp_us = 0;
-
-  bool at_end() const { return index >= last; }
-
-  // Returns how many frames are missing between the last one and this.
-  std::uint64_t advance(const openni::VideoFrameRef& frame, std::int64_t duration_us) {
-    const auto next = static_cast<std::uint64_t>(std::max(frame.getFrameIndex(), 1));
-    const bool begins_again = next <= index;
-    const std::uint64_t missing =
-        begins_again ? next - 1 + (last > index ? last - index : 0) : next - index - 1;
-    pass += begins_again;
-    index = next;
-    // Time goes on over the seam and never back.
-    const auto unwrapped =
-        static_cast<std::int64_t>(frame.getTimestamp() + pass * static_cast<std::uint64_t>(duration_us));
-    timestamp_us = std::max(timestamp_us, unwrapped);
-    return missing;
-  }
-};
+void wait_until(Instant due, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any never;
+  never.wait_until(lock, stop, due, [] { return false; });
+}
 
 class RecordingSource final : public FrameSource {
  public:
@@ -100,19 +88,11 @@ class RecordingSource final : public FrameSource {
         settings_(settings),
         file_(recording_.path),
         end_(file_.path()),
-        pairing_(static_cast<std::int64_t>(recording_.period_us / 2), kReuseColorUs) {
-    depth_track_.last = recording_.last_depth_frame;
-    color_track_.last = recording_.last_color_frame;
-  }
+        depth_track_(recording_.last_depth_frame, recording_.duration_us),
+        color_track_(recording_.last_color_frame, recording_.duration_us),
+        pairing_(static_cast<std::int64_t>(recording_.period_us / 2), kReuseColorUs) {}
 
-  ~RecordingSource() override {
-    halt();
-    let_threads_leave();
-    // Streams first: closing the device frees them, and they would be freed again.
-    color_.destroy();
-    depth_.destroy();
-    device_.close();
-  }
+  ~RecordingSource() override { close(); }
 
   RecordingSource(const RecordingSource&) = delete;
   RecordingSource& operator=(const RecordingSource&) = delete;
@@ -126,22 +106,36 @@ class RecordingSource final : public FrameSource {
   using Pairing = ColorPairing<openni::VideoFrameRef>;
 
   Result<void> refused(const std::string& what) const;
+  Result<void> open_player();
   Result<Pairing::Pair> next_pair(const std::stop_token& stop);
+  Result<RgbdFrame> wait_out(const std::stop_token& stop);
   bool read_one();
+  Result<void> reach_end();
+  void count_missing_until(std::uint64_t pass);
+  tl::unexpected<Error> ended() const;
+  tl::unexpected<Error> stalled(Duration silent) const;
+  tl::unexpected<Error> nothing_decodes() const;
   void halt();
+  void close();
 
   CheckedRecording recording_;
   const SourceSettings settings_;
   const OpenNiSession session_{drivers::kNoDriver};
   const FileDescriptor file_;
-  const EndListener end_;
+  EndListener end_;
   openni::Device device_;
   openni::VideoStream depth_;
   openni::VideoStream color_;
   bool playing_ = false;
+  // Not before a depth picture has come: a player that repeats without ever having one spins, and may lock itself up.
+  bool repeats_ = false;
 
-  Track depth_track_;
-  Track color_track_;
+  // Of a recording none of whose depth can be decoded, once that is known: its time passes without the player.
+  std::optional<Instant> begun_, pass_ends_;
+  std::uint64_t lost_by_pass_ = 0;
+
+  RecordingTrack depth_track_;
+  RecordingTrack color_track_;
   Pairing pairing_;
   PlaybackSchedule schedule_;
   SourceCounters counters_;
@@ -162,12 +156,16 @@ Result<void> RecordingSource::start() {
     return fail(ErrorCode::kNotFound, fmt::format("{}: {}; give the path of an .oni recording",
                                                   recording_.path, std::strerror(errno)));
   }
+  return open_player();
+}
+
+Result<void> RecordingSource::open_player() {
   if (device_.open(file_.path().c_str()) != openni::STATUS_OK) return refused("it does not open");
   openni::PlaybackControl* playback = device_.getPlaybackControl();
   if (!playback) return refused("it does not open as a recording");
   // -1: a frame is released for each one waited for, so that none is lost whatever our own pace.
   if (playback->setSpeed(-1) != openni::STATUS_OK ||
-      playback->setRepeatEnabled(settings_.loop) != openni::STATUS_OK) {
+      playback->setRepeatEnabled(repeats_) != openni::STATUS_OK) {
     return refused("its speed cannot be set");
   }
   const bool has_color = recording_.description.has_color;
@@ -191,6 +189,15 @@ void RecordingSource::halt() {
   if (color_.isValid()) color_.stop();
 }
 
+void RecordingSource::close() {
+  halt();
+  let_threads_leave();
+  // Streams first: closing the device frees them, and they would be freed again.
+  color_.destroy();
+  depth_.destroy();
+  device_.close();
+}
+
 SourceCounters RecordingSource::counters() const {
   SourceCounters counters = counters_;
   counters.color_without_depth = pairing_.unused_color();
@@ -207,61 +214,130 @@ bool RecordingSource::read_one() {
   const bool is_depth = ready == 0;
   openni::VideoFrameRef picture;
   if (streams[ready]->readFrame(&picture) != openni::STATUS_OK) return false;
-  Track& track = is_depth ? depth_track_ : color_track_;
-  counters_.damaged += track.advance(picture, recording_.duration_us);
+  RecordingTrack& track = is_depth ? depth_track_ : color_track_;
+  counters_.damaged += track.advance(static_cast<std::uint64_t>(std::max(picture.getFrameIndex(), 1)),
+                                     static_cast<std::int64_t>(picture.getTimestamp()));
+  // The other stream may be a pass behind, where its last pictures are still to come, but no more.
+  if (track.pass() > 0) count_missing_until(track.pass() - 1);
   const CameraModel& camera = is_depth ? recording_.description.depth : recording_.description.color;
   if (!is_whole(picture, camera, is_depth ? 2 : 3)) {
     ++counters_.damaged;
   } else if (is_depth) {
-    pairing_.add_depth(track.timestamp_us, picture);
+    pairing_.add_depth(track.timestamp_us(), picture);
+    if (settings_.loop && !std::exchange(repeats_, true))
+      device_.getPlaybackControl()->setRepeatEnabled(
+          true);  // too late where this one was the last: see reach_end()
   } else {
-    pairing_.add_color(track.timestamp_us, picture);
+    pairing_.add_color(track.timestamp_us(), picture);
   }
   return true;
+}
+
+void RecordingSource::count_missing_until(std::uint64_t pass) {
+  counters_.damaged += depth_track_.begin_pass(pass);
+  if (recording_.description.has_color) counters_.damaged += color_track_.begin_pass(pass);
+}
+
+// The player has come to its end, where its thread spins until it is stopped. Fails with what next() shall say.
+Result<void> RecordingSource::reach_end() {
+  if (repeats_) {
+    close();
+    end_.begin_again();
+    const auto opened = open_player();
+    return opened ? Result<void>() : fail(ErrorCode::kUnavailable, opened.error().what);
+  }
+  halt();
+  count_missing_until(depth_track_.pass() + 1);
+  if (counters_.frames == 0 && !pairing_.has_depth()) {
+    lost_by_pass_ = counters_.damaged;
+    pass_ends_ = *begun_ + std::chrono::microseconds(recording_.duration_us);
+    return nothing_decodes();
+  }
+  return {};
+}
+
+tl::unexpected<Error> RecordingSource::nothing_decodes() const {
+  return fail(ErrorCode::kCorrupt, fmt::format("{}: none of its {} depth pictures can be decoded; take "
+                                               "another copy of the file or record it again",
+                                               recording_.path, depth_track_.last()));
+}
+
+tl::unexpected<Error> RecordingSource::ended() const {
+  return fail(ErrorCode::kEndOfStream, fmt::format("{}: the recording has ended", recording_.path));
+}
+
+tl::unexpected<Error> RecordingSource::stalled(Duration silent) const {
+  return fail(ErrorCode::kTimeout,
+              fmt::format("{}: no frame for {:.0f} s after frame {} of {}: it is damaged there, or this "
+                          "machine is far too busy; record it again or end other programs",
+                          recording_.path, std::chrono::duration<double>(silent).count(),
+                          depth_track_.index(), depth_track_.last()));
+}
+
+// For the next frame of a recording that has none.
+Result<RgbdFrame> RecordingSource::wait_out(const std::stop_token& stop) {
+  const bool keeps_pace = settings_.loop || settings_.pace == SourceSettings::Pace::kReal;
+  if (keeps_pace) {
+    const Instant until = std::min(*pass_ends_, steady_clock::now() + kSignOfLife);
+    wait_until(until, stop);
+    if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
+    if (until < *pass_ends_) return nothing_decodes();
+  }
+  if (!settings_.loop) return ended();
+  *pass_ends_ += std::chrono::microseconds(recording_.duration_us);
+  counters_.damaged += lost_by_pass_;
+  return nothing_decodes();
 }
 
 Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::stop_token& stop) {
   const bool has_color = recording_.description.has_color;
   const Instant begin = steady_clock::now();
+  Instant heard = begin;  // of the player
+  std::optional<std::uint64_t> position;
   std::optional<Duration> waited_before;
   while (true) {
     const bool may_wait = has_color && playing_ && pairing_.waiting() <= kDepthsAhead;
     if (auto pair = pairing_.take(may_wait)) return std::move(*pair);
-    if (!playing_ && counters_.frames == 0) {
-      return fail(ErrorCode::kCorrupt,
-                  fmt::format("{}: none of its {} frames could be decoded; take another copy of the file or "
-                              "record it again",
-                              recording_.path, depth_track_.last));
-    }
-    if (!playing_) {
-      return fail(ErrorCode::kEndOfStream, fmt::format("{}: the recording has ended", recording_.path));
-    }
+    if (!playing_) return ended();
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     const bool got_one = read_one();
-    const bool everything_read =
-        !settings_.loop && depth_track_.at_end() && (!has_color || color_track_.at_end());
-    // At its end the player's thread spins until it is stopped.
+    const bool everything_read = !repeats_ && depth_track_.at_end() && (!has_color || color_track_.at_end());
     if (everything_read || (!got_one && end_.ended())) {
-      halt();
+      if (const auto end = reach_end(); !end) return fail(end.error());
       continue;
     }
-    if (got_one) continue;
-    if (!waited_before) waited_before = waited_for_a_core();
-    const Duration silent = steady_clock::now() - begin;
-    if (silent > kStallAfter &&
-        (silent > kStallAfterAtMost || silent > kStallAfter + (waited_for_a_core() - *waited_before))) {
-      halt();
-      return fail(ErrorCode::kTimeout,
-                  fmt::format("{}: no frame for {:.0f} s after frame {} of {}: it is damaged there, or this "
-                              "machine is far too busy; record it again or end other programs",
-                              recording_.path, std::chrono::duration<double>(silent).count(),
-                              depth_track_.index, depth_track_.last));
+    const Instant now = steady_clock::now();
+    if (!got_one && !position) {
+      position = read_position_beside(file_.number());
+      waited_before = waited_for_a_core();
+    }
+    if (got_one) {
+      heard = now;
+    } else if (const Duration silent = now - heard; silent > kStallAfter) {
+      // What the player cannot decode it passes over without a word, however much of it there is.
+      const auto position_before = std::exchange(position, read_position_beside(file_.number()));
+      if (position != position_before) {
+        heard = now;
+      } else if (silent > kStallAfterAtMost ||
+                 silent > kStallAfter + (waited_for_a_core() - *waited_before)) {
+        halt();
+        return stalled(silent);
+      }
+    }
+    if (now - begin > kSignOfLife && heard > begin) {
+      return fail(
+          ErrorCode::kCorrupt,
+          fmt::format("{}: its depth pictures from {} on cannot be decoded; take another copy of the file or "
+                      "record it again",
+                      recording_.path, depth_track_.index() + 1));
     }
   }
 }
 
 Result<RgbdFrame> RecordingSource::next(std::stop_token stop) {
   const Instant begin = steady_clock::now();
+  if (!begun_) begun_ = begin;
+  if (pass_ends_) return wait_out(stop);
   auto pair = next_pair(stop);
   if (!pair) return fail(pair.error());
   RgbdFrame frame;
@@ -272,10 +348,7 @@ Result<RgbdFrame> RecordingSource::next(std::stop_token stop) {
   frame.stamp.captured_at = ready;
   if (settings_.pace == SourceSettings::Pace::kReal) {
     const Instant due = schedule_.due(pair->timestamp_us, ready);
-    std::mutex mutex;
-    std::unique_lock lock(mutex);
-    std::condition_variable_any never;
-    never.wait_until(lock, stop, due, [] { return false; });
+    wait_until(due, stop);
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     frame.stamp.captured_at = steady_clock::now();
   }

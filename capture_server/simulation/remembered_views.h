@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "capture_server/simulation/true_camera.h"
+#include "capture_server/simulation/true_view.h"
 
 namespace copresence::simulation {
 

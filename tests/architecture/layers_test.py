@@ -13,7 +13,7 @@ EDGE_TYPES = {"common/frame", "common"}
 ROOMS = {
     "common": set(),  # result.h
     "common/frame": {"common"},
-    **{f"common/{room}": EDGE_TYPES for room in ("flow", "scene", "depth", "color", "video", "wire", "gl")},
+    **{f"common/{room}": EDGE_TYPES for room in ("flow", "scene", "command_line", "depth", "color", "video", "wire", "gl")},
     "capture_server/recording": EDGE_TYPES,
     "capture_server/simulation": EDGE_TYPES,
     "capture_server/drivers/contract": EDGE_TYPES,
@@ -42,7 +42,7 @@ HOMES = {
     r"libfreenect": {"capture_server/drivers/kinect_v1"},
     r"embree": {"capture_server/simulation"},
     r"opencv": {"capture_server/recording", "capture_server/hole_filling", "capture_server/registration", "render_client"},
-    r"CLI/": {"capture_server", "render_client"},
+    r"CLI/": {"common/command_line", "capture_server", "render_client"},
     r"spdlog": {"capture_server", "render_client"},
     r"nlohmann": {"capture_server/recording", "render_client"},
 }

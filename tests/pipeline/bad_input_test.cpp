@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
@@ -44,6 +46,12 @@ long lines(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');
 }
 
+int count(const std::string& text, const std::string& part) {
+  int found = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
+  return found;
+}
+
 std::string read_all(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -77,6 +85,46 @@ TEST(BadInput, ADamagedPayloadPlaysToTheEnd) {
   std::ofstream(folder / "damaged.oni") << bytes;
   const Ended ended = serve(folder / "damaged.oni");
   EXPECT_EQ(ended.code, 0) << ended.words;
+}
+
+/// A recording's bytes with every picture of depth damaged, and nothing else.
+std::string without_depth(std::string bytes) {
+  const auto number = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof(value));
+    return value;
+  };
+  constexpr std::uint32_t kNewData = 0x0A, kSeekTable = 0x0E, kEnd = 0x0B, kDepthNode = 1;
+  for (std::size_t at = 24; at + 28 <= bytes.size() && number(at + 4) != kEnd;) {
+    const std::uint32_t type = number(at + 4), fields = number(at + 12);
+    const std::uint32_t payload = type == kNewData || type == kSeekTable ? number(at + 16) : 0;
+    if (type == kNewData && number(at + 8) == kDepthNode) {
+      bytes.replace(at + fields, payload, payload, '\xff');
+    }
+    at += fields + payload;
+  }
+  return bytes;
+}
+
+TEST(BadInput, ARecordingWithoutOneWholePictureOfDepthPlaysToTheEndAndSaysSoOnce) {
+  TemporaryFolder folder;
+  std::ofstream(folder / "damaged.oni") << without_depth(read_all(recordings() / "camera0.oni"));
+  const Ended ended = serve(folder / "damaged.oni");
+  EXPECT_EQ(ended.code, 0) << ended.words;
+  EXPECT_EQ(count(ended.words, "none of its"), 1) << ended.words;
+  EXPECT_EQ(count(ended.words, "pictures were damaged"), 1) << ended.words;
+}
+
+TEST(BadInput, WhoLooksAtADamagedRecordingThatLoopsIsToldAndWaits) {
+  RunningRoom room;
+  std::ofstream(room.file("damaged.oni")) << without_depth(read_all(recordings() / "camera0.oni"));
+  room.serve(room.file("damaged.oni"), {"--loop"});
+  ASSERT_TRUE(room.server(0).says("none of its", seconds(10))) << room.server(0).output();
+  Process& client = room.look({"--frames", "5"});
+  EXPECT_TRUE(client.says("none of its", seconds(10))) << client.output();
+  EXPECT_EQ(client.wait(milliseconds(300)), std::nullopt) << client.output();
+  EXPECT_EQ(room.server(0).wait(milliseconds(1)), std::nullopt) << room.server(0).output();
+  EXPECT_EQ(count(room.server(0).output(), "none of its"), 1) << room.server(0).output();
 }
 
 TEST(BadInput, AWrongCommandLineIsExplainedAndExitsWithTwo) {
@@ -175,12 +223,6 @@ TEST(BadInput, GarbageAndHalfAMessageOnThePortDisturbNobody) {
   const auto stats = room.view({"--frames", "20", "--size", "320x180"});
   EXPECT_EQ(stats["cameras"][0]["drops"]["decode_error"], 0);
   for (int socket : {garbage, half, silent}) close(socket);
-}
-
-int count(const std::string& text, const std::string& part) {
-  int found = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
-  return found;
 }
 
 TEST(BadInput, AServerThatIsNotThereIsNamedOnceAndWaitedFor) {

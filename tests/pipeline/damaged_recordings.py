@@ -5,8 +5,9 @@ seconds with a sentence, or plays on; damage in payloads alone never refuses a f
 
   tests/pipeline/damaged_recordings.py                 all 830, as docs/recording.md quotes them (about 3 minutes)
   tests/pipeline/damaged_recordings.py --count 60      as the test does
-  tests/pipeline/damaged_recordings.py --more --count 90 --recording FILE.oni
-                                                       other kinds: records swapped, missing or twice, one stream only,
+  tests/pipeline/damaged_recordings.py --more --count 100 --recording FILE.oni
+                                                       other kinds: all pictures of a stream damaged, records swapped,
+                                                       missing or twice, one stream only,
                                                        lies about codec, type, counts, times and places, holes and insertions
 
 Exits 0 where all of this holds; prints what became of each kind of damage."""
@@ -85,6 +86,18 @@ class Damage:
 
     def payload(self):
         return self.with_bytes([(at + fields, at + fields + payload) for at, _, fields, payload in self.frames], 20)
+
+    def all_payloads(self):
+        """Every picture of one stream, or of all."""
+        data = bytearray(self.whole)
+        nodes = [struct.unpack_from("<I", data, at + 8)[0] for at, _, _, _ in self.frames]
+        lost = self.random.choice([{node} for node in sorted(set(nodes))] + [set(nodes)])
+        byte = self.random.choice([None, 0x00, 0xE0, 0xFF])
+        for node, (at, _, fields, payload) in zip(nodes, self.frames):
+            if node in lost:
+                data[at + fields:at + fields + payload] = (self.random.randbytes(payload) if byte is None
+                                                           else bytes([byte]) * payload)
+        return bytes(data)
 
     def anywhere(self):
         data = bytearray(self.whole)
@@ -169,9 +182,9 @@ class Damage:
 # Of 83: how many of each kind.
 KINDS = {"truncated": 13, "header": 8, "first_bytes": 10, "definition": 10, "record_head": 10, "frame_head": 10,
          "tables": 3, "payload": 12, "anywhere": 4, "node_ids": 3}
-# Of 18.
+# Of 20.
 MORE_KINDS = {"swapped": 2, "missing": 2, "doubled": 2, "one_stream": 1, "lie": 5, "payload_size": 1, "filled": 2,
-              "bytes_gone": 1, "bytes_more": 1, "no_recording": 1}
+              "bytes_gone": 1, "bytes_more": 1, "no_recording": 1, "all_payloads": 2}
 
 
 def play(server, path, port):
@@ -249,7 +262,7 @@ def main():
             verdict, seconds, cpu, words = play(options.bin / "capture_server", path, options.port + index % 50)
             if verdict in longest:
                 longest[verdict] = max(longest[verdict], seconds)
-            if kind == "payload" and verdict == "refused":
+            if kind in ("payload", "all_payloads") and verdict == "refused":
                 verdict = "REFUSED FOR ITS PAYLOADS"
             results[kind][verdict] += 1
             worst_cpu = max(worst_cpu, cpu)

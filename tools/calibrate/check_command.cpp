@@ -9,6 +9,8 @@
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/still_view.h"
 
+#include "common/command_line/values.h"
+
 namespace copresence::calibrate {
 namespace {
 
@@ -108,24 +110,29 @@ Command check_command(CLI::App& program) {
       "Leaves with 0 "
       "when every pair that overlaps is good, with 1 when one is not or none overlaps.");
   const auto options = std::make_shared<Options>();
-  parser->add_option("--scene", options->scene, "the scene file with the cameras' poses")->required();
+  parser->add_option("--scene", options->scene, "the scene file with the cameras' poses")
+      ->required()
+      ->check(command_line::file_name());
   add_source_options(*parser, options->sources, 2, 64);
-  parser->add_option("--json", options->json, "also tells everything to this file");
-  parser->add_option("--picture", options->picture,
-                     "write how far surfaces of each pair lie apart as coloured pictures (.png or .jpg)");
+  parser->add_option("--json", options->json, "also tells everything to this file")
+      ->check(command_line::file_name());
+  parser
+      ->add_option("--picture", options->picture,
+                   "write how far surfaces of each pair lie apart as coloured pictures (.png or .jpg)")
+      ->check(command_line::file_name());
   parser
       ->add_option("--most-sigmas", options->most_median_sigmas,
                    "largest good median, in units of the sensors' expected noise")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(command_line::number_above_zero(1e6));
   parser->add_option("--most-mm", options->most_median_mm, "largest good median, mm")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(command_line::number_above_zero(1e6));
   parser
       ->add_option("--most-contradicted", options->most_contradicted_percent,
                    "largest good share of points of one camera where another sees through, percent")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(command_line::number(0, 100));
   return {parser, [options] { return run(*options); }};
 }
 

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +16,8 @@
 #include "tools/calibrate/lens/picture_folder.h"
 #include "tools/calibrate/markers/depth_to_color.h"
 #include "tools/calibrate/markers/dictionary.h"
+
+#include "common/command_line/values.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -264,13 +265,13 @@ Command intrinsics_command(CLI::App& program) {
   const SourceOptions source = add_source_options(*parser, settings->sources, 0, 1);
   auto* images =
       parser->add_option("--images", settings->images, "folder of pictures (PNG, JPEG) of one camera")
-          ->check(CLI::ExistingDirectory)
+          ->check(command_line::existing_folder())
           ->excludes(source.recording)
           ->excludes(source.stream);
   auto* camera_info = parser
                           ->add_option("--camera-info", settings->camera_info,
                                        "take the lens from a ROS camera_info YAML file instead of finding it")
-                          ->check(CLI::ExistingFile)
+                          ->check(command_line::existing_file())
                           ->excludes(images)
                           ->excludes(source.recording)
                           ->excludes(source.stream);
@@ -282,49 +283,56 @@ Command intrinsics_command(CLI::App& program) {
   parser
       ->add_option("--name", settings->name,
                    "the camera's name, with --images or --camera-info [camera; the file's own]")
+      ->check(command_line::some("a name"))
       ->excludes(source.recording)
       ->excludes(source.stream);
   parser->add_option("--board", settings->board.kind, "chessboard or charuco [chessboard]")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, Board::Kind>{{"chessboard", Board::Kind::kChessboard},
-                                                                     {"charuco", Board::Kind::kCharuco}})
-              .description(""));
+      ->transform(command_line::one_of<Board::Kind>(
+          {{"chessboard", Board::Kind::kChessboard}, {"charuco", Board::Kind::kCharuco}}));
   parser
       ->add_option("--board-size", settings->size,
                    "COLUMNSxROWS: inner corners of a chessboard, squares of a ChArUco board")
       ->check([settings](const std::string& text) { return parse_board_size(text, settings->board); })
       ->capture_default_str();
   parser->add_option("--square", settings->square_mm, "side of a square, mm")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(command_line::number(1, 1000))
       ->capture_default_str();
   parser->add_option("--marker", settings->marker_mm, "side of a ChArUco board's markers, mm")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(command_line::number(1, 1000))
       ->capture_default_str();
   parser->add_option("--dictionary", settings->board.dictionary, "of the ChArUco board's markers")
-      ->check(CLI::IsMember(marker_dictionaries()))
+      ->check(command_line::one_of(marker_dictionaries()))
       ->capture_default_str();
   parser->add_option("--frames", settings->frames, "frames to look at, evenly spread over a recording")
-      ->check(CLI::Range(1, 10000))
+      ->check(command_line::whole_number(1, 10000))
       ->capture_default_str();
   parser
       ->add_option("--pause", settings->pause_s,
                    "with --stream: seconds between the frames looked at, to move the board in")
-      ->check(CLI::Range(0.0, 60.0))
+      ->check(command_line::number(0, 60))
       ->capture_default_str();
   auto* to_color =
       parser->add_flag("--depth-to-color", settings->depth_to_color,
                        "find the rigid transform from depth to colour from markers whose dark cells return "
                        "no depth; both lenses are the scene file's or the recording's");
   to_color->excludes(images)->excludes(camera_info)->needs(source.recording);
-  parser->add_option("--out", settings->out, "write the lens as ROS camera_info YAML")->excludes(to_color);
-  parser->add_option("--json", settings->json, "also write the report as JSON")->excludes(to_color);
+  parser->add_option("--out", settings->out, "write the lens as ROS camera_info YAML")
+      ->check(command_line::file_name())
+      ->excludes(to_color);
+  parser->add_option("--json", settings->json, "also write the report as JSON")
+      ->check(command_line::file_name())
+      ->excludes(to_color);
   parser
       ->add_option("--picture", settings->picture,
                    "write the pictures with the corners found and their errors (.png or .jpg)")
+      ->check(command_line::file_name())
       ->excludes(to_color);
-  parser->add_option("--scene", settings->scene, "scene file to start from")->check(CLI::ExistingFile);
-  parser->add_option("--scene-out", settings->scene_out,
-                     "write the lens into a scene file; may be the one of --scene");
+  parser->add_option("--scene", settings->scene, "scene file to start from")
+      ->check(command_line::existing_file());
+  parser
+      ->add_option("--scene-out", settings->scene_out,
+                   "write the lens into a scene file; may be the one of --scene")
+      ->check(command_line::file_name());
   return {parser, [settings]() -> Result<void> {
             settings->board.square_m = settings->square_mm * 1e-3;
             settings->board.marker_m = settings->marker_mm * 1e-3;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "common/command_line/mistakes.h"
 #include "common/version.h"
 #include "tools/calibrate/command.h"
 
@@ -19,7 +20,7 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : 2;
+    return copresence::command_line::explain(program, error);
   }
   for (const Command& command : commands) {
     if (!command.parser->parsed()) continue;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -18,6 +17,8 @@
 #include "tools/calibrate/markers/clicks.h"
 #include "tools/calibrate/markers/dictionary.h"
 #include "tools/calibrate/markers/marker_finder.h"
+
+#include "common/command_line/values.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -259,37 +260,43 @@ Command markers_command(CLI::App& program) {
   parser
       ->add_option("--scene", settings->scene,
                    "scene file to start from: lenses, and all that is to stay as it is")
-      ->check(CLI::ExistingFile);
-  parser->add_option("--out", settings->out,
-                     "scene file to write; may be the one of --scene, whose comments stay");
-  parser->add_option("--json", settings->json, "also write the report as JSON");
-  parser->add_option("--picture", settings->picture,
-                     "write what every camera saw, markers named, with distance and error (.png or .jpg)");
-  parser->add_option(
-      "--reference", settings->reference,
-      "camera whose pose stays: its own in the scene file or recording, else the world's origin [first]");
+      ->check(command_line::existing_file());
+  parser
+      ->add_option("--out", settings->out,
+                   "scene file to write; may be the one of --scene, whose comments stay")
+      ->check(command_line::file_name());
+  parser->add_option("--json", settings->json, "also write the report as JSON")
+      ->check(command_line::file_name());
+  parser
+      ->add_option("--picture", settings->picture,
+                   "write what every camera saw, markers named, with distance and error (.png or .jpg)")
+      ->check(command_line::file_name());
+  parser
+      ->add_option(
+          "--reference", settings->reference,
+          "camera whose pose stays: its own in the scene file or recording, else the world's origin [first]")
+      ->check(command_line::some("a camera's name"));
   parser
       ->add_option(
           "--solver", settings->form,
           "rigid: rotations and translations, all cameras at once; linear: the thesis's 12 unknowns per pair "
           "[rigid]")
-      ->transform(CLI::CheckedTransformer(
-                      std::map<std::string, calibration::Form>{{"rigid", calibration::Form::kRigid},
-                                                               {"linear", calibration::Form::kLinear}})
-                      .description(""));
+      ->transform(command_line::one_of<calibration::Form>(
+          {{"rigid", calibration::Form::kRigid}, {"linear", calibration::Form::kLinear}}));
   parser->add_option("--dictionary", settings->dictionary, "which markers: of ArUco or AprilTag")
-      ->check(CLI::IsMember(marker_dictionaries()))
+      ->check(command_line::one_of(marker_dictionaries()))
       ->capture_default_str();
   parser->add_option("--frames", settings->frames, "frames of each camera to average depth over")
-      ->check(CLI::Range(1, 10000))
+      ->check(command_line::whole_number(1, 10000))
       ->capture_default_str();
   parser->add_flag("--click", settings->click,
                    "click the markers in a window, camera by camera, in the same order");
   parser
       ->add_option("--points", settings->points,
                    "take clicks from a file: lines \"camera marker x y\", pixels")
-      ->check(CLI::ExistingFile);
-  parser->add_option("--save-points", settings->save_points, "write the clicks to such a file");
+      ->check(command_line::existing_file());
+  parser->add_option("--save-points", settings->save_points, "write the clicks to such a file")
+      ->check(command_line::file_name());
   parser
       ->add_option("--chessboard", settings->chessboard,
                    "use a chessboard of COLUMNSxROWS inner corners instead of markers, held still and "
@@ -297,7 +304,7 @@ Command markers_command(CLI::App& program) {
                    "cameras see it; depth is not used")
       ->check([settings](const std::string& text) { return parse_board_size(text, settings->board); });
   parser->add_option("--square", settings->square_mm, "side of the chessboard's squares, mm")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(command_line::number(1, 1000))
       ->capture_default_str();
   return {parser, [settings] {
             settings->board.square_m = settings->square_mm * 1e-3;

@@ -12,6 +12,8 @@
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/still_view.h"
 
+#include "common/command_line/values.h"
+
 namespace copresence::calibrate {
 namespace {
 
@@ -224,13 +226,18 @@ Command refine_command(CLI::App& program) {
   parser
       ->add_option("--scene", options->scene,
                    "the scene file with poses to start from, up to 10 cm and 5 degrees off")
-      ->required();
+      ->required()
+      ->check(command_line::file_name());
   add_source_options(*parser, options->sources, 2, 64);
-  parser->add_option("--out", options->out, "the scene file to write; may be the same")->required();
-  parser->add_option("--json", options->json, "also tells everything to this file");
-  parser->add_option(
-      "--picture", options->picture,
-      "write how far surfaces lie apart, before and after, as coloured pictures (.png or .jpg)");
+  parser->add_option("--out", options->out, "the scene file to write; may be the same")
+      ->required()
+      ->check(command_line::file_name());
+  parser->add_option("--json", options->json, "also tells everything to this file")
+      ->check(command_line::file_name());
+  parser
+      ->add_option("--picture", options->picture,
+                   "write how far surfaces lie apart, before and after, as coloured pictures (.png or .jpg)")
+      ->check(command_line::file_name());
   return {parser, [options] { return run(*options); }};
 }
 

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "common/command_line/mistakes.h"
+#include "common/command_line/values.h"
 #include "common/depth/depth_codec.h"
 #include "common/video/video_settings.h"
 #include "tools/depth_bench/baselines.h"
@@ -22,21 +24,9 @@ std::vector<std::string> all_codecs() {
   return names;
 }
 
-// "NEAR:FAR" in metres; empty when understood, else what is wrong.
-std::string parse_range(const std::string& text, DepthRange& range) {
-  const auto colon = text.find(':');
-  if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), range.near_m) ||
-      !CLI::detail::lexical_cast(text.substr(colon + 1), range.far_m)) {
-    return fmt::format("\"{}\" is not NEAR:FAR in metres, such as 0.4:5", text);
-  }
-  if (!(range.near_m > 0 && range.near_m < range.far_m)) {
-    return fmt::format("the range {} is empty: NEAR must be above 0 and below FAR", text);
-  }
-  return {};
-}
-
 // Known before a long run rather than after it.
 std::string can_be_written(const std::string& path) {
+  if (path.empty()) return "\"\" is not a file's name";
   const auto folder = std::filesystem::path(path).parent_path();
   if (folder.empty() || std::filesystem::is_directory(folder)) return {};
   return fmt::format("there is no folder {} for {}", folder.string(), path);
@@ -45,6 +35,7 @@ std::string can_be_written(const std::string& path) {
 }  // namespace
 
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv) {
+  using namespace command_line;
   Settings settings;
   const auto known = all_codecs();
   CLI::App app{
@@ -53,7 +44,7 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       "error and time of each: a table on standard output, --json and --plot for more.",
       "depth_bench"};
   app.set_version_flag("--version", std::string("depth_bench ") + COPRESENCE_VERSION);
-  app.add_option("RECORDING", settings.recording, "an .oni recording")->required()->check(CLI::ExistingFile);
+  app.add_option("RECORDING", settings.recording, "an .oni recording")->required()->check(existing_file());
   app.add_option(
          "--codec", settings.codecs,
          fmt::format("codecs, or all (default quantized); triangle and direct also as NAME:period=METRES: {}",
@@ -69,24 +60,20 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   app.add_option("--qp", settings.qps,
                  "constant quantisers, 0 (lossless) to 51 (default 0,12 without --kbps)")
       ->delimiter(',')
-      ->check(CLI::Range(0, video::kMaxDepthQp));
+      ->check(whole_number(0, video::kMaxDepthQp));
   app.add_option("--kbps", settings.rates_kbps,
                  "rates of everything that depth costs, kbit/s at 30 frames a second")
       ->delimiter(',')
-      ->check(CLI::Range(video::kMinKbps, video::kMaxKbps));
+      ->check(whole_number(video::kMinKbps, video::kMaxKbps));
   app.add_option("--frames", settings.frames, "how many of the recording's frames (default all)")
-      ->check(CLI::Range(1, 1000000));
+      ->check(whole_number(1, 1'000'000));
   std::string effort = "live";
   app.add_option("--effort", effort,
                  "live (default): H.264 as capture_server codes it; dense: about a sixth fewer bits for half "
                  "more time")
-      ->check(CLI::IsMember({"live", "dense"}));
-  app.add_option("--range", "depth in metres that counts, NEAR:FAR; the rest are holes (default 0.4:5)")
-      ->each([&](const std::string& text) {
-        if (const auto wrong = parse_range(text, settings.range); !wrong.empty()) {
-          throw CLI::ValidationError(wrong);
-        }
-      });
+      ->check(one_of({"live", "dense"}));
+  add_depth_range(app, "--range", settings.range,
+                  "depth in metres that counts, NEAR:FAR; the rest are holes");
   app.add_option("--json", settings.json, "file for the rows as JSON")->check(can_be_written);
   app.add_option("--plot", settings.plot,
                  "PNG of rate against RMSE and against the share beyond 3 sensor steps; beside it, with _uv "
@@ -102,7 +89,7 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       throw CLI::ValidationError("--tune", "needs a rate to tune for: give --kbps N");
     }
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(app.exit(error) == 0 ? 0 : 2);
+    return tl::unexpected(explain(app, error));
   }
   if (effort == "dense") settings.effort = video::Effort::kDense;
   if (settings.codecs.empty()) settings.codecs = {"quantized"};

@@ -4,29 +4,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
+#include <limits>
 
 #include "capture_server/simulation/simulated_kinect.h"
+#include "common/command_line/mistakes.h"
+#include "common/command_line/values.h"
 
 namespace copresence::simulate_kinect {
-namespace {
-
-/// "WxH"; empty when understood, else what is wrong.
-std::string parse_size(const std::string& text, int& width, int& height) {
-  const auto cross = text.find('x');
-  if (cross == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, cross), width) ||
-      !CLI::detail::lexical_cast(text.substr(cross + 1), height)) {
-    return fmt::format("\"{}\" is not WIDTHxHEIGHT in pixels, such as 640x480", text);
-  }
-  if (width < 16 || width > 4096 || height < 16 || height > 4096 || width % 2 != 0 || height % 2 != 0) {
-    return fmt::format("{}x{} cannot be a size: both must be even, from 16 to 4096", width, height);
-  }
-  return {};
-}
-
-}  // namespace
 
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv) {
+  using namespace command_line;
   Settings settings;
   CLI::App app{
       "Renders a simulated world as several Kinects would record it: one .oni file per camera (camera0.oni, "
@@ -37,27 +24,28 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   const auto worlds = simulation::World::names();
   app.add_option("WORLD", settings.world, fmt::format("the world: {}", fmt::join(worlds, ", ")))
       ->required()
-      ->check(CLI::IsMember(worlds));
+      ->check(one_of(worlds));
   app.add_option("--cameras", settings.cameras,
                  fmt::format("number of Kinects, 1 to {}", simulation::kMostKinects))
-      ->check(CLI::Range(1, simulation::kMostKinects))
+      ->check(whole_number(1, simulation::kMostKinects))
       ->capture_default_str();
   app.add_option("--frames", settings.frames, "frames per camera, at 30 a second")
-      ->check(CLI::Range(1, 1000000))
+      ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
-  app.add_option("--out", settings.folder, "folder to write to; made when it is not there")->required();
+  app.add_option("--out", settings.folder, "folder to write to; made when it is not there")
+      ->required()
+      ->check(some("a folder's name"));
   app.add_option("--seed", settings.seed,
                  "whole number that decides all noise; the same seed gives the same bytes")
+      ->check(whole_number(std::numeric_limits<decltype(settings.seed)>::min(),
+                           std::numeric_limits<decltype(settings.seed)>::max()))
       ->capture_default_str();
-  std::string size = "640x480", truth_size = "1280x720";
-  app.add_option("--size", size, "pixels of the cameras' pictures, WIDTHxHEIGHT, both even")
-      ->check([&](const std::string& text) { return parse_size(text, settings.width, settings.height); })
-      ->capture_default_str();
+  add_size(app, "--size", settings.width, settings.height, {16, 4096},
+           "pixels of the cameras' pictures, WIDTHxHEIGHT");
   app.add_option("--unit", settings.unit, "depth unit of the recordings: mm or 0.1mm (default mm)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, DepthUnit>{
-          {"mm", DepthUnit::kMillimetre}, {"0.1mm", DepthUnit::k100Micrometres}}));
+      ->transform(one_of<DepthUnit>({{"mm", DepthUnit::kMillimetre}, {"0.1mm", DepthUnit::k100Micrometres}}));
   app.add_option("--jpeg-quality", settings.jpeg_quality, "of the colour pictures, 1 to 100")
-      ->check(CLI::Range(1, 100))
+      ->check(whole_number(1, 100))
       ->capture_default_str();
   auto* truth = app.add_option("--truth", settings.truth_views,
                                "also write true depth (16-bit PNG, 0.1 mm along the optical axis, 0 = none "
@@ -65,19 +53,16 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
                                "camera into truth/NAME/, and of further viewpoints: path files with lines "
                                "\"view x y z look_x look_y look_z\" (metres)")
                     ->expected(0, 64)
-                    ->check(CLI::ExistingFile);
-  app.add_option("--truth-size", truth_size, "pixels of the further viewpoints' pictures")
-      ->check([&](const std::string& text) {
-        return parse_size(text, settings.truth_width, settings.truth_height);
-      })
-      ->capture_default_str();
+                    ->check(existing_file());
+  add_size(app, "--truth-size", settings.truth_width, settings.truth_height, {16, 4096},
+           "pixels of the further viewpoints' pictures");
   app.add_option("--truth-fov", settings.truth_fov_deg, "their vertical field of view, degrees")
-      ->check(CLI::Range(1.0, 170.0))
+      ->check(number(1, 170))
       ->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(app.exit(error) == 0 ? 0 : 2);
+    return tl::unexpected(explain(app, error));
   }
   settings.truth = truth->count() > 0;
   // CLI11 gives a flag without values one that is empty.

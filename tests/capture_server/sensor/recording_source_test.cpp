@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <ctime>
 #include <functional>
 #include <random>
 #include <thread>
@@ -277,23 +279,126 @@ TEST_F(RecordingSource, EndsWhereTheLastFrameIsTheDamagedOne) {
   EXPECT_TRUE(end || end.error().code == ErrorCode::kEndOfStream);
 }
 
-TEST_F(RecordingSource, SaysSoWhenNoFrameAtAllDecodes) {
-  const std::string path = recording({.frames = 3, .color = std::nullopt});
+/// What a payload may become: something that the player throws away, or a picture with too few pixels, which it hands on.
+enum class Garbage { kNoPicture, kHalfAPicture };
+
+/// Damages the pictures of one stream from number `first` (from 0) to before `end`, and nothing else of the file.
+void damage_pictures(const std::string& path, std::uint32_t node, Garbage garbage, std::size_t first = 0,
+                     std::size_t end = SIZE_MAX) {
   auto bytes = test::bytes_of(path);
-  for (const auto& frame : test::records_of(bytes, recording::RecordType::kNewData, test::kDepthNode)) {
-    // A table of one level, its index, and then nothing but empty runs: not a picture's worth of pixels.
+  const auto pictures = test::records_of(bytes, recording::RecordType::kNewData, node);
+  for (std::size_t i = first; i < std::min(end, pictures.size()); ++i) {
+    const auto payload = bytes.begin() + static_cast<std::ptrdiff_t>(pictures[i].payload_at);
+    std::fill_n(payload, pictures[i].payload_bytes, std::uint8_t{0xe0});
+    if (garbage == Garbage::kNoPicture) continue;
+    // A table of one level, its index, and then nothing but empty runs.
     const std::uint8_t nothing[] = {1, 0, 32, 3, 0, 0};
-    const auto payload = bytes.begin() + static_cast<std::ptrdiff_t>(frame.payload_at);
-    std::fill_n(payload, frame.payload_bytes, std::uint8_t{0xe0});
     std::copy(std::begin(nothing), std::end(nothing), payload);
   }
   test::write_bytes(path, bytes);
+}
+
+/// Processor time of this process so far.
+std::chrono::duration<double> worked() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+TEST_F(RecordingSource, PlaysToTheEndAndSaysSoWhenNoFrameAtAllDecodes) {
+  for (const Garbage garbage : {Garbage::kNoPicture, Garbage::kHalfAPicture}) {
+    const std::string path = recording({.frames = 3, .color = std::nullopt});
+    damage_pictures(path, test::kDepthNode, garbage);
+    const auto source = open(path, kFast);
+    const auto notice = source->next({});
+    ASSERT_FALSE(notice);
+    EXPECT_EQ(notice.error().code, ErrorCode::kCorrupt);
+    EXPECT_THAT(notice.error().what, HasSubstr("none of its 3 depth pictures can be decoded"));
+    EXPECT_EQ(source->next({}).error().code, ErrorCode::kEndOfStream);
+    EXPECT_EQ(source->next({}).error().code, ErrorCode::kEndOfStream);
+    EXPECT_EQ(source->counters().damaged, 3u);
+    EXPECT_EQ(source->counters().frames, 0u);
+  }
+}
+
+TEST_F(RecordingSource, KeepsItsPaceWhereNoFrameDecodes) {
+  const std::string path = recording({.frames = 6, .period_us = 50'000});
+  damage_pictures(path, test::kDepthNode, Garbage::kNoPicture);
+  const auto source = open(path, kReal);
+  const auto begin = steady_clock::now();
+  EXPECT_EQ(source->next({}).error().code, ErrorCode::kCorrupt);
+  EXPECT_LT(steady_clock::now() - begin, milliseconds(250));  // known long before the recording's end
+  EXPECT_EQ(source->next({}).error().code, ErrorCode::kEndOfStream);
+  EXPECT_GE(steady_clock::now() - begin, milliseconds(295));
+  EXPECT_EQ(source->counters().damaged, 6u);
+}
+
+TEST_F(RecordingSource, LoopsAtItsPaceAndWithoutSpinningWhereNoFrameDecodes) {
+  for (const SourceSettings& settings : {kRealLoop, kFastLoop}) {
+    for (const Garbage garbage : {Garbage::kNoPicture, Garbage::kHalfAPicture}) {
+      const std::string path = recording({.frames = 6, .period_us = 25'000, .color = std::nullopt});
+      damage_pictures(path, test::kDepthNode, garbage);
+      const auto source = open(path, settings);
+      EXPECT_EQ(source->next({}).error().code, ErrorCode::kCorrupt);
+      const auto begin = steady_clock::now();
+      const auto worked_before = worked();
+      while (steady_clock::now() - begin < milliseconds(700)) {
+        const auto called = steady_clock::now();
+        EXPECT_EQ(source->next({}).error().code, ErrorCode::kCorrupt);
+        EXPECT_LT(steady_clock::now() - called, milliseconds(1500));  // a sign of life for who waits
+      }
+      EXPECT_LT((worked() - worked_before).count(), 0.2);
+      // Four passes and a half of six pictures.
+      EXPECT_GE(source->counters().damaged, 24u);
+      EXPECT_LE(source->counters().damaged, 60u);
+    }
+  }
+}
+
+TEST_F(RecordingSource, LoopsOverTheOneFrameThatDecodes) {
+  for (const std::size_t whole : {0, 2, 5}) {
+    const RecordingScene scene{.frames = 6, .color = std::nullopt};
+    const std::string path = recording(scene);
+    damage_pictures(path, test::kDepthNode, Garbage::kNoPicture, 0, whole);
+    damage_pictures(path, test::kDepthNode, Garbage::kHalfAPicture, whole + 1);
+    const auto source = open(path, kFastLoop);
+    for (int pass = 0; pass < 4; ++pass) {
+      const auto frame = source->next({});
+      ASSERT_TRUE(frame) << whole << ", pass " << pass << ": " << frame.error().what;
+      EXPECT_EQ(frame->depth, scene.depth_of(static_cast<int>(whole)));
+    }
+    EXPECT_GE(source->counters().damaged, 15u + whole);
+  }
+}
+
+TEST_F(RecordingSource, PlaysDepthWhereNoColorDecodes) {
+  for (const SourceSettings& settings : {kFast, kFastLoop}) {
+    const RecordingScene scene{.color = recording::ColorCoding::kJpeg};
+    const std::string path = recording(scene);
+    damage_pictures(path, test::kColorNode, Garbage::kNoPicture);
+    const auto source = open(path, settings);
+    const int passes = settings.loop ? 4 : 1;
+    for (int i = 0; i < passes * scene.frames; ++i) {
+      const auto frame = source->next({});
+      ASSERT_TRUE(frame) << frame.error().what;
+      EXPECT_EQ(frame->depth, scene.depth_of(i % scene.frames));
+      EXPECT_FALSE(frame->color);
+    }
+    if (!settings.loop) {
+      EXPECT_EQ(source->next({}).error().code, ErrorCode::kEndOfStream);
+    }
+    EXPECT_GE(source->counters().damaged, settings.loop ? 24u : 12u);  // the last passes are still open
+    EXPECT_LE(source->counters().damaged, 12u * static_cast<unsigned>(passes));
+  }
+}
+
+TEST_F(RecordingSource, CountsColorThatNoDepthEverCameFor) {
+  const std::string path = recording({.frames = 6});
+  damage_pictures(path, test::kDepthNode, Garbage::kNoPicture);
   const auto source = open(path, kFast);
-  const auto end = source->next({});
-  ASSERT_FALSE(end);
-  EXPECT_EQ(end.error().code, ErrorCode::kCorrupt);
-  EXPECT_THAT(end.error().what, HasSubstr("none of its 3 frames"));
-  EXPECT_EQ(source->counters().damaged, 3u);
+  EXPECT_EQ(source->next({}).error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(source->next({}).error().code, ErrorCode::kEndOfStream);
+  EXPECT_EQ(source->counters().damaged, 6u);
 }
 
 TEST_F(RecordingSource, EndsAStalledRecordingWithinASecondOrTwo) {

@@ -1,0 +1,30 @@
+#include "common/command_line/mistakes.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace copresence::command_line {
+
+std::string sentence_of(const CLI::ParseError& error) {
+  std::string text = error.what();
+  // CLI11: "--scene: 1 required TEXT missing"
+  if (error.get_name() == "ArgumentMismatch" && text.ends_with(" missing")) {
+    text.resize(std::min(text.find(": "), text.size()));
+    text += " needs a value";
+  }
+  for (char& c : text) {
+    if (c == '\n') c = ' ';
+  }
+  return text;
+}
+
+int explain(const CLI::App& app, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) return app.exit(error);
+  std::string program = app.get_name();
+  for (const CLI::App* verb : app.get_subcommands()) program += ' ' + verb->get_name();
+  fmt::print(stderr, "{}: {}; see --help\n", program, sentence_of(error));
+  return 2;
+}
+
+}  // namespace copresence::command_line

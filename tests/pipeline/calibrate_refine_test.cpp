@@ -167,6 +167,17 @@ TEST_F(RefineSimulated, TheProjectsOwnRecordingsEndWhereTheyWereMade) {
   EXPECT_LT(degrees(found, truth), 0.3);
 }
 
+TEST_F(RefineSimulated, TellsAnErrorThatIsNoLessThanHalfOfWhatItIsWhereSomebodyMoves) {
+  const Rigid3 truth = *scene_.cameras[1].world_from_camera;
+  disturb(truth, 1);
+  const Rigid3 found = refined();
+  const Eigen::Vector3d middle(0, -1, 0);
+  const double off_mm = 1000 * (found * (truth.inverse() * middle) - middle).norm();
+  EXPECT_GT(2 * read_json(folder_ / "out.json")["cameras"][1]["error_mm"].get<double>(), off_mm);
+  EXPECT_THAT(run("refine", {"--out", folder_ / "again.toml"}).words,
+              HasSubstr("did not keep still; what somebody who moves leaves behind"));
+}
+
 TEST_F(RefineSimulated, CamerasThatSeeNothingInCommonAreRefused) {
   scene_.cameras[1].world_from_camera->translation += Eigen::Vector3d(20, 0, 0);
   const Ended ended = run("refine", {"--out", folder_ / "out.toml"});

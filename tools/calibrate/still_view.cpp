@@ -25,10 +25,12 @@ Result<StillView> still_view(const NamedSource& source, const scene::Camera& kno
   std::vector<DepthImage> depths;
   depths.reserve(frames->size());
   for (RgbdFrame& frame : *frames) depths.push_back(std::move(frame.depth));
+  const Image<float> mean = alignment::static_depth(depths, capture->unit());
   StillView view{source.name,
-                 alignment::make_surface(alignment::static_depth(depths, capture->unit()), capture->model()),
+                 alignment::make_surface(mean, capture->model()),
                  *capture->world_from_camera(),
-                 {}};
+                 {},
+                 alignment::unsteady_share(depths, mean)};
   if (known.calibration_error_mm) view.calibration_error_m = 1e-3 * *known.calibration_error_mm;
   const double pixels = static_cast<double>(capture->model().width) * capture->model().height;
   if (view.surface.planar < kLeastPlanar * pixels) {

@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "capture_server/recording/oni_writer.h"
 #include "common/scene/scene.h"
 #include "common/scene/write_scene.h"
 #include "tests/support/process.h"
@@ -185,6 +187,24 @@ TEST_F(RefineSimulated, CamerasThatSeeNothingInCommonAreRefused) {
   EXPECT_THAT(ended.words, HasSubstr("too little to refine on"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.toml"));
   EXPECT_EQ(run("check", {}).code, 1);
+}
+
+TEST_F(RefineSimulated, ACameraThatMeasuresNothingIsToldToTurnNotToKeepStill) {
+  recording::OniContent content;
+  content.camera.model = scene_.cameras[1].model;
+  content.camera.name = "camera1";
+  content.color = std::nullopt;
+  auto writer = recording::OniWriter::create(folder_ / "blind.oni", content);
+  ASSERT_TRUE(writer) << writer.error().what;
+  for (int frame = 0; frame < 3; ++frame) {
+    ASSERT_TRUE(writer->write_depth(std::chrono::milliseconds(33 * frame), DepthImage(640, 480, 0)));
+  }
+  ASSERT_TRUE(writer->finish());
+  recordings_.back() = "camera1=" + std::string(folder_ / "blind.oni");
+  const Ended ended = run("refine", {"--out", folder_ / "out.toml"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.words, HasSubstr("depth was measured in only 0.0 % of the picture: turn the camera"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.toml"));
 }
 
 TEST_F(RefineSimulated, ACameraWithoutAPoseIsSentToTheMarkers) {

@@ -43,6 +43,16 @@ Image<float> static_depth(std::span<const DepthImage> frames, DepthUnit unit) {
   return mean;
 }
 
+double measured_share(std::span<const DepthImage> frames) {
+  std::size_t measured = 0, all = 0;
+  for (const DepthImage& frame : frames) {
+    all += frame.pixels().size();
+    measured += frame.pixels().size() -
+                static_cast<std::size_t>(std::count(frame.pixels().begin(), frame.pixels().end(), 0));
+  }
+  return all ? static_cast<double>(measured) / static_cast<double>(all) : 0;
+}
+
 double unsteady_share(std::span<const DepthImage> frames, const Image<float>& mean) {
   std::size_t measured = 0, unsteady = 0;
   for (std::size_t pixel = 0; pixel < mean.pixels().size(); ++pixel) {

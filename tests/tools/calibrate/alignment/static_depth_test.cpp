@@ -48,6 +48,10 @@ TEST(StaticDepth, TellsHowMuchWasUnsteady) {
   EXPECT_NEAR(unsteady_share(frames, mean), 1.0 / 3, 1e-9);
 }
 
+TEST(StaticDepth, TellsHowMuchWasMeasured) {
+  EXPECT_NEAR(measured_share(frames_of({2000, 0, 0, 1500})), 0.5, 1e-9);
+}
+
 TEST(StaticDepth, KnowsTheUnit) {
   EXPECT_NEAR(static_depth(frames_of({20000}), DepthUnit::k100Micrometres)(1, 1), 2.0, 1e-6);
 }

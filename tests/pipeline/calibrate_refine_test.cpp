@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "capture_server/recording/oni_writer.h"
 #include "common/scene/scene.h"
 #include "common/scene/write_scene.h"
 #include "tests/support/process.h"
@@ -167,6 +169,17 @@ TEST_F(RefineSimulated, TheProjectsOwnRecordingsEndWhereTheyWereMade) {
   EXPECT_LT(degrees(found, truth), 0.3);
 }
 
+TEST_F(RefineSimulated, TellsAnErrorThatIsNoLessThanHalfOfWhatItIsWhereSomebodyMoves) {
+  const Rigid3 truth = *scene_.cameras[1].world_from_camera;
+  disturb(truth, 1);
+  const Rigid3 found = refined();
+  const Eigen::Vector3d middle(0, -1, 0);
+  const double off_mm = 1000 * (found * (truth.inverse() * middle) - middle).norm();
+  EXPECT_GT(2 * read_json(folder_ / "out.json")["cameras"][1]["error_mm"].get<double>(), off_mm);
+  EXPECT_THAT(run("refine", {"--out", folder_ / "again.toml"}).words,
+              HasSubstr("did not keep still; what somebody who moves leaves behind"));
+}
+
 TEST_F(RefineSimulated, CamerasThatSeeNothingInCommonAreRefused) {
   scene_.cameras[1].world_from_camera->translation += Eigen::Vector3d(20, 0, 0);
   const Ended ended = run("refine", {"--out", folder_ / "out.toml"});
@@ -174,6 +187,24 @@ TEST_F(RefineSimulated, CamerasThatSeeNothingInCommonAreRefused) {
   EXPECT_THAT(ended.words, HasSubstr("too little to refine on"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.toml"));
   EXPECT_EQ(run("check", {}).code, 1);
+}
+
+TEST_F(RefineSimulated, ACameraThatMeasuresNothingIsToldToTurnNotToKeepStill) {
+  recording::OniContent content;
+  content.camera.model = scene_.cameras[1].model;
+  content.camera.name = "camera1";
+  content.color = std::nullopt;
+  auto writer = recording::OniWriter::create(folder_ / "blind.oni", content);
+  ASSERT_TRUE(writer) << writer.error().what;
+  for (int frame = 0; frame < 3; ++frame) {
+    ASSERT_TRUE(writer->write_depth(std::chrono::milliseconds(33 * frame), DepthImage(640, 480, 0)));
+  }
+  ASSERT_TRUE(writer->finish());
+  recordings_.back() = "camera1=" + std::string(folder_ / "blind.oni");
+  const Ended ended = run("refine", {"--out", folder_ / "out.toml"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.words, HasSubstr("depth was measured in only 0.0 % of the picture: turn the camera"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.toml"));
 }
 
 TEST_F(RefineSimulated, ACameraWithoutAPoseIsSentToTheMarkers) {

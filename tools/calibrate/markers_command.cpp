@@ -183,6 +183,15 @@ Result<void> calibrate_by_markers(const MarkerSettings& settings) {
   if (!settings.points.empty()) {
     auto loaded = load_clicks(settings.points);
     if (!loaded) return fail(loaded.error());
+    for (const auto& [camera, points] : *loaded) {
+      if (std::none_of(settings.sources.begin(), settings.sources.end(),
+                       [&](const NamedSource& source) { return source.name == camera; })) {
+        return fail(
+            ErrorCode::kInvalid,
+            fmt::format("{} has points of camera \"{}\", but no --recording or --stream has that name",
+                        settings.points, camera));
+      }
+    }
     clicks = std::move(*loaded);
   }
 

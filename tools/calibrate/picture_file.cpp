@@ -14,7 +14,7 @@ void write_label(cv::Mat& picture, const std::string& text, cv::Point at, const 
 
 Result<void> write_picture(const cv::Mat& picture, const std::filesystem::path& file) {
   try {
-    if (cv::imwrite(file.string(), picture, {cv::IMWRITE_JPEG_QUALITY, 88})) return {};
+    if (cv::imwrite(file.string(), picture, {cv::IMWRITE_JPEG_QUALITY, 80})) return {};
     return fail(ErrorCode::kUnavailable, fmt::format("{}: the picture cannot be written", file.string()));
   } catch (const cv::Exception&) {
     return fail(ErrorCode::kInvalid,

@@ -23,6 +23,9 @@ using Outcome = CameraRefinement::Outcome;
 // Scene files tell tenths of a millimetre.
 constexpr double kLeastError_m = 1e-4;
 
+constexpr double kUnsteady =
+    0.02;  // share of what a camera measured; rims and flicker alone come to a fifth of that
+
 struct Options {
   std::string scene, out, json, picture;
   std::vector<NamedSource> sources;
@@ -115,6 +118,7 @@ nlohmann::json to_json(const alignment::Refinement& refinement, std::span<const 
                              {"resistance", direction.resistance}});
     }
     cameras.push_back({{"name", views[i].name},
+                       {"unsteady", views[i].unsteady},
                        {"outcome", name(camera.outcome)},
                        {"says", tell(camera)},
                        {"moved_mm", camera.moved_mm},
@@ -181,6 +185,13 @@ Result<void> run(const Options& options) {
   for (std::size_t i = 0; i < views->size(); ++i) {
     const CameraRefinement& camera = refinement.cameras[i];
     fmt::print("{}: {}\n", (*views)[i].name, tell(camera));
+    if ((*views)[i].unsteady > kUnsteady) {
+      fmt::print(
+          "{}: {:.1f} % of what it measured did not keep still; what somebody who moves leaves behind can "
+          "put "
+          "poses several times farther off than they are expected to be: record again when nobody moves\n",
+          (*views)[i].name, 100 * (*views)[i].unsteady);
+    }
     any = any || (camera.outcome != Outcome::kReference && camera.outcome != Outcome::kNoOverlap);
   }
   if (!options.json.empty()) {

@@ -25,19 +25,29 @@ Result<StillView> still_view(const NamedSource& source, const scene::Camera& kno
   std::vector<DepthImage> depths;
   depths.reserve(frames->size());
   for (RgbdFrame& frame : *frames) depths.push_back(std::move(frame.depth));
+  const Image<float> mean = alignment::static_depth(depths, capture->unit());
   StillView view{source.name,
-                 alignment::make_surface(alignment::static_depth(depths, capture->unit()), capture->model()),
+                 alignment::make_surface(mean, capture->model()),
                  *capture->world_from_camera(),
-                 {}};
+                 {},
+                 alignment::unsteady_share(depths, mean)};
   if (known.calibration_error_mm) view.calibration_error_m = 1e-3 * *known.calibration_error_mm;
   const double pixels = static_cast<double>(capture->model().width) * capture->model().height;
   if (view.surface.planar < kLeastPlanar * pixels) {
+    const double measured = alignment::measured_share(depths), surfaces = view.surface.planar / pixels;
+    if (measured < 2 * kLeastPlanar) {
+      return fail(
+          ErrorCode::kCorrupt,
+          fmt::format("{}: depth was measured in only {:.1f} % of the picture: turn the camera to where "
+                      "something stands 0.5 to 4 m before it, or leave it out",
+                      source.from, 100 * measured));
+    }
     return fail(
         ErrorCode::kCorrupt,
         fmt::format(
             "{}: only {:.1f} % of the picture are surfaces that keep still; neither the camera nor what "
             "it looks at may move while it records",
-            source.from, 100 * view.surface.planar / pixels));
+            source.from, 100 * surfaces));
   }
   return view;
 }

@@ -21,6 +21,7 @@ struct StillView {
   Rigid3 world_from_camera;  ///< the scene's, else the recording's or server's own
   std::optional<double>
       calibration_error_m;  ///< the scene's: what a shift to the reference camera is known to
+  double unsteady = 0;      ///< share of what it measured that did not keep still
 };
 
 /// At most this many frames of a camera are averaged, spread evenly over a recording.

@@ -138,6 +138,22 @@ TEST_F(CalibrateMarkers, RefusesMarkersThatWereClickedInTheWrongOrder) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST_F(CalibrateMarkers, PointsOfACameraThatIsNotThereAreNotForgotten) {
+  const std::string points = (*folder_ / "other.txt").string();
+  std::ofstream(points) << "camera7 point1 10 20\n";
+  const Outcome outcome = calibrate(2, {"--points", points});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.said, HasSubstr("has points of camera \"camera7\", but no --recording or --stream"));
+}
+
+TEST_F(CalibrateMarkers, ClickingWithoutADisplayIsASentence) {
+  unsetenv("WAYLAND_DISPLAY");
+  setenv("DISPLAY", ":4999", 1);  // one that is not there; without any it is the same
+  const Outcome outcome = calibrate(2, {"--click"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.said, HasSubstr("no window can be opened to click in"));
+}
+
 TEST_F(CalibrateMarkers, StartsFromASceneFileAndKeepsItsComments) {
   const std::string out = (*folder_ / "kept.toml").string();
   std::ofstream(out) << std::ifstream(*folder_ / "room/scene.toml").rdbuf() << "# the lab's own words\n";

@@ -43,4 +43,26 @@ Image<float> static_depth(std::span<const DepthImage> frames, DepthUnit unit) {
   return mean;
 }
 
+double measured_share(std::span<const DepthImage> frames) {
+  std::size_t measured = 0, all = 0;
+  for (const DepthImage& frame : frames) {
+    all += frame.pixels().size();
+    measured += frame.pixels().size() -
+                static_cast<std::size_t>(std::count(frame.pixels().begin(), frame.pixels().end(), 0));
+  }
+  return all ? static_cast<double>(measured) / static_cast<double>(all) : 0;
+}
+
+double unsteady_share(std::span<const DepthImage> frames, const Image<float>& mean) {
+  std::size_t measured = 0, unsteady = 0;
+  for (std::size_t pixel = 0; pixel < mean.pixels().size(); ++pixel) {
+    const auto seen = static_cast<std::size_t>(std::count_if(
+        frames.begin(), frames.end(), [pixel](const DepthImage& frame) { return frame.data()[pixel] != 0; }));
+    if (seen == 0 || 2 * seen < frames.size()) continue;
+    ++measured;
+    unsteady += mean.data()[pixel] == 0;
+  }
+  return measured ? static_cast<double>(unsteady) / static_cast<double>(measured) : 0;
+}
+
 }  // namespace copresence::alignment

@@ -20,4 +20,11 @@ namespace copresence::alignment {
 /// frames  at least one, of one size, in `unit`; 0 is a hole.
 Image<float> static_depth(std::span<const DepthImage> frames, DepthUnit unit);
 
+/// Share of all pixels in which depth was measured, mean over the frames.
+double measured_share(std::span<const DepthImage> frames);
+
+/// Share of the pixels that at least half of the frames measured and that all the same have none in `mean`, which
+/// static_depth() made of these frames: what moved, and the rims at which a sensor cannot decide.
+double unsteady_share(std::span<const DepthImage> frames, const Image<float>& mean);
+
 }  // namespace copresence::alignment

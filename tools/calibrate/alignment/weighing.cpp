@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "tools/calibrate/alignment/ascent.h"
+
 namespace copresence::alignment {
 namespace {
 
@@ -58,6 +60,20 @@ std::optional<Opinion> opinion_at(const Problem& problem, const Frozen& frozen,
                        (static_cast<double>(blocks) / static_cast<double>(blocks - numbers));
   opinion.covariance.diagonal().array() += 1e-14;
   return opinion;
+}
+
+// What is systematic shows in no scatter, but in how far apart two ways of asking end: where the matches come to rest,
+// and where the surfaces agree most. Half of that, metres, root mean square over points all around, by camera.
+std::vector<double> systematic_errors(const Problem& problem, const Frozen& frozen, const Motions& motions,
+                                      std::span<const Rigid3> found) {
+  std::vector<Rigid3> climbed(found.begin(), found.end());
+  climb(problem, kWeighed, frozen, climbed);
+  std::vector<double> errors_m;
+  for (const std::size_t camera : problem.moving) {
+    const Vector6 apart = motions.between(found[camera], climbed[camera]);
+    errors_m.push_back(std::sqrt(mean_square(apart.cwiseAbs2())) / 2);
+  }
+  return errors_m;
 }
 
 class Scales {
@@ -223,11 +239,19 @@ std::vector<Weighed> weigh(const Problem& problem, const Frozen& frozen, std::sp
     any_held = true;
   }
   if (any_held) balance = scales.balance(*opinion, found);
+  std::vector<double> systematic_m(weighed.size(), 0);
+  for (std::size_t i = 0; i < weighed.size(); ++i) {
+    if (scales.is_known(i)) continue;
+    systematic_m = systematic_errors(problem, frozen, opinion->motions, found);
+    break;
+  }
   for (std::size_t i = 0; i < weighed.size(); ++i) {
     const std::size_t camera = problem.moving[i];
     const bool kept = weighed[i].verdict != Verdict::kMoved;
     weighed[i].pose = kept ? given[camera] : balance.poses[camera];
-    if (!kept) weighed[i].error_m = error_of(i);
+    // A known pose moves only as far as surfaces left out of the fit confirm.
+    if (!kept)
+      weighed[i].error_m = scales.is_known(i) ? error_of(i) : std::hypot(error_of(i), systematic_m[i]);
   }
   return weighed;
 }

@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <opencv2/highgui.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace copresence::calibrate {
 
@@ -58,12 +63,49 @@ void ClickList::click(double x, double y) {
 std::vector<FoundMarker> ClickList::markers() const {
   std::vector<FoundMarker> out;
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    if (places_[i]) out.push_back({std::to_string(i + 1), *places_[i], {}, kClickSigma});
+    if (places_[i]) out.push_back({fmt::format("click{}", i + 1), *places_[i], {}, kClickSigma});
   }
   return out;
 }
 
+namespace {
+
+// Qt, which draws OpenCV's windows, ends the whole program where it finds no display: a child tries first. Before the
+// first window only: a child cannot share one that Qt has already.
+bool try_a_window() {
+  const pid_t child = fork();
+  if (child < 0) return false;
+  if (child == 0) {
+    const int nowhere = open("/dev/null", O_WRONLY);
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+    try {
+      cv::namedWindow("calibrate", cv::WINDOW_AUTOSIZE);
+      _exit(0);
+    } catch (const cv::Exception&) {
+      _exit(1);
+    }
+  }
+  int status = 0;
+  return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+bool can_open_windows() {
+  static const bool can = try_a_window();
+  return can;
+}
+
+Error no_window() {
+  return {ErrorCode::kUnavailable,
+          "no window can be opened to click in (is there a display?); use markers that are found by "
+          "themselves, or "
+          "--points FILE"};
+}
+
+}  // namespace
+
 Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const ColorImage& picture) {
+  if (!can_open_windows()) return fail(no_window());
   const std::string title = "calibrate markers: " + camera;
   constexpr int kZoom = 2;
   const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.data()));
@@ -82,7 +124,11 @@ Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const
           }
         },
         &list);
-    constexpr int kReturn = 13, kLineFeed = 10, kBackspace = 8, kSpace = 32, kEscape = 27;
+    // The return that ended the camera before repeats in this window for as long as it is held.
+    constexpr auto kReleased = std::chrono::milliseconds(300);
+    auto last_key = std::chrono::steady_clock::now();
+    bool released = false;
+    constexpr int kReturn = 13, kLineFeed = 10, kBackspace = 8, kSpace = 32, kEscape = 27, kNoKey = 255;
     for (;;) {
       cv::Mat shown = large.clone();
       for (const FoundMarker& marker : list.markers()) {
@@ -97,6 +143,12 @@ Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const
           {12, 28}, cv::FONT_HERSHEY_SIMPLEX, 0.7, {0, 255, 255}, 2);
       cv::imshow(title, shown);
       const int key = cv::waitKey(30) & 0xFF;
+      if (!released) {
+        const auto now = std::chrono::steady_clock::now();
+        if (key != kNoKey) last_key = now;
+        released = now - last_key > kReleased;
+        continue;
+      }
       if (key == kReturn || key == kLineFeed) break;
       if (key == kBackspace) list.undo();
       if (key == kSpace) list.skip();
@@ -107,9 +159,7 @@ Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const
     }
     cv::destroyWindow(title);
   } catch (const cv::Exception&) {
-    return fail(
-        ErrorCode::kUnavailable,
-        "no window can be opened to click in; use markers that are found by themselves, or --points FILE");
+    return fail(no_window());
   }
   return list.markers();
 }

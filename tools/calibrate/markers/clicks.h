@@ -28,8 +28,8 @@ Result<Clicks> load_clicks(const std::filesystem::path& file);
 /// Fails  kUnavailable where the file cannot be written.
 Result<void> save_clicks(const Clicks& clicks, const std::filesystem::path& file);
 
-/// Shows a camera's picture in a window and waits for clicks: the first is marker 1, the next marker 2, and so on; the
-/// space bar leaves out a marker that this camera does not see, backspace takes the last one back, return ends.
+/// Shows a camera's picture in a window and waits for clicks: the first is marker click1, the next click2, and so
+/// on, names that no printed marker has; the space bar leaves out a marker that this camera does not see, backspace takes the last one back, return ends.
 /// Fails  kUnavailable where no window can be opened, kRefused when it is closed.
 Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const ColorImage& picture);
 

@@ -155,8 +155,9 @@ void refine_simulated_layouts(benchmark::State& state) {
         most_worse = std::max(most_worse, is - was);
         std::fprintf(
             stderr,
-            "layout %d camera %zu of %zu: %.2f to %.2f mm, told %.2f, surfaces know %.2f, outcome %d\n",
-            layout.number, i, given.size() - 1, was, is, camera.told_mm, camera.surfaces_mm,
+            "layout %d camera %zu of %zu: %.2f to %.2f mm, told %.2f, surfaces know %.2f, expects %.2f, "
+            "outcome %d\n",
+            layout.number, i, given.size() - 1, was, is, camera.told_mm, camera.surfaces_mm, camera.error_mm,
             static_cast<int>(camera.outcome));
       }
     }

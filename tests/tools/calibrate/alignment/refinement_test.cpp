@@ -141,5 +141,17 @@ TEST(Refinement, SaysNoWhereNothingIsSeenInCommon) {
   EXPECT_EQ(refined.cameras[1].world_from_camera, away);
 }
 
+TEST(Refinement, LeavesACameraUntouchedThatSharesNothingWhileItRefinesTheOthers) {
+  const Rigid3 away = test::look_from({0.3, -1.3, 0}, {0.2, -1.2, -1.4});
+  std::vector<Surface> surfaces;
+  for (const Rigid3& pose : {kLeft, away, kRight}) surfaces.push_back(seen(test::furnished_room(), pose));
+  const std::vector<Rigid3> given{kLeft, away, test::disturbed(kRight, {0.03, 0, -0.03}, {0, 1, 0}, 2)};
+  const Refinement refined = refine(surfaces, given, nothing_known(given));
+  EXPECT_EQ(refined.cameras[1].outcome, Outcome::kNoOverlap);
+  EXPECT_EQ(refined.cameras[1].world_from_camera, away);
+  EXPECT_EQ(refined.cameras[2].outcome, Outcome::kRefined);
+  EXPECT_LT(test::millimetres_between(refined.cameras[2].world_from_camera, kRight), 2);
+}
+
 }  // namespace
 }  // namespace copresence::alignment

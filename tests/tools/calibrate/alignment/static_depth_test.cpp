@@ -40,6 +40,18 @@ TEST(StaticDepth, WhatIsMostlyAHoleHasNone) {
   EXPECT_NEAR(average({0, 2000, 2000}), 2.0, 1e-6);
 }
 
+TEST(StaticDepth, TellsHowMuchWasUnsteady) {
+  std::vector<DepthImage> frames = frames_of({2000, 2000, 2000, 2000});
+  frames[1](0, 0) = frames[2](0, 0) = 1500;          // something passed
+  for (DepthImage& frame : frames) frame(1, 1) = 0;  // never measured: says nothing
+  const Image<float> mean = static_depth(frames, DepthUnit::kMillimetre);
+  EXPECT_NEAR(unsteady_share(frames, mean), 1.0 / 3, 1e-9);
+}
+
+TEST(StaticDepth, TellsHowMuchWasMeasured) {
+  EXPECT_NEAR(measured_share(frames_of({2000, 0, 0, 1500})), 0.5, 1e-9);
+}
+
 TEST(StaticDepth, KnowsTheUnit) {
   EXPECT_NEAR(static_depth(frames_of({20000}), DepthUnit::k100Micrometres)(1, 1), 2.0, 1e-6);
 }

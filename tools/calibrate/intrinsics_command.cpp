@@ -342,9 +342,8 @@ Command intrinsics_command(CLI::App& program) {
                           "give --recording NAME=FILE.oni, --stream NAME=HOST:PORT, --images FOLDER or "
                           "--camera-info FILE");
             }
-            if (settings->board.kind == Board::Kind::kCharuco &&
-                settings->board.marker_m >= settings->board.square_m) {
-              return fail(ErrorCode::kInvalid, "a ChArUco board's markers must be smaller than its squares");
+            if (const std::string problem = problem_of(settings->board); !problem.empty()) {
+              return fail(ErrorCode::kInvalid, problem);
             }
             return settings->depth_to_color ? calibrate_depth_to_color(*settings) : calibrate_lens(*settings);
           }};

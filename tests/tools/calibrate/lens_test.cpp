@@ -50,6 +50,15 @@ TEST(Board, IsNotSeenWhereThereIsNone) {
   EXPECT_FALSE(find_board(charuco, ColorImage(320, 240), "black"));
 }
 
+TEST(Board, ACharucoBoardThatCannotBeIsRefused) {
+  Board board{Board::Kind::kCharuco, 8, 6, 0.04, 0.03, "4x4_50"};
+  EXPECT_EQ(problem_of(board), "");
+  board.columns = board.rows = 20;
+  EXPECT_THAT(problem_of(board), ::testing::HasSubstr("has 200 markers, but --dictionary 4x4_50 holds 50"));
+  board = {Board::Kind::kCharuco, 8, 6, 0.04, 0.05, "4x4_50"};
+  EXPECT_THAT(problem_of(board), ::testing::HasSubstr("smaller than its squares"));
+}
+
 TEST(Board, WithMarkersIsFoundInPart) {
   const Board board{Board::Kind::kCharuco, 6, 5, 0.04, 0.03, "4x4_50"};
   const auto charuco =

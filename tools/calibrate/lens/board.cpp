@@ -93,6 +93,19 @@ std::string parse_board_size(const std::string& text, Board& board) {
   return {};
 }
 
+std::string problem_of(const Board& board) {
+  if (board.kind == Board::Kind::kChessboard) return {};
+  if (board.marker_m >= board.square_m) return "a ChArUco board's markers must be smaller than its squares";
+  const int needed = board.columns * board.rows / 2;
+  const int held = cv::aruco::getPredefinedDictionary(*dictionary_number(board.dictionary))->bytesList.rows;
+  if (needed <= held) return {};
+  return fmt::format(
+      "a ChArUco board of {}x{} squares has {} markers, but --dictionary {} holds {}: give the one that the "
+      "board "
+      "was printed with",
+      board.columns, board.rows, needed, board.dictionary, held);
+}
+
 std::optional<BoardView> find_board(const Board& board, const ColorImage& picture, const std::string& name) {
   const cv::Mat gray = gray_of(picture);
   std::vector<int> ids;

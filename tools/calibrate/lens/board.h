@@ -25,6 +25,9 @@ struct Board {
 /// "9x6" into columns and rows, each from 3 to 40. Empty when understood, else what is wrong.
 std::string parse_board_size(const std::string& text, Board& board);
 
+/// Whether there can be such a board. Empty when so, else what is wrong. Requires a dictionary that there is.
+std::string problem_of(const Board& board);
+
 /// One picture's view of it: corners on the board (metres, z = 0) and where they appear (pixels).
 struct BoardView {
   std::string picture;  ///< its name or number, for people

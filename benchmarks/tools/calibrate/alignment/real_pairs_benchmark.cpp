@@ -47,8 +47,23 @@ std::vector<Surface> surfaces_of(const std::string& path, int step, int most = 1
   return surfaces;
 }
 
-// Follows a moving camera: each view is laid on the one before and on older ones that still show the same, so that
-// errors do not add up.
+// All views at once, each pair of neighbours and a third of all others that see much in common: what little each view
+// was off the one before no longer adds up.
+void lay_together(const std::vector<Surface>& surfaces, std::vector<Rigid3>& poses) {
+  constexpr std::array<Level, 2> kLevels{{{0.1, 16, 10}, {0.05, 8, 15}}};
+  Problem all{surfaces, {}, {}};
+  for (std::size_t i = 1; i < surfaces.size(); ++i) all.moving.push_back(i);
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    for (std::size_t j = i + 1; j < surfaces.size(); ++j) {
+      if (j - i > 3 && (i + j) % 3) continue;
+      const double overlap = measure_agreement(surfaces[i], poses[i], surfaces[j], poses[j], 8).overlap;
+      if (overlap > 0.3) all.pairs.emplace_back(i, j);
+    }
+  }
+  descend(all, kLevels, {}, poses);
+}
+
+// Follows a moving camera: each view is laid on the one before and on older ones that still show the same.
 std::vector<View> track(std::vector<Surface> surfaces) {
   constexpr std::array<Level, 3> kLevels{{{0.15, 8, 10}, {0.08, 8, 10}, {0.05, 4, 15}}};
   std::vector<Rigid3> poses(surfaces.size());
@@ -66,6 +81,7 @@ std::vector<View> track(std::vector<Surface> surfaces) {
     }
     descend(all, std::span(kLevels).subspan(1), {}, poses);
   }
+  lay_together(surfaces, poses);
   std::vector<View> views;
   for (std::size_t i = 0; i < surfaces.size(); ++i) views.push_back({std::move(surfaces[i]), poses[i]});
   return views;

@@ -90,8 +90,8 @@ class Pipeline {
         server_(std::move(server)) {}
 
   /// On the thread that opened the encoding: a graphics context may belong to it.
-  Result<void> run(std::stop_token stop, const std::function<void()>& alive) {
-    std::jthread wire([this](std::stop_token end) {
+  Result<void> run(const std::stop_token& stop, const std::function<void()>& alive) {
+    std::jthread wire([this](const std::stop_token& end) {
       name_this_thread("wire");
       server_->run(end);
     });
@@ -115,7 +115,7 @@ class Pipeline {
   }
 
  private:
-  Result<void> capture_frames(std::stop_token stop, const std::function<void()>& alive) {
+  Result<void> capture_frames(const std::stop_token& stop, const std::function<void()>& alive) {
     const bool waits_for_the_encoder =
         settings_.pace == sensor::SourceSettings::Pace::kFast && is_recording(settings_.source);
     while (!stop.stop_requested()) {
@@ -235,7 +235,7 @@ class Pipeline {
 }  // namespace
 
 Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
-                          flow::Latest<Rates>& rates, std::stop_token stop,
+                          flow::Latest<Rates>& rates, const std::stop_token& stop,
                           const std::function<void()>& alive) {
   const auto camera = camera_in_scene(settings);
   if (!camera) return fail(camera.error());

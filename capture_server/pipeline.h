@@ -17,7 +17,7 @@ namespace copresence::server {
 /// captured or a stop is requested; all of these are success. What comes into `rates` holds from the next frame on. `alive` is called at least every second while
 /// the capture works. Blocks; makes its own threads.
 Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
-                          flow::Latest<Rates>& rates, std::stop_token stop,
+                          flow::Latest<Rates>& rates, const std::stop_token& stop,
                           const std::function<void()>& alive);
 
 }  // namespace copresence::server

@@ -114,7 +114,7 @@ class RecordingSource final : public FrameSource {
   void count_missing_until(std::uint64_t pass);
   tl::unexpected<Error> ended() const;
   tl::unexpected<Error> stalled(Duration silent) const;
-  tl::unexpected<Error> nothing_decodes() const;
+  tl::unexpected<Error> nothing_decodes(std::uint64_t first) const;
   void halt();
   void close();
 
@@ -251,15 +251,15 @@ Result<void> RecordingSource::reach_end() {
   if (counters_.frames == 0 && !pairing_.has_depth()) {
     lost_by_pass_ = counters_.damaged;
     pass_ends_ = *begun_ + std::chrono::microseconds(recording_.duration_us);
-    return nothing_decodes();
+    return nothing_decodes(1);
   }
   return {};
 }
 
-tl::unexpected<Error> RecordingSource::nothing_decodes() const {
-  return fail(ErrorCode::kCorrupt, fmt::format("{}: none of its {} depth pictures can be decoded; take "
+tl::unexpected<Error> RecordingSource::nothing_decodes(std::uint64_t first) const {
+  return fail(ErrorCode::kCorrupt, fmt::format("{}: its depth pictures from {} on cannot be decoded; take "
                                                "another copy of the file or record it again",
-                                               recording_.path, depth_track_.last()));
+                                               recording_.path, first));
 }
 
 tl::unexpected<Error> RecordingSource::ended() const {
@@ -281,12 +281,12 @@ Result<RgbdFrame> RecordingSource::wait_out(const std::stop_token& stop) {
     const Instant until = std::min(*pass_ends_, steady_clock::now() + kSignOfLife);
     wait_until(until, stop);
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
-    if (until < *pass_ends_) return nothing_decodes();
+    if (until < *pass_ends_) return nothing_decodes(1);
   }
   if (!settings_.loop) return ended();
   *pass_ends_ += std::chrono::microseconds(recording_.duration_us);
   counters_.damaged += lost_by_pass_;
-  return nothing_decodes();
+  return nothing_decodes(1);
 }
 
 Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::stop_token& stop) {
@@ -324,13 +324,7 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
         return stalled(silent);
       }
     }
-    if (now - begin > kSignOfLife && heard > begin) {
-      return fail(
-          ErrorCode::kCorrupt,
-          fmt::format("{}: its depth pictures from {} on cannot be decoded; take another copy of the file or "
-                      "record it again",
-                      recording_.path, depth_track_.index() + 1));
-    }
+    if (now - begin > kSignOfLife && heard > begin) return nothing_decodes(depth_track_.index() + 1);
   }
 }
 

@@ -292,7 +292,8 @@ Result<RgbdFrame> RecordingSource::wait_out(const std::stop_token& stop) {
 Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::stop_token& stop) {
   const bool has_color = recording_.description.has_color;
   const Instant begin = steady_clock::now();
-  Instant heard = begin;  // of the player
+  Instant heard = begin;      // of the player
+  Instant had_depth = begin;  // of which a pair has not come yet: its colour may be late
   std::optional<std::uint64_t> position;
   std::optional<Duration> waited_before;
   while (true) {
@@ -300,7 +301,9 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
     if (auto pair = pairing_.take(may_wait)) return std::move(*pair);
     if (!playing_) return ended();
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
+    const std::size_t depths_before = pairing_.waiting();
     const bool got_one = read_one();
+    if (pairing_.waiting() > depths_before) had_depth = steady_clock::now();
     const bool everything_read = !repeats_ && depth_track_.at_end() && (!has_color || color_track_.at_end());
     if (everything_read || (!got_one && end_.ended())) {
       if (const auto end = reach_end(); !end) return fail(end.error());
@@ -324,7 +327,12 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
         return stalled(silent);
       }
     }
-    if (now - begin > kSignOfLife && heard > begin) return nothing_decodes(depth_track_.index() + 1);
+    if (now - had_depth > kSignOfLife && heard > begin) {
+      // A player that got no core is late, not damaged.
+      const Duration lost = waited_before ? waited_for_a_core() - *waited_before : Duration::zero();
+      if (now - had_depth > std::min<Duration>(kSignOfLife + lost, kStallAfterAtMost))
+        return nothing_decodes(depth_track_.index() + 1);
+    }
   }
 }
 

@@ -7,8 +7,8 @@
 // nothing moves there. A surface that comes nearer moves the mean of the block's differences, which noise hardly does;
 // what moves sideways changes its colours. What moves is shown as it comes, without delay. Where neither the block nor a
 // neighbour moves, a pixel that loses its depth keeps it for some frames, and a lone jump waits for a second frame to
-// confirm it. When much of the picture moves, the camera does, and nothing is kept
-// until a frame is like the one before it again.
+// confirm it. When much of the picture moves, the camera does, and nothing is kept until a frame is like the one before
+// it again.
 //
 // The idea of keeping depth by whether it changed for longer than noise does is that of temporal filters of depth
 // cameras (librealsense's, for one); judging blocks, and colour as the witness, are ours. Constants against a Kinect

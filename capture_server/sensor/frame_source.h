@@ -84,8 +84,8 @@ class FrameSource {
   /// is the moment at which this process holds it: for a recording played at real pace the instant at which it is
   /// due, before which it was read and decoded; its pose is the description's. durations.capture is the time that
   /// reading and converting took, without waiting for the sensor.
-  /// Fails  kEndOfStream (a recording's end, and when asked to stop), kCorrupt (for a second, or to its end, nothing of a
-  ///        recording could be decoded), kTimeout (nothing came for a second; for four where this process gets no core),
+  /// Fails  kEndOfStream (a recording's end, and when asked to stop), kCorrupt (for a second, up to four where this process gets
+  ///        no core, or to its end, no depth of a recording could be decoded), kTimeout (nothing came for a second; for four where this process gets no core),
   ///        kUnavailable (the camera is gone). After kCorrupt: call again, the recording plays on at its pace. After kTimeout
   ///        and kUnavailable: open the source again.
   virtual Result<RgbdFrame> next(std::stop_token stop) = 0;

@@ -2,14 +2,13 @@
 
 #include <memory>
 
+#include "common/command_line/values.h"
 #include "common/scene/scene.h"
 #include "tools/calibrate/agreement_picture.h"
 #include "tools/calibrate/alignment/agreement.h"
 #include "tools/calibrate/command.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/still_view.h"
-
-#include "common/command_line/values.h"
 
 namespace copresence::calibrate {
 namespace {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/command_line/values.h"
 #include "common/scene/write_scene.h"
 #include "tools/calibrate/board_picture.h"
 #include "tools/calibrate/capture.h"
@@ -16,8 +17,6 @@
 #include "tools/calibrate/lens/picture_folder.h"
 #include "tools/calibrate/markers/depth_to_color.h"
 #include "tools/calibrate/markers/dictionary.h"
-
-#include "common/command_line/values.h"
 
 namespace copresence::calibrate {
 namespace {

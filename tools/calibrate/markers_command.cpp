@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "common/command_line/values.h"
 #include "common/scene/write_scene.h"
 #include "tools/calibrate/capture.h"
 #include "tools/calibrate/command.h"
@@ -17,8 +18,6 @@
 #include "tools/calibrate/markers/clicks.h"
 #include "tools/calibrate/markers/dictionary.h"
 #include "tools/calibrate/markers/marker_finder.h"
-
-#include "common/command_line/values.h"
 
 namespace copresence::calibrate {
 namespace {

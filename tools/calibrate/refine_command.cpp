@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "common/command_line/values.h"
 #include "common/scene/scene.h"
 #include "common/scene/write_scene.h"
 #include "tools/calibrate/agreement_picture.h"
@@ -11,8 +12,6 @@
 #include "tools/calibrate/command.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/still_view.h"
-
-#include "common/command_line/values.h"
 
 namespace copresence::calibrate {
 namespace {

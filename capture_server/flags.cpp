@@ -13,6 +13,8 @@
 namespace copresence::server {
 namespace {
 
+constexpr double kLatestStart = 32'503'680'000;  // the year 3000: milliseconds were meant
+
 /// "K/N" or "K/N:MS": turn K (from 1) of N, MS milliseconds each.
 std::string parse_slot(const std::string& text, sensor::ProjectorSlot& slot) {
   const auto slash = text.find('/'), colon = std::min(text.find(':'), text.size());
@@ -43,6 +45,7 @@ std::string check_codec(const std::string& name) {
 using command_line::add_depth_range;
 using command_line::file_name;
 using command_line::must_be;
+using command_line::number;
 using command_line::one_of;
 using command_line::some;
 using command_line::whole_number;
@@ -119,6 +122,10 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
   app.add_option("--pace", settings.pace, "real: as recorded; fast: as fast as frames can be sent")
       ->default_str("real")
       ->transform(one_of<Pace>({{"real", Pace::kReal}, {"fast", Pace::kFast}}));
+  app.add_option("--start-at", settings.start_at,
+                 "Unix time at which a recording begins, seconds: servers that are given the same play in "
+                 "step [at once]")
+      ->check(number(0, kLatestStart));
   app.add_option("--frames", settings.frames, "end after N captured frames")
       ->check(whole_number<std::uint64_t>(1, 1'000'000'000));
   app.add_flag("--insecure", settings.insecure,

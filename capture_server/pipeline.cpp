@@ -4,6 +4,8 @@
 #include <pthread.h>
 #include <spdlog/spdlog.h>
 
+#include <condition_variable>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -52,14 +54,25 @@ Result<std::optional<scene::Camera>> camera_in_scene(const ServerSettings& setti
 
 /// A recording's player runs on threads that OpenNI2 makes here, with the nice of the one that opens it. A camera's do
 /// not give way: they have the USB to serve.
-Result<std::unique_ptr<sensor::FrameSource>> open_source_to_play(const ServerSettings& settings) {
+Result<std::unique_ptr<sensor::FrameSource>> open_source_to_play(const ServerSettings& settings,
+                                                                 std::optional<Instant> begin) {
   Result<std::unique_ptr<sensor::FrameSource>> source;
   std::jthread opener([&] {
     if (is_recording(settings.source)) flow::give_way(kStepsBehindAll);
-    source = open_source(settings.source, {settings.pace, settings.loop, settings.controls});
+    source = open_source(
+        settings.source,
+        {.pace = settings.pace, .loop = settings.loop, .begin = begin, .controls = settings.controls});
   });
   opener.join();
   return source;
+}
+
+/// When a recording is to begin, by the clock that its frames are played by.
+std::optional<Instant> beginning(const ServerSettings& settings) {
+  if (!settings.start_at) return std::nullopt;
+  using Seconds = std::chrono::duration<double>;
+  const Seconds ahead = Seconds(*settings.start_at) - std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::steady_clock::now() + std::chrono::duration_cast<Duration>(ahead);
 }
 
 /// Nothing where none is asked for.
@@ -78,10 +91,11 @@ std::string in_words(const Rates& rates) {
 
 class Pipeline {
  public:
-  Pipeline(const ServerSettings& settings, std::unique_ptr<sensor::FrameSource> source,
-           std::unique_ptr<RecordingThread> recording, FrameEncoding encoding,
-           std::unique_ptr<wire::FrameServer> server, flow::Latest<Rates>& rates)
+  Pipeline(const ServerSettings& settings, std::optional<Instant> begin,
+           std::unique_ptr<sensor::FrameSource> source, std::unique_ptr<RecordingThread> recording,
+           FrameEncoding encoding, std::unique_ptr<wire::FrameServer> server, flow::Latest<Rates>& rates)
       : settings_(settings),
+        begin_(begin),
         rates_(settings.rates),
         new_rates_(rates),
         source_(std::move(source)),
@@ -118,6 +132,7 @@ class Pipeline {
   Result<void> capture_frames(const std::stop_token& stop, const std::function<void()>& alive) {
     const bool waits_for_the_encoder =
         settings_.pace == sensor::SourceSettings::Pace::kFast && is_recording(settings_.source);
+    wait_for_the_beginning(stop, alive);
     while (!stop.stop_requested()) {
       auto frame = source_->next(stop);
       alive();
@@ -135,6 +150,21 @@ class Pipeline {
       if (settings_.frames && sequence >= *settings_.frames) return {};
     }
     return {};
+  }
+
+  // Until shortly before: the source itself waits for the instant.
+  void wait_for_the_beginning(const std::stop_token& stop, const std::function<void()>& alive) const {
+    constexpr std::chrono::milliseconds kShortly{200};
+    if (!begin_) return;
+    std::mutex mutex;
+    std::condition_variable_any never;
+    std::unique_lock lock(mutex);
+    const std::chrono::duration<double> ahead = *begin_ - std::chrono::steady_clock::now();
+    if (ahead > kShortly) spdlog::info("{}: begins in {:.1f} s", settings_.name, ahead.count());
+    while (!stop.stop_requested() && std::chrono::steady_clock::now() + kShortly < *begin_) {
+      never.wait_for(lock, stop, kShortly, [] { return false; });
+      alive();
+    }
   }
 
   void say_what_was_left_out(const sensor::SourceCounters& pictures) const {
@@ -219,6 +249,7 @@ class Pipeline {
   }
 
   const ServerSettings& settings_;
+  const std::optional<Instant> begin_;
   Rates rates_;
   std::optional<Rates> rates_before_;  ///< of a change while running: what can be gone back to
   flow::Latest<Rates>& new_rates_;
@@ -239,7 +270,8 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
                           const std::function<void()>& alive) {
   const auto camera = camera_in_scene(settings);
   if (!camera) return fail(camera.error());
-  auto source = open_source_to_play(settings);
+  const std::optional<Instant> begin = beginning(settings);
+  auto source = open_source_to_play(settings, begin);
   if (!source) return fail(source.error());
   auto encoding = FrameEncoding::open((*source)->description(), *camera ? &**camera : nullptr, settings);
   if (!encoding) return fail(encoding.error());
@@ -252,7 +284,7 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
                encoding->description().model.height,
                encoding->description().has_color ? "depth and colour" : "depth only", settings.codec,
                in_words(settings.rates), listening.address());
-  return Pipeline(settings, std::move(*source), std::move(*recording), std::move(*encoding),
+  return Pipeline(settings, begin, std::move(*source), std::move(*recording), std::move(*encoding),
                   std::move(*server), rates)
       .run(stop, alive);
 }

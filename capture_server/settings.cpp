@@ -103,6 +103,13 @@ Result<ServerSettings> read(CLI::App& app, int argc, const char* const* argv) {
   if (settings.controls.projector && is_recording(settings.source)) {
     throw CLI::ValidationError("--projector-slot", "a recording has no projector: leave it out");
   }
+  if (settings.start_at && !is_recording(settings.source)) {
+    throw CLI::ValidationError("--start-at", "a camera has no beginning: leave it out");
+  }
+  if (settings.start_at && settings.pace == sensor::SourceSettings::Pace::kFast) {
+    throw CLI::ValidationError("--start-at",
+                               "with --pace fast frames have no time to be in step: leave one out");
+  }
   if (settings.name.empty()) settings.name = default_name(settings);
   settings.texts = texts_of(app);
   return settings;

@@ -36,6 +36,7 @@ struct ServerSettings {
   bool loop = false;
   sensor::CameraControls controls;
   sensor::SourceSettings::Pace pace = sensor::SourceSettings::Pace::kReal;
+  std::optional<double> start_at;       ///< Unix time, seconds: when a recording begins; at once by default
   std::optional<std::uint64_t> frames;  ///< end after so many captured frames
   bool insecure = false;
   std::string scene;   ///< scene file; empty for none

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BIN = ROOT / "build/release/bin"
@@ -20,10 +21,11 @@ VIEWS = 300
 
 
 def start_servers(simulated):
+    begin = time.time() + 2  # both by then, or the person would be seen at two instants
     servers = []
     for index, camera in enumerate(CAMERAS):
         source = ["--source", f"simulated:room?camera={index}"] if simulated else [
-            "--source", RECORDINGS / f"{camera}.oni", "--loop"]
+            "--source", RECORDINGS / f"{camera}.oni", "--loop", "--start-at", f"{begin:.3f}"]
         servers.append(subprocess.Popen(
             [BIN / "capture_server", *source, "--name", camera, "--scene", RECORDINGS / "scene.toml",
              "--listen", f"127.0.0.1:{7001 + index}"]))

@@ -59,7 +59,9 @@ struct SourceSettings {
     kFast,  ///< every frame as soon as it is asked for
   };
   Pace pace = Pace::kReal;
-  bool loop = false;             ///< begin again after the last frame, one mean period later
+  bool loop = false;  ///< begin again after the last frame, one mean period later
+  std::optional<Instant> begin =
+      {};  ///< at real pace: when the first frame is due; at once by default, or if it has passed
   CameraControls controls = {};  ///< of a camera
 };
 

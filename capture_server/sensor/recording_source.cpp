@@ -90,7 +90,8 @@ class RecordingSource final : public FrameSource {
         end_(file_.path()),
         depth_track_(recording_.last_depth_frame, recording_.duration_us),
         color_track_(recording_.last_color_frame, recording_.duration_us),
-        pairing_(static_cast<std::int64_t>(recording_.period_us / 2), kReuseColorUs) {}
+        pairing_(static_cast<std::int64_t>(recording_.period_us / 2), kReuseColorUs),
+        schedule_(settings_.begin) {}
 
   ~RecordingSource() override { close(); }
 

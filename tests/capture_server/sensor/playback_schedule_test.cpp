@@ -17,6 +17,18 @@ TEST(PlaybackSchedule, BeginsAtOnceAndKeepsTheRecordingsDistances) {
   EXPECT_EQ(schedule.due(5'066'000, kStart + milliseconds(36)), kStart + microseconds(66'000));
 }
 
+TEST(PlaybackSchedule, BeginsAtTheInstantThatWasAskedFor) {
+  PlaybackSchedule schedule(kStart + milliseconds(700));
+  EXPECT_EQ(schedule.due(5'000'000, kStart), kStart + milliseconds(700));
+  EXPECT_EQ(schedule.due(5'033'333, kStart + milliseconds(701)), kStart + microseconds(733'333));
+}
+
+TEST(PlaybackSchedule, BeginsAtOnceWhereTheInstantHasPassed) {
+  PlaybackSchedule schedule(kStart - std::chrono::hours(1));
+  EXPECT_EQ(schedule.due(5'000'000, kStart), kStart);
+  EXPECT_EQ(schedule.due(5'033'333, kStart), kStart + microseconds(33'333));
+}
+
 TEST(PlaybackSchedule, DoesNotDriftWhenEveryFrameIsALittleLate) {
   PlaybackSchedule schedule;
   Instant now = kStart;

@@ -57,6 +57,13 @@ TEST(Settings, OfTheFileGiveWayToTheirOppositeOnTheCommandLine) {
   EXPECT_EQ(settings.rates.depth_kbps, std::nullopt);
 }
 
+TEST(Settings, OnlyARecordingAtItsOwnPaceHasABeginning) {
+  EXPECT_EQ(settings_of({"capture_server", "--source", "desk.oni", "--start-at", "1800000000.25"}).start_at,
+            1800000000.25);
+  EXPECT_THAT(refusal("start-at = 1800000000\n", {"--source", "simulated:room"}), HasSubstr("no beginning"));
+  EXPECT_THAT(refusal("start-at = 1800000000\npace = \"fast\"\n"), HasSubstr("--pace fast"));
+}
+
 TEST(Settings, ACodecMayHaveItsParameters) {
   EXPECT_EQ(settings_of({"capture_server", "--source", "desk.oni", "--codec", "triangle:period=0.8"}).codec,
             "triangle:period=0.8");

@@ -100,9 +100,13 @@ class RangeDecoder {
   bool decode(AdaptiveBit& model) {
     const std::uint32_t split = RangeEncoder::split_of(range_, model);
     const bool bit = code_ < split;
-    const std::uint32_t one = -static_cast<std::uint32_t>(bit);
-    code_ -= split & ~one;
-    range_ = (split & one) | ((range_ - split) & ~one);
+    // A branch, since what follows would wait for its outcome: most decisions are well predicted.
+    if (bit) {
+      range_ = split;
+    } else {
+      code_ -= split;
+      range_ -= split;
+    }
     model.learn(bit);
     while (range_ < RangeEncoder::kBottom) {
       range_ <<= 8;

@@ -84,7 +84,11 @@ class Walk {
       if (count == 0)
         count = std::max(surroundings_.any().run_of(false, x, std::min(kStretch, width_ - x)),
                          std::min(2, width_ - x));
-      pixels(coder, x, y, count, measured, filled);
+      if (any_filled_) {
+        pixels<true>(coder, x, y, count, measured, filled);
+      } else {
+        pixels<false>(coder, x, y, count, measured, filled);
+      }
       x += count;
     }
     coder_ = coder;
@@ -121,10 +125,11 @@ class Walk {
   }
 
   // Decides pixels one by one.
+  template <bool kFilled>
   void pixels(Coder& coder, int x, int y, int count, std::uint64_t* measured, std::uint64_t* filled) {
     Windows m = Windows::at(now_.measured, earlier_.measured, x, y);
     Windows f{};
-    if (any_filled_) f = Windows::at(now_.filled, earlier_.filled, x, y);
+    if (kFilled) f = Windows::at(now_.filled, earlier_.filled, x, y);
     std::uint64_t known_measured = 0, known_filled = 0;
     if constexpr (!Coder::kReads) {
       known_measured = BitPlane::window(measured, x);
@@ -146,20 +151,20 @@ class Walk {
           &models_.measured[next_context]);  // the eight it may be lie in one line of the cache
       const bool is_measured = coder.decide(models_.measured[context], known_measured >> i & 1);
       bool is_filled = false;
-      if (any_filled_ && !is_measured) {
+      if (kFilled && !is_measured) {
         const std::uint64_t filled_context =
             (left_filled & 3) | (left_measured & 1) << 2 | (f.above >> 1 & 7) << 3 | (m_above >> 2 & 1) << 6 |
             (f.before >> 1 & 7) << 7 | (m_before >> 2 & 1) << 10 | (f.before_below >> 2 & 1) << 11;
         is_filled = coder.decide(models_.filled[filled_context], known_filled >> i & 1);
       }
       got_measured |= std::uint64_t{is_measured} << i;
-      got_filled |= std::uint64_t{is_filled} << i;
+      if constexpr (kFilled) got_filled |= std::uint64_t{is_filled} << i;
       left_measured = left_measured << 1 | std::uint64_t{is_measured};
-      left_filled = left_filled << 1 | std::uint64_t{is_filled};
-      f.above >>= 1, f.before >>= 1, f.before_below >>= 1;
+      if constexpr (kFilled) left_filled = left_filled << 1 | std::uint64_t{is_filled};
+      if constexpr (kFilled) f.above >>= 1, f.before >>= 1, f.before_below >>= 1;
     }
     left_measured_ = left_measured;
-    left_filled_ = left_filled;
+    left_filled_ = kFilled ? left_filled : 0;
     if constexpr (Coder::kReads) {
       put(measured, x, got_measured);
       put(filled, x, got_filled);

@@ -25,9 +25,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// A damaged recording may fall silent. So does a player that gets no core: it is given the time that it lost, up to what
-// the supervisor takes for a hang.
-constexpr Duration kStallAfter = std::chrono::seconds(1), kStallAfterAtMost = std::chrono::seconds(4);
+// A damaged recording may fall silent, or come without any depth. So may a player that gets no core: it is given the time
+// that it lost, up to what the supervisor takes for a hang.
+constexpr Duration kUsualSilence = std::chrono::seconds(1);
+constexpr Patience kPatience{kUsualSilence, std::chrono::seconds(4)};
 // How long next() may keep its caller without a frame, though all is well but for the pictures.
 constexpr Duration kSignOfLife = std::chrono::seconds(1);
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
@@ -315,25 +316,24 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
       position = read_position_beside(file_.number());
       waited_before = waited_for_a_core();
     }
+    const auto has_had_time = [&](Duration silent) {
+      return kPatience.is_over(silent,
+                               waited_before ? waited_for_a_core() - *waited_before : Duration::zero());
+    };
     if (got_one) {
       heard = now;
-    } else if (const Duration silent = now - heard; silent > kStallAfter) {
+    } else if (const Duration silent = now - heard; silent > kUsualSilence) {
       // What the player cannot decode it passes over without a word, however much of it there is.
       const auto position_before = std::exchange(position, read_position_beside(file_.number()));
       if (position != position_before) {
         heard = now;
-      } else if (silent > kStallAfterAtMost ||
-                 silent > kStallAfter + (waited_for_a_core() - *waited_before)) {
+      } else if (has_had_time(silent)) {
         halt();
         return stalled(silent);
       }
     }
-    if (now - had_depth > kSignOfLife && heard > begin) {
-      // A player that got no core is late, not damaged.
-      const Duration lost = waited_before ? waited_for_a_core() - *waited_before : Duration::zero();
-      if (now - had_depth > std::min<Duration>(kSignOfLife + lost, kStallAfterAtMost))
-        return nothing_decodes(depth_track_.index() + 1);
-    }
+    if (now - had_depth > kUsualSilence && heard > begin && has_had_time(now - had_depth))
+      return nothing_decodes(depth_track_.index() + 1);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <thread>
 #include <vector>
@@ -24,6 +25,24 @@ TEST(CoreShortage, GrowsWhereThreadsOutnumberCores) {
     grown = waited_for_a_core() - before;
   }
   EXPECT_GT(grown, std::chrono::milliseconds(50));
+}
+
+using std::chrono::milliseconds;
+constexpr Patience kPatience{milliseconds(1000), milliseconds(4000)};
+
+TEST(Patience, IsOverAfterTheUsualTimeWhereCoresWereToBeHad) {
+  EXPECT_FALSE(kPatience.is_over(milliseconds(1000), milliseconds(0)));
+  EXPECT_TRUE(kPatience.is_over(milliseconds(1001), milliseconds(0)));
+}
+
+TEST(Patience, LastsLongerByWhatALatePlayerLost) {
+  EXPECT_FALSE(kPatience.is_over(milliseconds(2500), milliseconds(1600)));
+  EXPECT_TRUE(kPatience.is_over(milliseconds(2500), milliseconds(1400)));
+}
+
+TEST(Patience, IsNeverEndless) {
+  EXPECT_FALSE(kPatience.is_over(milliseconds(4000), std::chrono::hours(1)));
+  EXPECT_TRUE(kPatience.is_over(milliseconds(4001), std::chrono::hours(1)));
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "common/frame/picture.h"
 
 #include <algorithm>
+#include <cstring>
+#include <utility>
 
 namespace copresence {
 
@@ -34,10 +36,35 @@ Picture::Picture(PixelFormat format, int width, int height) : Picture(unwritten(
 
 std::size_t Picture::plane_offset(int plane) const {
   std::size_t offset = 0;
-  for (int i = 0; i < plane; ++i) {
-    offset += static_cast<std::size_t>(plane_width(i)) * plane_height(i) * bytes_per_sample();
-  }
+  for (int i = 0; i < plane; ++i) offset += plane_bytes(i);
   return offset;
+}
+
+Picture Picture::lent(PixelFormat format, int width, int height,
+                      const std::array<const std::uint8_t*, 3>& planes, std::shared_ptr<const void> owner) {
+  assert(owner && width >= 0 && height >= 0 && width % 2 == 0 && height % 2 == 0);
+  Picture picture;
+  picture.format_ = format;
+  picture.width_ = width;
+  picture.height_ = height;
+  picture.lent_ = planes;
+  picture.owner_ = std::move(owner);
+  return picture;
+}
+
+void Picture::own() {
+  samples_.resize(plane_offset(planes()));
+  for (int i = 0; i < planes(); ++i) std::memcpy(samples_.data() + plane_offset(i), lent_[i], plane_bytes(i));
+  owner_.reset();
+}
+
+bool operator==(const Picture& a, const Picture& b) {
+  if (a.format_ != b.format_ || a.width_ != b.width_ || a.height_ != b.height_) return false;
+  for (int i = 0; i < a.planes(); ++i) {
+    const std::uint8_t* const first = a.first_sample(i);
+    if (!std::equal(first, first + a.plane_bytes(i), b.first_sample(i))) return false;
+  }
+  return true;
 }
 
 }  // namespace copresence

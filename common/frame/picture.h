@@ -1,6 +1,8 @@
 #pragma once
 
 // What a video codec takes and gives: planes of 8-bit or 10-bit samples, full range, no padding.
+//
+// Thread: a value. A lent picture's owner must allow to be let go on any thread.
 
 #include <array>
 #include <cassert>
@@ -29,6 +31,10 @@ class Picture {
   Picture(PixelFormat format, int width, int height);
   /// The same with samples of any value, for who writes them all: zeros for a megabyte are time, too.
   static Picture unwritten(PixelFormat format, int width, int height);
+  /// A picture whose samples lie with somebody else, where they are read while `owner` lives: a megabyte is not copied. Whoever
+  /// writes to it gets a copy first.
+  static Picture lent(PixelFormat format, int width, int height,
+                      const std::array<const std::uint8_t*, 3>& planes, std::shared_ptr<const void> owner);
 
   PixelFormat format() const { return format_; }
   int width() const { return width_; }  ///< of luma
@@ -47,17 +53,28 @@ class Picture {
   std::span<std::uint16_t> plane10() { return plane_of<std::uint16_t>(*this, 0); }
   std::span<const std::uint16_t> plane10() const { return plane_of<const std::uint16_t>(*this, 0); }
 
-  friend bool operator==(const Picture&, const Picture&) = default;
+  /// The same format, size and samples.
+  friend bool operator==(const Picture& a, const Picture& b);
 
  private:
   template <class Sample, class Self>
   static std::span<Sample> plane_of(Self& self, int plane) {
     assert(plane >= 0 && plane < self.planes() && int(sizeof(Sample)) == self.bytes_per_sample());
-    auto* first = self.samples_.data() + self.plane_offset(plane);
-    return {reinterpret_cast<Sample*>(first),
+    return {reinterpret_cast<Sample*>(self.first_sample(plane)),
             static_cast<std::size_t>(self.plane_width(plane)) * self.plane_height(plane)};
   }
+  const std::uint8_t* first_sample(int plane) const {
+    return owner_ ? lent_[plane] : samples_.data() + plane_offset(plane);
+  }
+  std::uint8_t* first_sample(int plane) {
+    if (owner_) own();
+    return samples_.data() + plane_offset(plane);
+  }
+  std::size_t plane_bytes(int plane) const {
+    return static_cast<std::size_t>(plane_width(plane)) * plane_height(plane) * bytes_per_sample();
+  }
   std::size_t plane_offset(int plane) const;
+  void own();
 
   PixelFormat format_ = PixelFormat::kGray8;
   int width_ = 0;
@@ -73,7 +90,9 @@ class Picture {
   };
 
   std::vector<std::uint8_t, Uninitialised>
-      samples_;  // all planes, one after the other; new[] aligns them for 16 bits
+      samples_;  // all planes, one after the other; new[] aligns them for 16 bits; none where they are lent
+  std::array<const std::uint8_t*, 3> lent_{};
+  std::shared_ptr<const void> owner_;
 };
 
 }  // namespace copresence

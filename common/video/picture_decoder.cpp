@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <utility>
 
 #include "common/video/access_unit.h"
@@ -28,19 +29,27 @@ bool holds(AVPixelFormat decoded, PixelFormat format) {
   return false;
 }
 
-Picture copy_planes(const AVFrame& frame, PixelFormat format, int width, int height) {
-  Picture picture = Picture::unwritten(format, width, height);
-  for (int plane = 0; plane < picture.planes(); ++plane) {
-    auto* to = picture.bytes_per_sample() == 2 ? reinterpret_cast<std::uint8_t*>(picture.plane10().data())
-                                               : picture.plane8(plane).data();
-    const std::size_t row_bytes =
-        static_cast<std::size_t>(picture.plane_width(plane)) * picture.bytes_per_sample();
-    const std::uint8_t* from = frame.data[plane];
-    for (int y = 0; y < picture.plane_height(plane); ++y, to += row_bytes, from += frame.linesize[plane]) {
-      std::memcpy(to, from, row_bytes);
-    }
+/// The frame's picture, lent by the decoder, which only reads what it has given away, where its rows have no padding: where the
+/// width of every plane is a multiple of 64 bytes. Else a copy. Empties the frame.
+Picture take_picture(AVFrame& frame, PixelFormat format, int width, int height) {
+  const std::shared_ptr<AVFrame> taken(av_frame_alloc(), AvFrameDeleter());
+  av_frame_move_ref(taken.get(), &frame);
+  Picture lent =
+      Picture::lent(format, width, height, {taken->data[0], taken->data[1], taken->data[2]}, taken);
+  const auto row_bytes = [&](int plane) { return lent.plane_width(plane) * lent.bytes_per_sample(); };
+  bool is_padded = false;
+  for (int i = 0; i < lent.planes(); ++i) is_padded = is_padded || taken->linesize[i] != row_bytes(i);
+  if (!is_padded) return lent;
+
+  Picture copy = Picture::unwritten(format, width, height);
+  for (int i = 0; i < copy.planes(); ++i) {
+    auto* to = copy.bytes_per_sample() == 2 ? reinterpret_cast<std::uint8_t*>(copy.plane10().data())
+                                            : copy.plane8(i).data();
+    const std::uint8_t* from = taken->data[i];
+    for (int y = 0; y < copy.plane_height(i); ++y, to += row_bytes(i), from += taken->linesize[i])
+      std::memcpy(to, from, row_bytes(i));
   }
-  return picture;
+  return copy;
 }
 
 }  // namespace
@@ -117,10 +126,8 @@ Result<Picture> PictureDecoder::decode_checked(std::span<const std::uint8_t> acc
     return fail(ErrorCode::kCorrupt, fmt::format("a picture of {}x{} came where {}x{} {} was announced",
                                                  width, height, width_, height_, name(format_)));
   }
-  Picture picture = copy_planes(*frame_, format_, width_, height_);
-  av_frame_unref(frame_.get());
   keyframe_needed_ = false;
-  return picture;
+  return take_picture(*frame_, format_, width_, height_);
 }
 
 }  // namespace copresence::video

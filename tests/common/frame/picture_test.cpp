@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <utility>
+#include <vector>
+
 namespace copresence {
 namespace {
 
@@ -30,6 +34,40 @@ TEST(Picture, KeepsPlanesApart) {
   for (int i = 0; i < 3; ++i) {
     for (auto sample : picture.plane8(i)) EXPECT_EQ(sample, 10 + i);
   }
+}
+
+Picture lend(std::vector<std::uint8_t>& samples, std::shared_ptr<const void> owner) {
+  return Picture::lent(PixelFormat::kYuv420, 4, 2, {&samples[0], &samples[8], &samples[10]},
+                       std::move(owner));
+}
+
+TEST(Picture, OfSomebodyElsesSamplesIsReadWhereTheyLie) {
+  std::vector<std::uint8_t> samples = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  const auto owner = std::make_shared<int>();
+  {
+    const Picture picture = lend(samples, owner);
+    EXPECT_EQ(picture.plane8(0).data(), &samples[0]);
+    EXPECT_EQ(picture.plane8(2).data(), &samples[10]);
+    EXPECT_EQ(picture.plane8(1).size(), 2u);
+    const Picture same = picture;
+    EXPECT_EQ(same.plane8(0).data(), &samples[0]);
+    EXPECT_EQ(owner.use_count(), 3);
+  }
+  EXPECT_EQ(owner.use_count(), 1);
+}
+
+TEST(Picture, OfSomebodyElsesSamplesIsCopiedBeforeItIsWritten) {
+  std::vector<std::uint8_t> samples = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  const auto owner = std::make_shared<int>();
+  Picture picture = lend(samples, owner);
+  const Picture before = picture;
+  EXPECT_EQ(picture, before);
+  picture.plane8(1)[1] = 99;
+  EXPECT_EQ(samples[9], 10);
+  EXPECT_NE(picture, before);
+  picture.plane8(1)[1] = 10;
+  EXPECT_EQ(picture, before);  // nothing else changed
+  EXPECT_EQ(owner.use_count(), 2);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "capture_server/frame_encoding.h"
 #include "capture_server/recording_thread.h"
 #include "capture_server/source.h"
+#include "common/flow/freshness.h"
 #include "common/flow/latest.h"
 #include "common/flow/thread_priority.h"
 #include "common/flow/worker_pool.h"
@@ -130,8 +131,6 @@ class Pipeline {
 
  private:
   Result<void> capture_frames(const std::stop_token& stop, const std::function<void()>& alive) {
-    const bool waits_for_the_encoder =
-        settings_.pace == sensor::SourceSettings::Pace::kFast && is_recording(settings_.source);
     wait_for_the_beginning(stop, alive);
     while (!stop.stop_requested()) {
       auto frame = source_->next(stop);
@@ -144,12 +143,17 @@ class Pipeline {
       }
       say_frames_again();
       const std::uint64_t sequence = frame->stamp.sequence;
-      if (recording_) recording_->offer(*frame, waits_for_the_encoder, stop);
-      if (waits_for_the_encoder) captured_.wait_until_taken(stop);
+      if (recording_) recording_->offer(*frame, keeps_every_frame(), stop);
+      if (keeps_every_frame()) captured_.wait_until_taken(stop);
       captured_.put({std::move(*frame), source_->counters()});
       if (settings_.frames && sequence >= *settings_.frames) return {};
     }
     return {};
+  }
+
+  // A recording that is played as fast as frames can be sent waits for the encoder.
+  bool keeps_every_frame() const {
+    return settings_.pace == sensor::SourceSettings::Pace::kFast && is_recording(settings_.source);
   }
 
   // Until shortly before: the source itself waits for the instant.
@@ -206,15 +210,22 @@ class Pipeline {
     flow::WorkerPool workers(std::thread::hardware_concurrency() > 1 ? 2 : 1, "encode");
     bool keyframe_owed = false;      // a frame that was to be one failed
     std::uint64_t without_room = 0;  // frames left out since nobody was there, or nobody had room
-    std::uint64_t encoder_busy = 0;  // frames replaced by newer ones before they were taken, or that failed
+    std::uint64_t encoder_busy = 0;  // frames that newer ones replaced or overtook, or that failed
     std::uint64_t last = 0;          // sequence
-    while (auto captured = captured_.take({})) {
+    const Duration period = std::chrono::duration_cast<Duration>(
+        std::chrono::duration<double>(1 / encoding_.description().frames_per_second));
+    for (Instant free = std::chrono::steady_clock::now(); auto captured = captured_.take({});
+         free = std::chrono::steady_clock::now()) {
       if (const auto rates = new_rates_.try_take()) change_rates(*rates);
       const std::uint64_t sequence = captured->frame.stamp.sequence;
       if (sequence > last) encoder_busy += sequence - last - 1;
       last = sequence;
       if (!server_->wants_frames()) {
         ++without_room;
+        continue;
+      }
+      if (!keeps_every_frame() && flow::is_overtaken(captured->frame.stamp.captured_at, free, period)) {
+        ++encoder_busy;
         continue;
       }
       const bool keyframe = server_->take_keyframe_request() || keyframe_owed;

@@ -76,9 +76,10 @@ struct Welcome {
 /// Where the frames of a stream went, counted from its start. For two frames a and b that a client received
 /// one after the other, b.sequence - a.sequence - 1 = the growth of encoder_busy plus that of window_full.
 struct FrameCounters {
-  std::uint64_t captured = 0;      ///< frames the server had from its sensor
-  std::uint64_t encoder_busy = 0;  ///< never encoded: a newer one was there before the encoder was free
-  std::uint64_t window_full = 0;   ///< not sent: this client had not acknowledged enough of the ones before
+  std::uint64_t captured = 0;  ///< frames the server had from its sensor
+  std::uint64_t encoder_busy =
+      0;  ///< never encoded: a newer one was there, or nearly, before the encoder was free
+  std::uint64_t window_full = 0;  ///< not sent: this client had not acknowledged enough of the ones before
 
   // What became of the sensor's pictures.
   std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none

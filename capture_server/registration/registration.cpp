@@ -19,12 +19,16 @@ float hidden_beyond(float z) {
   return z + 0.02f + 6 * static_cast<float>(sensor_step_m(z));
 }
 
+/// For what is not negative. std::lround is a call, for every pixel.
+int rounded(float value) {
+  return static_cast<int>(value + 0.5f);  // NOLINT(bugprone-incorrect-roundings)
+}
+
 /// The colour at (u, v), bilinear. Requires 0 <= u <= width - 1, 0 <= v <= height - 1.
 Rgb8 sample(const ColorImage& color, float u, float v) {
   const int x = std::min(static_cast<int>(u), color.width() - 2),
             y = std::min(static_cast<int>(v), color.height() - 2);
-  const int right = static_cast<int>((u - float(x)) * 256 + 0.5f),
-            down = static_cast<int>((v - float(y)) * 256 + 0.5f);
+  const int right = rounded((u - float(x)) * 256), down = rounded((v - float(y)) * 256);
   const Rgb8* top = &color(x, y);
   const Rgb8* bottom = &color(x, y + 1);
   const auto blend = [&](int a, int b, int c, int d) {
@@ -178,8 +182,8 @@ bool Registration::is_visible(std::size_t at) const {
   const float u = u_[at], v = v_[at];
   if (!(u >= 0 && u <= float(color_.width - 1) && v >= 0 && v <= float(color_.height - 1))) return false;
   if (mapping_ == Mapping::kFixed) return true;
-  const int x = static_cast<int>(u * float(depth_.width) / float(color_.width) + 0.5f);
-  const int y = static_cast<int>(v * float(depth_.height) / float(color_.height) + 0.5f);
+  const int x = rounded(u * float(depth_.width) / float(color_.width));
+  const int y = rounded(v * float(depth_.height) / float(color_.height));
   const std::size_t cell = static_cast<std::size_t>(std::min(y, depth_.height - 1)) * depth_.width +
                            static_cast<std::size_t>(std::min(x, depth_.width - 1));
   return z_[at] <= hidden_beyond(nearest_z_[cell]);

@@ -82,7 +82,7 @@ class Picture {
   // Leaves new samples as they are where it is not told their value.
   struct Uninitialised : std::allocator<std::uint8_t> {
     template <class T>
-    struct rebind {
+    struct rebind {  // NOLINT(readability-identifier-naming): the standard library asks for this name
       using other = Uninitialised;
     };
     void construct(std::uint8_t* sample) { ::new (static_cast<void*>(sample)) std::uint8_t; }

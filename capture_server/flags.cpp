@@ -54,6 +54,7 @@ using Pace = sensor::SourceSettings::Pace;
 
 std::vector<std::pair<std::string, hole_filling::Method>> methods_by_name() {
   std::vector<std::pair<std::string, hole_filling::Method>> methods;
+  methods.reserve(std::size(hole_filling::kMethods));
   for (const auto method : hole_filling::kMethods) methods.emplace_back(hole_filling::name(method), method);
   return methods;
 }

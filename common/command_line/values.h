@@ -59,6 +59,7 @@ CLI::Validator one_of(std::vector<std::string> words);
 template <class Value>
 requires std::is_enum_v<Value> CLI::Validator one_of(std::vector<std::pair<std::string, Value>> values) {
   std::vector<std::string> words;
+  words.reserve(values.size());
   for (const auto& [word, value] : values) words.push_back(word);
   const CLI::Validator is_one = one_of(std::move(words));
   return {[values = std::move(values), is_one](std::string& text) {

@@ -82,8 +82,9 @@ Result<std::string> run(const FromImagesSettings& settings) {
 }  // namespace
 }  // namespace copresence::record
 
-int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond a limit is a sentence, not a crash
+// Nothing throws but for want of memory, and then there is nothing better than to end.
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
+  std::signal(SIGXFSZ, SIG_IGN);   // a file that grows beyond a limit is a sentence, not a crash
   const auto settings = copresence::record::read_command_line(argc, argv);
   if (!settings) return settings.error();
   const auto done = std::visit([](const auto& asked) { return copresence::record::run(asked); }, *settings);

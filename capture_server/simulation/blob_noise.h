@@ -4,6 +4,8 @@
 // counterpart of hash_noise.h. Thread: a free function on values, safe anywhere.
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "common/frame/image.h"
 
@@ -12,5 +14,26 @@ namespace copresence::simulation {
 /// Fills `noise` with blobs of about `cell` pixels: mean 0, standard deviation 1 (on average over the image),
 /// a pure function of seed and pixel. Requires cell >= 2.
 void fill_blob_noise(int cell, std::uint32_t seed, Image<float>& noise);
+
+/// The same row by row, from the top: a picture of it need not be kept.
+class BlobRows {
+ public:
+  BlobRows(int cell, std::uint32_t seed, int width);
+
+  /// The next row; its own until the call after.
+  std::span<const float> next();
+
+ private:
+  void lattice_row(std::uint32_t row, std::vector<float>& out);
+
+  int cell_;
+  std::uint32_t seed_;
+  float gain_ = 0;
+  int y_ = 0;
+  std::vector<float> weight_;         // of the left lattice point over one cell, shared by both directions
+  std::vector<float> values_;         // hashed, at a row of the lattice
+  std::vector<float> above_, below_;  // the lattice's rows around y_, blended along the row
+  std::vector<float> row_;
+};
 
 }  // namespace copresence::simulation

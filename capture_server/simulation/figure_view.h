@@ -2,17 +2,19 @@
 
 // The figure as one camera sees it at one instant, drawn over the room.
 //
-// Only cells of pixels that spheres around the figure's parts cover are traced.
-//
 // Thread: one thread per object; several may share a world.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <cstdint>
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "capture_server/simulation/figure_hits.h"
+#include "capture_server/simulation/figure_raster.h"
+#include "capture_server/simulation/figure_rays.h"
+#include "capture_server/simulation/figure_surface.h"
 #include "capture_server/simulation/room_view.h"
 #include "capture_server/simulation/sight.h"
 #include "capture_server/simulation/true_view.h"
@@ -24,39 +26,38 @@ class FigureView {
  public:
   FigureView(std::shared_ptr<const World> world, const Sight& sight);
 
-  /// Puts the room back into `view` wherever draw() may have put the figure.
+  /// Puts the room back into `view` wherever draw() has put the figure.
   void erase(const RoomView& room, TrueView& view);
+
+  enum class How {
+    kByRays,      ///< exact
+    kByTriangles  ///< quicker and the same but for rounding, see FigureRaster; by rays where that cannot
+  };
 
   /// Draws it where the room is not nearer. `pose`: world from each part; `capsules`: the parts in the world, for their shadows on each
   /// other. Requires an erased view, and the sight that the object was made with.
   void draw(const Sight& sight, const RoomView& room, std::span<const Eigen::Isometry3f> pose,
-            std::span<const Capsule> capsules, TrueView& view);
+            std::span<const Capsule> capsules, How how, TrueView& view);
 
  private:
-  struct Sphere {
-    Eigen::Vector3f center;
-    float radius = 0;
-  };
-
-  void bound_parts();
-  void find_cells(const Sight& sight, std::span<const Eigen::Isometry3f> pose);
-  template <class Visit>
-  void for_each_run(Visit&& visit) const;
-  void draw_parts(const Sight& sight, const RoomView& room, std::span<const Eigen::Isometry3f> pose,
-                  std::span<const Capsule> capsules, TrueView& view);
-  Eigen::Vector2f uv_change(std::size_t pixel, std::size_t distance) const;
-  Eigen::Vector3f mean_albedo(const Material& material, std::size_t pixel) const;
-  void smooth_outline(const Sight& sight, const RoomView& room, TrueView& view);
+  void draw_some(std::size_t part, const Eigen::Isometry3f& world_from_part, std::span<const Hit> hits,
+                 const Sight& sight, std::span<const Capsule> capsules, TrueView& view);
+  void smooth_outline(const RoomView& room, TrueView& view) const;
 
   std::shared_ptr<const World> world_;
-  PosedScene posed_;
-  std::size_t width_, height_;                 // of the picture
-  std::vector<std::vector<Sphere>> bounds_;    // per part, in its own frame: together they hold all of it
-  Image<std::uint8_t> cells_;                  // rows of cells in which the figure may be
-  std::vector<std::int8_t> part_of_;           // per pixel: the figure's part, or -1
-  std::vector<Eigen::Vector3f> figure_light_;  // per pixel, valid where part_of_ >= 0
-  std::vector<Eigen::Vector2f> figure_uv_;     // likewise
-  std::vector<Ray> rays_;
+  FigureRays rays_;
+  FigureRaster raster_;
+  FigureHits hits_;
+  PatternImage pattern_;
+  std::vector<Eigen::Vector3f> light_;  // per pixel, valid where a part is seen
+
+  // Of the hits that are being drawn.
+  PartSurface surface_;
+  MovingLight surface_light_;                      // before shadows
+  std::vector<float> hidden_;                      // share of the first lamp that is shaded
+  std::vector<float> look_u_, look_v_;             // see spread_looks()
+  std::array<std::vector<float>, 3> look_colors_;  // likewise; the first become light
+  std::vector<Rgb8> screen_;
 };
 
 }  // namespace copresence::simulation

@@ -27,7 +27,8 @@ constexpr std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) 
 
 /// 0 <= result < 1.
 constexpr float unit(std::uint32_t hashed) {
-  return static_cast<float>(hashed >> 8) * 0x1p-24f;
+  return static_cast<float>(static_cast<std::int32_t>(hashed >> 8)) *
+         0x1p-24f;  // signed: one instruction for eight
 }
 
 /// Approximately normal, mean 0, standard deviation 1, within +-3.5: the sum of the four bytes.

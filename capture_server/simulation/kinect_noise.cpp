@@ -45,8 +45,7 @@ KinectNoise::KinectNoise(const CameraModel& model, DepthUnit unit, std::uint32_t
   const int width = model.width, height = model.height;
   pattern_ = Image<float>(width, height);
   strength_needed_ = Image<float>(width, height);
-  for (Image<float>* image :
-       {&error_, &beside_x_, &beside_y_, &luck_, &rivals_, &rivals_fixed_, &signal_, &back_}) {
+  for (Image<float>* image : {&rivals_fixed_, &signal_, &back_}) {
     image->resize(width, height);
   }
 
@@ -81,31 +80,36 @@ void KinectNoise::cast_shadow(const TrueView& view) {
   const int margin = static_cast<int>(std::ceil(shift / kLeastDepth)) + 2;
   const int width = model_.width, columns = width + margin;
   constexpr float kFar = 1e9f;
+  exact_column_.resize(static_cast<std::size_t>(width));
   column_.resize(static_cast<std::size_t>(width));
   for (int y = 0; y < model_.height; ++y) {
     const float* __restrict z = view.depth_m.row(y).data();
     const float* __restrict infrared = view.infrared.row(y).data();
     float* __restrict signal = signal_.row(y).data();
     float* __restrict back = back_.row(y).data();
-    float* __restrict column = column_.data();
+    float* __restrict exact_column = exact_column_.data();
+    int* __restrict column = column_.data();
+#pragma GCC ivdep
     for (int x = 0; x < width; ++x) {
       const float inverse = 1 / std::max(z[x], kLeastDepth);
-      column[x] = static_cast<float>(x + margin) - shift * inverse;
+      const float exact = static_cast<float>(x + margin) - shift * inverse;
+      exact_column[x] = exact;
+      column[x] = static_cast<int>(exact);
       signal[x] = kLevels * inverse;
       back[x] = infrared[x] * (1.25f - 0.09f * z[x]);
     }
     nearest_.assign(static_cast<std::size_t>(columns) + 2, kFar);
-    float* near = nearest_.data();
+    float* __restrict near = nearest_.data();
     for (int x = 0; x < width; ++x) {
       if (z[x] < kLeastDepth) continue;
-      const int last = static_cast<int>(column[x]);
+      const int last = column[x];
       near[last] = std::min(near[last], z[x]);
-      if (x == 0 || column[x] - column[x - 1] <= 1 || std::abs(z[x] - z[x - 1]) >= 0.03f * z[x]) continue;
-      for (int c = static_cast<int>(column[x - 1]) + 1; c < last; ++c) near[c] = std::min(near[c], z[x]);
+      if (x == 0 || last - column[x - 1] <= 1) continue;
+      if (exact_column[x] - exact_column[x - 1] <= 1 || std::abs(z[x] - z[x - 1]) >= 0.03f * z[x]) continue;
+      for (int c = column[x - 1] + 1; c < last; ++c) near[c] = std::min(near[c], z[x]);
     }
-    for (int x = 0; x < width; ++x) {
-      if (near[static_cast<int>(column[x])] < z[x] * 0.96f) signal[x] = 0;
-    }
+#pragma GCC ivdep
+    for (int x = 0; x < width; ++x) signal[x] = near[column[x]] < z[x] * 0.96f ? 0.0f : signal[x];
   }
 }
 
@@ -116,11 +120,9 @@ void KinectNoise::expose(const TrueView& view, std::uint64_t frame, DepthImage& 
   cast_shadow(view);
   const std::uint32_t frame_seed =
       hash(seed_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32));
-  fill_blob_noise(3, hash(frame_seed, 1), error_);
-  fill_blob_noise(4, hash(frame_seed, 2), beside_x_);
-  fill_blob_noise(4, hash(frame_seed, 3), beside_y_);
-  fill_blob_noise(5, hash(frame_seed, 4), luck_);
-  fill_blob_noise(7, hash(frame_seed, 5), rivals_);
+  BlobRows errors(3, hash(frame_seed, 1), width), besides_x(4, hash(frame_seed, 2), width),
+      besides_y(4, hash(frame_seed, 3), width), lucks(5, hash(frame_seed, 4), width),
+      all_rivals(7, hash(frame_seed, 5), width);
 
   const float* __restrict signal = signal_.data();
   const float* __restrict back = back_.data();
@@ -130,11 +132,11 @@ void KinectNoise::expose(const TrueView& view, std::uint64_t frame, DepthImage& 
     const float* __restrict pattern = pattern_.row(y).data();
     const float* __restrict needed = strength_needed_.row(y).data();
     const float* __restrict drowning = drowning_.row(y).data();
-    const float* __restrict error = error_.row(y).data();
-    const float* __restrict beside_x = beside_x_.row(y).data();
-    const float* __restrict beside_y = beside_y_.row(y).data();
-    const float* __restrict luck = luck_.row(y).data();
-    const float* __restrict rivals = rivals_.row(y).data();
+    const float* __restrict error = errors.next().data();
+    const float* __restrict beside_x = besides_x.next().data();
+    const float* __restrict beside_y = besides_y.next().data();
+    const float* __restrict luck = lucks.next().data();
+    const float* __restrict rivals = all_rivals.next().data();
     std::uint16_t* __restrict out = depth.row(y).data();
     for (int x = 0; x < width; ++x) {
       const int dx = static_cast<int>(std::floor(kBeside * beside_x[x] + 0.5f));

@@ -61,14 +61,14 @@ class KinectNoise {
   CameraModel model_;
   DepthUnit unit_;
   std::uint32_t seed_;
-  Image<float> pattern_;          // fixed error of the disparity, in levels
-  Image<float> strength_needed_;  // fixed part of what a return must have
-  Image<float> rivals_fixed_;     // where other projectors disturb in every frame
-  Image<float> drowning_;         // how much of this frame's luck they need to drown a pixel
-  Image<float> error_, beside_x_, beside_y_, luck_, rivals_;  // this frame's noise
-  Image<float> signal_, back_;                                // what comes back, see cast_shadow()
-  std::vector<float> column_;                                 // per pixel of a row, its projector column
-  std::vector<float> nearest_;                                // per projector column, the nearest surface
+  Image<float> pattern_;             // fixed error of the disparity, in levels
+  Image<float> strength_needed_;     // fixed part of what a return must have
+  Image<float> rivals_fixed_;        // where other projectors disturb in every frame
+  Image<float> drowning_;            // how much of this frame's luck they need to drown a pixel
+  Image<float> signal_, back_;       // what comes back, see cast_shadow()
+  std::vector<float> exact_column_;  // per pixel of a row, its projector column
+  std::vector<int> column_;          // rounded down
+  std::vector<float> nearest_;       // per projector column, the nearest surface
 };
 
 }  // namespace copresence::simulation

@@ -30,6 +30,29 @@ float falloff(const AreaLight& light, const Vector3f& position, const Vector3f& 
   return facing > 0 && shining > 0 ? facing * shining / square : 0.0f;
 }
 
+// The same from a lamp's middle, at many places.
+void falloff(const AreaLight& light, const MovingPoints& points, std::span<float> shares) {
+  const Vector3f front = front_of(light);
+  const float lx = light.center.x(), ly = light.center.y(), lz = light.center.z();
+  const float fx = front.x(), fy = front.y(), fz = front.z();
+  const float* __restrict px = points.places.x.data();
+  const float* __restrict py = points.places.y.data();
+  const float* __restrict pz = points.places.z.data();
+  const float* __restrict nx = points.normal_x.data();
+  const float* __restrict ny = points.normal_y.data();
+  const float* __restrict nz = points.normal_z.data();
+  float* __restrict share = shares.data();
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const float tx = lx - px[i], ty = ly - py[i], tz = lz - pz[i];
+    const float square = std::max(tx * tx + (ty * ty + tz * tz), 0.04f), root = std::sqrt(square);
+    const float dx = tx / root, dy = ty / root, dz = tz / root;
+    const float facing = nx[i] * dx + (ny[i] * dy + nz[i] * dz);
+    const float shining = 0.35f - 0.65f * (fx * dx + (fy * dy + fz * dz));
+    share[i] = (facing > 0) & (shining > 0) ? facing * shining / square : 0.0f;
+  }
+}
+
 Vector3f direct(const AreaLight& light, const RayScene& scene, const Vector3f& position,
                 const Vector3f& normal) {
   const Vector3f start = position + 0.004f * normal;
@@ -117,65 +140,33 @@ BakedLight bake_light(const Furnishing& world, const RayScene& scene) {
   return baked;
 }
 
-Light light_at(const Furnishing& world, const BakedLight& baked, const Vector3f& position,
-               const Vector3f& normal) {
-  Light light;
-  for (std::size_t i = 0; i < world.lights.size(); ++i) {
-    const AreaLight& lamp = world.lights[i];
-    (i == 0 ? light.lamp : light.rest) += lamp.power * falloff(lamp, position, normal, lamp.center);
+void MovingPoints::resize(std::size_t count) {
+  places.resize(count);
+  for (auto* values : {&normal_x, &normal_y, &normal_z}) values->resize(count);
+}
+
+void light_at(const Furnishing& world, const BakedLight& baked, const MovingPoints& points,
+              MovingLight& light) {
+  const std::size_t n = points.places.size();
+  const float* __restrict normal_y = points.normal_y.data();
+  std::vector<float> shares(n);
+  for (std::size_t c = 0; c < 3; ++c) {
+    light.lamp[c].assign(n, 0.0f);
+    light.rest[c].assign(n, 0.0f);
   }
-  light.rest += baked.reflected_mean * (1.0f - 0.25f * normal.y());
-  return light;
-}
-
-void ShadowPoints::add(const Vector3f& position, const Vector3f& lamp) {
-  const Vector3f to = lamp - position;
-  const float length = to.norm();
-  x.push_back(position.x());
-  y.push_back(position.y());
-  z.push_back(position.z());
-  to_x.push_back(to.x() / length);
-  to_y.push_back(to.y() / length);
-  to_z.push_back(to.z() / length);
-  distance.push_back(length);
-}
-
-// The closest approach of the way to the lamp and the capsule's axis decides: the lamp's disc seen past an
-// edge.
-void shade(const ShadowPoints& points, std::span<const Capsule> capsules, float lamp_radius,
-           std::span<float> hidden) {
-  assert(hidden.size() == points.size());
-  const std::size_t n = points.size();
-  const float* __restrict px = points.x.data();
-  const float* __restrict py = points.y.data();
-  const float* __restrict pz = points.z.data();
-  const float* __restrict lx = points.to_x.data();
-  const float* __restrict ly = points.to_y.data();
-  const float* __restrict lz = points.to_z.data();
-  const float* __restrict far = points.distance.data();
-  float* __restrict out = hidden.data();
-  std::fill(hidden.begin(), hidden.end(), 0.0f);
-  for (const Capsule& capsule : capsules) {
-    const Vector3f axis = capsule.to - capsule.from;
-    const float ax = capsule.from.x(), ay = capsule.from.y(), az = capsule.from.z();
-    const float ex = axis.x(), ey = axis.y(), ez = axis.z(), radius = capsule.radius;
-    const float square = std::max(axis.squaredNorm(), 1e-8f);
-    for (std::size_t i = 0; i < n; ++i) {
-      const float wx = px[i] - ax, wy = py[i] - ay, wz = pz[i] - az;
-      const float along = lx[i] * ex + ly[i] * ey + lz[i] * ez;
-      const float ray_w = lx[i] * wx + ly[i] * wy + lz[i] * wz, axis_w = ex * wx + ey * wy + ez * wz;
-      float s = (axis_w - along * ray_w) / std::max(square - along * along, 1e-6f * square);
-      s = std::min(std::max(s, 0.0f), 1.0f);
-      const float t = std::min(std::max(s * along - ray_w, 0.0f), far[i]);
-      const float dx = wx + t * lx[i] - s * ex, dy = wy + t * ly[i] - s * ey, dz = wz + t * lz[i] - s * ez;
-      const float gap = std::sqrt(dx * dx + dy * dy + dz * dz) - radius;
-      const float penumbra = lamp_radius * t / far[i] + 0.004f;
-      float cover = 0.5f - 0.5f * gap / penumbra;
-      cover = std::min(std::max(cover, 0.0f), 1.0f);
-      cover = cover * cover * (3 - 2 * cover);
-      cover = t > 0.02f ? cover : 0.0f;  // a point does not shade itself
-      out[i] = out[i] + cover - out[i] * cover;
+  for (std::size_t k = 0; k < world.lights.size(); ++k) {
+    falloff(world.lights[k], points, shares);
+    for (std::size_t c = 0; c < 3; ++c) {
+      float* __restrict sum = (k == 0 ? light.lamp : light.rest)[c].data();
+      const float* __restrict share = shares.data();
+      const float power = world.lights[k].power[static_cast<Eigen::Index>(c)];
+      for (std::size_t i = 0; i < n; ++i) sum[i] += power * share[i];
     }
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    float* __restrict sum = light.rest[c].data();
+    const float reflected = baked.reflected_mean[static_cast<Eigen::Index>(c)];
+    for (std::size_t i = 0; i < n; ++i) sum[i] += reflected * (1.0f - 0.25f * normal_y[i]);
   }
 }
 

@@ -8,6 +8,7 @@
 // Thread: values; free functions on const arguments are safe anywhere.
 
 #include <Eigen/Core>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -31,22 +32,40 @@ struct BakedLight {
 
 BakedLight bake_light(const Furnishing& world, const RayScene& scene);
 
-/// Light at a place among moving things, before anything shades it: lamps as points, the rest from the room's
-/// mean, more from above than from below. Requires a `normal` of length 1.
-Light light_at(const Furnishing& world, const BakedLight& baked, const Eigen::Vector3f& position,
-               const Eigen::Vector3f& normal);
-
-/// Places that moving things may shade, coordinate by coordinate so that many are computed at once.
+/// Places that moving things may shade from the first lamp, coordinate by coordinate so that many are computed at once.
 struct ShadowPoints {
-  std::vector<float> x, y, z;           ///< of the place, metres
+  std::vector<float> x, y, z;  ///< of the place, metres
+  Eigen::Vector3f lamp = Eigen::Vector3f::Zero();
   std::vector<float> to_x, to_y, to_z;  ///< direction to the lamp, length 1
   std::vector<float> distance;          ///< to the lamp
-  void add(const Eigen::Vector3f& position, const Eigen::Vector3f& lamp);
+
   std::size_t size() const { return x.size(); }
+  void resize(std::size_t count);
+  void add(const Eigen::Vector3f& position);
+
+  /// Fills in the way to the lamp from every place.
+  void aim_at(const Eigen::Vector3f& lamp_center);
 };
 
+/// Places on moving things.
+struct MovingPoints {
+  ShadowPoints places;
+  std::vector<float> normal_x, normal_y, normal_z;  ///< length 1
+
+  void resize(std::size_t count);
+};
+
+/// Light at such places before anything shades it: what Light is, channel by channel.
+struct MovingLight {
+  std::array<std::vector<float>, 3> lamp, rest;
+};
+
+/// Lamps as points, the rest from the room's mean, more from above than from below.
+void light_at(const Furnishing& world, const BakedLight& baked, const MovingPoints& points,
+              MovingLight& light);
+
 /// How much of a round lamp of radius `lamp_radius` the capsules hide from each point, 0 to 1, soft at the
-/// edges.
+/// edges. Quickest where points that follow each other are near each other. Requires aimed points.
 void shade(const ShadowPoints& points, std::span<const Capsule> capsules, float lamp_radius,
            std::span<float> hidden);
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 
 #include "common/frame/image.h"
 
@@ -45,10 +46,24 @@ struct Material {
 /// 0xRRGGBB as screens take it, in linear light.
 Eigen::Vector3f srgb(std::uint32_t hex);
 
+/// Places on a surface, and colours or light, coordinate by coordinate so that many are computed at once.
+struct Places {
+  std::span<const float> u, v;
+};
+struct Colors {
+  std::span<float> r, g, b;
+};
+
 /// What a screen needs to show this light: the sRGB curve with a soft shoulder above 0.8.
 Rgb8 to_screen(const Eigen::Vector3f& light);
 
+/// The same for many: `screen` says how many. Requires as many lights or more.
+void to_screen(const Colors& light, std::span<Rgb8> screen);
+
 /// The pattern's colour at a place on the surface.
 Eigen::Vector3f albedo(const Material& material, const Eigen::Vector2f& uv);
+
+/// The same for many places. Requires spans of one length that do not overlap.
+void albedo(const Material& material, const Places& places, const Colors& colors);
 
 }  // namespace copresence::simulation

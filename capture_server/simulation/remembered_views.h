@@ -17,6 +17,7 @@ class RememberedViews {
  public:
   explicit RememberedViews(std::size_t count) : views_(count) {}
 
+  std::size_t count() const { return views_.size(); }
   bool knows(std::size_t index) const { return views_[index].known; }
 
   /// `still`: the same view without the figure, the same at every call.

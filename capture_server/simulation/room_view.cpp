@@ -36,30 +36,62 @@ RoomView::RoomView(std::shared_ptr<const World> world, const Sight& sight) : wor
   color_ = still_.color;
 }
 
-Vector3f RoomView::light_along(const Ray& ray, const Vector3f& looking, Vector3f& of_lamp,
-                               bool mirrors) const {
-  of_lamp.setZero();
-  if (ray.mesh < 0) return Vector3f::Zero();
+// As many of the rays as met the same mesh as the first, for the pixels from `pixel` on. Returns how many those were.
+std::size_t RoomView::add_light(std::span<const Ray> rays, float share, std::size_t pixel) {
+  std::size_t n = 1;
+  while (n < rays.size() && rays[n].mesh == rays[0].mesh) ++n;
+  if (rays[0].mesh < 0) return n;
+  const auto m = static_cast<std::size_t>(rays[0].mesh);
+  const Mesh& mesh = world_->furnishing().meshes[m];
+  const Material& material = world_->furnishing().materials[static_cast<std::size_t>(mesh.material)];
+  for (auto* values : {&u_, &v_, &red_, &green_, &blue_}) values->resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& t = mesh.triangles[rays[i].triangle];
+    const Vector2f uv =
+        interpolate(rays[i], mesh.vertices[t[0]].uv, mesh.vertices[t[1]].uv, mesh.vertices[t[2]].uv);
+    u_[i] = uv.x();
+    v_[i] = uv.y();
+  }
+  albedo(material, {u_, v_}, {red_, green_, blue_});
+  for (std::size_t i = 0; i < n; ++i) {
+    const Light light = light_along(rays[i], {red_[i], green_[i], blue_[i]}, true);
+    still_light_[pixel + i] += share * light.rest;
+    still_lamp_[pixel + i] += share * light.lamp;
+  }
+  return n;
+}
+
+// What comes from where a ray ended, on a surface of this colour: in `rest` all of it, in `lamp` what the lamp has to do with
+// it.
+Light RoomView::light_along(const Ray& ray, const Vector3f& color, bool mirrors) const {
   const auto m = static_cast<std::size_t>(ray.mesh);
   const Mesh& mesh = world_->furnishing().meshes[m];
   const Material& material = world_->furnishing().materials[static_cast<std::size_t>(mesh.material)];
-  const Surface surface = surface_at(mesh, ray);
-  const Vector3f color = albedo(material, surface.uv);
-  if (material.emission > 0) return color * material.emission;
-
+  Light light;
+  if (material.emission > 0) {
+    light.rest = color * material.emission;
+    return light;
+  }
   const auto& t = mesh.triangles[ray.triangle];
   const auto& lights = world_->light().vertices[m];
-  of_lamp = color.cwiseProduct(interpolate(ray, lights[t[0]].lamp, lights[t[1]].lamp, lights[t[2]].lamp));
-  Vector3f light =
-      of_lamp + color.cwiseProduct(interpolate(ray, lights[t[0]].rest, lights[t[1]].rest, lights[t[2]].rest));
+  light.lamp = color.cwiseProduct(interpolate(ray, lights[t[0]].lamp, lights[t[1]].lamp, lights[t[2]].lamp));
+  light.rest = light.lamp +
+               color.cwiseProduct(interpolate(ray, lights[t[0]].rest, lights[t[1]].rest, lights[t[2]].rest));
   if (material.mirror > 0 && mirrors) {
+    const Surface surface = surface_at(mesh, ray);
+    const Vector3f looking = ray.direction.normalized();
     const Vector3f normal = surface.normal.dot(looking) > 0 ? Vector3f(-surface.normal) : surface.normal;
     const Vector3f away = looking - 2 * looking.dot(normal) * normal;
     Ray reflection{surface.position + 0.003f * normal, away};
     world_->still().trace({&reflection, 1});
-    Vector3f unused;
-    light = light * (1 - material.mirror) + material.mirror * light_along(reflection, away, unused, false);
-    of_lamp *= 1 - material.mirror;
+    Vector3f reflected = Vector3f::Zero();
+    if (reflection.mesh >= 0) {
+      const Mesh& met = world_->furnishing().meshes[static_cast<std::size_t>(reflection.mesh)];
+      const Material& of = world_->furnishing().materials[static_cast<std::size_t>(met.material)];
+      reflected = light_along(reflection, albedo(of, surface_at(met, reflection).uv), false).rest;
+    }
+    light.rest = light.rest * (1 - material.mirror) + material.mirror * reflected;
+    light.lamp *= 1 - material.mirror;
   }
   return light;
 }
@@ -91,11 +123,7 @@ void RoomView::trace(const Sight& sight) {
         row[x] = Ray{sight.eye, sight.direction(start + x, offset)};
       }
       world_->still().trace(row);
-      for (std::size_t x = 0; x < width; ++x) {
-        Vector3f of_lamp;
-        still_light_[start + x] += kShare * light_along(row[x], row[x].direction.normalized(), of_lamp, true);
-        still_lamp_[start + x] += kShare * of_lamp;
-      }
+      for (std::size_t x = 0; x < width;) x += add_light(std::span(row).subspan(x), kShare, start + x);
     }
     for (std::size_t x = 0; x < width; ++x)
       still_.color.data()[start + x] = to_screen(still_light_[start + x]);
@@ -117,10 +145,11 @@ void RoomView::find_shadow_blocks(const Sight& sight) {
       const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(sight.model.width) +
                      static_cast<std::size_t>(x);
       if (still_.depth_m.data()[i] <= 0 || still_lamp_[i].maxCoeff() <= 0.002f) continue;
-      points.add(sight.eye + still_.depth_m.data()[i] * sight.directions[i], lamp);
+      points.add(sight.eye + still_.depth_m.data()[i] * sight.directions[i]);
       blocks.push_back({x, y});
     }
   }
+  points.aim_at(lamp);
   std::vector<float> hidden(points.size());
   shade(points, {&reach, 1}, kLampRadius, hidden);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -129,8 +158,9 @@ void RoomView::find_shadow_blocks(const Sight& sight) {
     const bool inside = std::hypot(position.x() - feet.x(), position.z() - feet.z()) < kFigureReach;
     if (hidden[i] <= 0 && !inside) continue;
     blocks_.push_back(blocks[i]);
-    shadow_points_.add(position, lamp);
+    shadow_points_.add(position);
   }
+  shadow_points_.aim_at(lamp);
   hidden_.assign(blocks_.size(), 0.0f);
 }
 

@@ -40,8 +40,8 @@ class RoomView {
 
   void trace(const Sight& sight);
   void find_shadow_blocks(const Sight& sight);
-  Eigen::Vector3f light_along(const Ray& ray, const Eigen::Vector3f& looking, Eigen::Vector3f& of_lamp,
-                              bool mirrors) const;
+  std::size_t add_light(std::span<const Ray> rays, float share, std::size_t pixel);
+  Light light_along(const Ray& ray, const Eigen::Vector3f& color, bool mirrors) const;
 
   std::shared_ptr<const World> world_;
   TrueView still_;
@@ -49,8 +49,9 @@ class RoomView {
   std::vector<Block> blocks_;
   ShadowPoints shadow_points_;
   std::vector<float> hidden_;
-  std::vector<Eigen::Vector3f> light_;  // per pixel: the still light with the figure's shadow
-  ColorImage color_;                    // the same as seen
+  std::vector<Eigen::Vector3f> light_;             // per pixel: the still light with the figure's shadow
+  ColorImage color_;                               // the same as seen
+  std::vector<float> u_, v_, red_, green_, blue_;  // of neighbouring rays, see add_light()
 };
 
 }  // namespace copresence::simulation

@@ -109,13 +109,17 @@ void SimulatedKinect::expose(double phase, std::uint64_t frame, DepthImage& dept
   response_.expose(truth_->color, frame, color);
 }
 
+void SimulatedKinect::foresee() {
+  if (foreseen_) return;
+  const std::size_t views = camera_.sees_motion() ? kPeriodFrames : 1;
+  foreseen_ = std::make_unique<RememberedViews>(views);
+  for (std::size_t i = 0; i < views; ++i)
+    foreseen_->remember(i, camera_.glance(phase_of_frame(i, kPeriodFrames)), camera_.still());
+}
+
 void SimulatedKinect::expose_live(std::uint64_t frame, DepthImage& depth, ColorImage& color) {
-  constexpr std::size_t kViews = kPeriodFrames;
-  if (!remembered_) remembered_ = std::make_unique<RememberedViews>(kViews);
-  const auto index = static_cast<std::size_t>(frame % kViews);
-  if (!remembered_->knows(index))
-    remembered_->remember(index, camera_.look(phase_of_frame(index, kViews)), camera_.still());
-  truth_ = &remembered_->show(index, camera_.still());
+  assert(foreseen_);
+  truth_ = &foreseen_->show(static_cast<std::size_t>(frame % foreseen_->count()), camera_.still());
   expose_depth(frame, depth);
   response_.expose(truth_->color, frame, color);
 }

@@ -53,9 +53,12 @@ class SimulatedKinect {
   /// frame number.
   void expose(double phase, std::uint64_t frame, DepthImage& depth, ColorImage& color);
 
-  /// The same at the pace of a live camera: the world is at the phase of frame `frame` of an endless motion of
-  /// kPeriodFrames. What was seen in one period is remembered (about 30 MB), so that from the second on a frame costs
-  /// little more than its noise.
+  /// Looks at one period of the figure's motion ahead, by triangles (TrueCamera::glance()), and remembers it: about 30 MB.
+  /// From then on a frame costs little more than its noise.
+  void foresee();
+
+  /// The same as expose() at the pace of a live camera: the world is at the phase of frame `frame` of an endless motion of
+  /// kPeriodFrames. Requires foresee().
   void expose_live(std::uint64_t frame, DepthImage& depth, ColorImage& color);
 
   /// The truth behind the last exposure.
@@ -73,7 +76,7 @@ class SimulatedKinect {
   Projectors on_;
   KinectNoise noise_;
   ColorResponse response_;
-  std::unique_ptr<RememberedViews> remembered_;  // made when first needed
+  std::unique_ptr<RememberedViews> foreseen_;  // one period, once foresee() was called
   const TrueView* truth_ = nullptr;
 };
 

@@ -19,6 +19,14 @@ TrueCamera::TrueCamera(std::shared_ptr<const World> world, const CameraModel& mo
       view_(room_.still()) {}
 
 const TrueView& TrueCamera::look(double phase) {
+  return draw(phase, FigureView::How::kByRays);
+}
+
+const TrueView& TrueCamera::glance(double phase) {
+  return draw(phase, FigureView::How::kByTriangles);
+}
+
+const TrueView& TrueCamera::draw(double phase, FigureView::How how) {
   const Figure& figure = world_->figure();
   if (figure.empty()) return view_;
   drawn_.erase(room_, view_);
@@ -29,7 +37,7 @@ const TrueView& TrueCamera::look(double phase) {
     capsules.push_back({pose[i] * capsule.from, pose[i] * capsule.to, capsule.radius});
   }
   room_.cast_shadows(capsules, view_.color);
-  drawn_.draw(sight_, room_, pose, capsules, view_);
+  drawn_.draw(sight_, room_, pose, capsules, how, view_);
   return view_;
 }
 

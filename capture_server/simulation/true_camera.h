@@ -29,14 +29,21 @@ class TrueCamera {
   /// The view at a time. It is the camera's own and changes at the next look.
   const TrueView& look(double phase);
 
+  /// The same in a fraction of the time and but for rounding: depth to some micrometres, a few pixels on edges.
+  const TrueView& glance(double phase);
+
   /// The view without the figure.
   const TrueView& still() const { return room_.still(); }
+
+  /// Whether anything moves in its world.
+  bool sees_motion() const { return !world_->figure().empty(); }
 
   const CameraModel& model() const { return sight_.model; }
   const Rigid3& world_from_camera() const { return sight_.world_from_camera; }
 
  private:
   TrueCamera(std::shared_ptr<const World> world, const CameraModel& model, const Rigid3& world_from_camera);
+  const TrueView& draw(double phase, FigureView::How how);
 
   std::shared_ptr<const World> world_;
   Sight sight_;

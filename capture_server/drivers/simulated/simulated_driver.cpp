@@ -42,7 +42,7 @@ constexpr int kWidth = 640, kHeight = 480;
 constexpr int kMaxDepth = 10000;  // greater than every pixel's
 constexpr milliseconds kWatchEvery(50);
 
-// A camera at its place with everything traced that never moves. Kept when its device is closed: plugging it in again
+// A camera at its place with everything traced that it will see. Kept when its device is closed: plugging it in again
 // takes no second.
 using Camera = std::shared_ptr<simulation::SimulatedKinect>;
 
@@ -305,6 +305,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
     if (!camera) return fail(camera.error());
     known.uri = uri;
     known.camera = std::make_shared<simulation::SimulatedKinect>(std::move(*camera));
+    known.camera->foresee();
     return known.camera;
   }
 

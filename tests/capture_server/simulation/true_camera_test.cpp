@@ -123,6 +123,65 @@ TEST(TrueCamera, FindsAllOfTheFigure) {
   }
 }
 
+TEST(TrueCamera, GlancesAtWhatItLooksAt) {
+  const auto world = world_with_person();
+  const CameraModel model = small_kinect();
+  for (const auto& pose : {look_from({0, 0, 0}, {0, 0, 2}), look_from({1.5, -0.6, 1.2}, {0, -0.2, 2})}) {
+    auto tracing = TrueCamera::make(world, model, pose).value(),
+         glancing = TrueCamera::make(world, model, pose).value();
+    for (const double phase : {0.0, 0.13, 0.5, 0.81}) {
+      const TrueView &traced = tracing.look(phase), &seen = glancing.glance(phase);
+      int other_depth = 0, other_color = 0;
+      for (std::size_t i = 0; i < traced.depth_m.pixels().size(); ++i) {
+        other_depth += std::abs(traced.depth_m.data()[i] - seen.depth_m.data()[i]) > 1e-4f;
+        other_color += std::abs(int(traced.color.data()[i].g) - int(seen.color.data()[i].g)) > 2;
+      }
+      EXPECT_LE(other_depth, 3) << phase;
+      EXPECT_LE(other_color, 10) << phase;
+    }
+  }
+}
+
+TEST(TrueCamera, GlancesThroughALensAndAtSomebodyBesideItAsItLooks) {
+  // Neither can be drawn by triangles.
+  const auto world = world_with_person();
+  CameraModel lens = small_kinect();
+  lens.distortion = {0.1, -0.2, 0, 0, 0, 0, 0, 0};
+  const std::pair<CameraModel, Rigid3> cases[] = {{lens, {}},
+                                                  {small_kinect(), look_from({0, 0, 1.95}, {0, 0, 3})}};
+  for (const auto& [model, pose] : cases) {
+    auto tracing = TrueCamera::make(world, model, pose).value(),
+         glancing = TrueCamera::make(world, model, pose).value();
+    EXPECT_EQ(tracing.look(0.3).depth_m, glancing.glance(0.3).depth_m);
+    EXPECT_EQ(tracing.look(0.3).color, glancing.glance(0.3).color);
+  }
+}
+
+TEST(TrueCamera, GlancesAtThinThingsFromBothSides) {
+  // A sheet is open: its back shows.
+  Furnishing furnishing = wall_at(3);
+  const int paper = furnishing.add(Material{});
+  Figure sheet;
+  sheet.parts.push_back(panel({0, 0, 0}, {0.3f, 0, 0}, {0, 0.2f, 0}, paper, 0.1f));
+  sheet.capsules.push_back({{0, 0, 0}, {0, 0.01f, 0}, 0.01f});
+  sheet.motion = [](double phase) {
+    Eigen::Isometry3f place = Eigen::Isometry3f::Identity();
+    place.translate(Eigen::Vector3f(0, 0, 2));
+    place.rotate(Eigen::AngleAxisf(static_cast<float>(2 * M_PI * phase), Eigen::Vector3f::UnitY()));
+    return std::vector{place};
+  };
+  auto camera = TrueCamera::make(
+                    std::make_shared<const World>(World::of(std::move(furnishing), std::move(sheet)).value()),
+                    small_kinect(), {})
+                    .value();
+  for (const double phase : {0.0, 0.5}) {
+    const TrueView& view = camera.glance(phase);
+    EXPECT_NEAR(view.depth_m(160, 120), 2, 1e-3) << phase;
+    EXPECT_NEAR(view.depth_m(160 + 40, 120), 2, 1e-3) << phase;
+    EXPECT_NEAR(view.depth_m(160 + 48, 120), 3, 1e-3) << phase;  // 0.3 m are 44 pixels: beside it
+  }
+}
+
 TEST(TrueCamera, RefusesWhatCannotBe) {
   const auto world = world_of(wall_at(2));
   CameraModel odd = small_kinect();

@@ -105,8 +105,9 @@ TEST(World, LightFallsOffWithDistanceAndStopsAtSolids) {
 TEST(World, CapsulesShadeWhatLiesBehindThem) {
   ShadowPoints points;
   const Eigen::Vector3f lamp(0, -2, 0);
-  points.add({0, 0, 0}, lamp);
-  points.add({0.5f, 0, 0}, lamp);
+  points.add({0, 0, 0});
+  points.add({0.5f, 0, 0});
+  points.aim_at(lamp);
   std::vector<float> hidden(2);
   const Capsule bar{{-0.05f, -1, -1}, {-0.05f, -1, 1}, 0.1f};
   shade(points, {&bar, 1}, 0.02f, hidden);

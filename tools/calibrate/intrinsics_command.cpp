@@ -107,6 +107,7 @@ nlohmann::json to_json(const LensFit& fit, const std::string& camera) {
     dropped.push_back({{"picture", view.picture}, {"why", view.why}});
   const CameraModel& m = fit.model;
   return {{"camera", camera},
+          {"distortion_fitted", fit.distortion},
           {"rms_px", fit.rms_px},
           {"focal_sigma_px", fit.focal_sigma_px},
           {"center_sigma_px", fit.center_sigma_px},
@@ -130,9 +131,11 @@ void print_fit(const LensFit& fit, const Pictures& pictures) {
   for (const ViewFit& view : fit.views) fmt::print("{:<24}{:.3f} px\n", view.picture, view.rms_px);
   for (const DroppedView& view : fit.dropped) fmt::print("{:<24}left out: {}\n", view.picture, view.why);
   fmt::print(
-      "fx {:.2f} fy {:.2f} (+- {:.2f}) cx {:.2f} cy {:.2f} (+- {:.2f}) pixels, reprojection error {:.3f} px, "
-      "{:.0f} % of the picture covered\n",
-      m.fx, m.fy, fit.focal_sigma_px, m.cx, m.cy, fit.center_sigma_px, fit.rms_px, 100 * fit.covered);
+      "fx {:.2f} fy {:.2f} (+- {:.2f}) cx {:.2f} cy {:.2f} (+- {:.2f}) pixels, distortion {}, reprojection "
+      "error "
+      "{:.3f} px, {:.0f} % of the picture covered\n",
+      m.fx, m.fy, fit.focal_sigma_px, m.cx, m.cy, fit.center_sigma_px, fit.distortion, fit.rms_px,
+      100 * fit.covered);
   if (fit.covered < 0.6) {
     fmt::print(
         "the picture's rim is little covered: show the board in its corners too, or its distortion is a "

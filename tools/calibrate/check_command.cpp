@@ -7,6 +7,7 @@
 #include "tools/calibrate/agreement_picture.h"
 #include "tools/calibrate/alignment/agreement.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/picture_file.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/still_view.h"
 
@@ -114,11 +115,11 @@ Command check_command(CLI::App& program) {
       ->check(command_line::file_name());
   add_source_options(*parser, options->sources, 2, 64);
   parser->add_option("--json", options->json, "also tells everything to this file")
-      ->check(command_line::file_name());
+      ->check(command_line::writable_file());
   parser
       ->add_option("--picture", options->picture,
                    "write how far surfaces of each pair lie apart as coloured pictures (.png or .jpg)")
-      ->check(command_line::file_name());
+      ->check(picture_file_name());
   parser
       ->add_option("--most-sigmas", options->most_median_sigmas,
                    "largest good median, in units of the sensors' expected noise")

@@ -10,6 +10,7 @@
 #include "tools/calibrate/agreement_picture.h"
 #include "tools/calibrate/alignment/refinement.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/picture_file.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/still_view.h"
 
@@ -241,13 +242,13 @@ Command refine_command(CLI::App& program) {
   add_source_options(*parser, options->sources, 2, 64);
   parser->add_option("--out", options->out, "the scene file to write; may be the same")
       ->required()
-      ->check(command_line::file_name());
+      ->check(command_line::replaceable_file());
   parser->add_option("--json", options->json, "also tells everything to this file")
-      ->check(command_line::file_name());
+      ->check(command_line::writable_file());
   parser
       ->add_option("--picture", options->picture,
                    "write how far surfaces lie apart, before and after, as coloured pictures (.png or .jpg)")
-      ->check(command_line::file_name());
+      ->check(picture_file_name());
   return {parser, [options] { return run(*options); }};
 }
 

@@ -84,7 +84,8 @@ std::string tell(const CameraRefinement& camera) {
       break;
   }
   std::string text = fmt::format("moved {:.1f} mm and {:.2f} degrees", camera.moved_mm, camera.moved_deg);
-  if (camera.error_mm > 0) text += fmt::format(", expected to be {:.1f} mm off now", camera.error_mm);
+  text += camera.error_mm > 0 ? fmt::format(", expected to be {:.1f} mm off now", camera.error_mm)
+                              : ", how far off it is now nobody knows";
   if (camera.contradicts_told) {
     text += fmt::format(
         "; the surfaces lie farther from the given pose than its error of {:.1f} mm explains, so it was "
@@ -176,10 +177,15 @@ Result<void> run(const Options& options) {
     poses.push_back(view.world_from_camera);
     errors_m.push_back(error_to(views->front(), view));
   }
-  const alignment::Refinement refinement = alignment::refine(surfaces, poses, errors_m);
+  alignment::Refinement refinement = alignment::refine(surfaces, poses, errors_m);
   for (const alignment::PairRefinement& pair : refinement.pairs) {
     fmt::print("{} - {}\n  before  {}\n  after   {}\n", (*views)[pair.a].name, (*views)[pair.b].name,
                to_text(pair.before), to_text(pair.after));
+    const std::string wrong = complaint(pair.after, {});
+    if (wrong.empty()) continue;
+    fmt::print("  still not good: {}; were the poses given more than 10 cm or 5 degrees off?\n", wrong);
+    for (const std::size_t i : {pair.a, pair.b})
+      refinement.cameras[i].error_mm = 0;  // it is in another place
   }
   bool any = false;
   for (std::size_t i = 0; i < views->size(); ++i) {
@@ -215,7 +221,8 @@ Result<void> run(const Options& options) {
       camera.world_from_camera = refinement.cameras[i].world_from_camera;
       const double error_mm =
           std::max(1000 * kLeastError_m, std::round(10 * refinement.cameras[i].error_mm) / 10);
-      if (refinement.cameras[i].error_mm > 0) camera.calibration_error_mm = error_mm;
+      camera.calibration_error_mm =
+          refinement.cameras[i].error_mm > 0 ? std::optional(error_mm) : std::nullopt;
     }
   }
   return scene::save(*scene, options.out, options.scene);

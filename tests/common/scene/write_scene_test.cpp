@@ -249,6 +249,23 @@ TEST_F(SaveScene, ReplacesAFileAndKeepsItsComments) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);  // nothing unfinished is left
 }
 
+TEST_F(SaveScene, FollowsALinkAndKeepsWhoMayRead) {
+  const fs::path file = folder_ / "shared.toml", link = folder_ / "scene.toml";
+  std::ofstream(file) << kLab;
+  constexpr auto kGroup =
+      fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read | fs::perms::group_write;
+  fs::permissions(file, kGroup);
+  fs::create_symlink("shared.toml", link);
+  auto scene = load(link);
+  ASSERT_TRUE(scene) << scene.error().what;
+  scene->cameras[0].model.fx = 500;
+  ASSERT_TRUE(save(*scene, link, link));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_THAT(text_of(file), HasSubstr("fx = 500.0"));
+  EXPECT_EQ(fs::status(file).permissions(), kGroup);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
+}
+
 TEST_F(SaveScene, WritesANewFileAndSaysWhereItCannot) {
   ASSERT_TRUE(save(lab(), folder_ / "new.toml", folder_ / "nothing.toml"));
   EXPECT_TRUE(load(folder_ / "new.toml"));

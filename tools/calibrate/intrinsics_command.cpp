@@ -260,9 +260,17 @@ Result<void> calibrate_depth_to_color(const LensSettings& settings) {
   const scene::Camera* known = *scene ? (*scene)->find(source.name) : nullptr;
   auto capture = Capture::open(source, known, Capture::Form::kAsDelivered);
   if (!capture) return fail(capture.error());
+  const sensor::SensorDescription& sensor = capture->sensor();
+  if (sensor.registered) {
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("{} says that its sensor registers colour to depth itself, so there is nothing to find; "
+                    "where it does not, put its colour camera's lens into the scene file first "
+                    "(--camera-info FILE --color-camera)",
+                    source.from));
+  }
   const auto frames = frames_of(*capture, settings.frames);
   if (!frames) return fail(frames.error());
-  const sensor::SensorDescription& sensor = capture->sensor();
   const auto fit =
       fit_depth_to_color(*frames, sensor.unit, sensor.depth, sensor.color, settings.board.dictionary);
   if (!fit) return fail(fit.error());

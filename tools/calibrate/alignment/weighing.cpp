@@ -41,7 +41,7 @@ std::optional<Opinion> opinion_at(const Problem& problem, const Frozen& frozen,
                                   std::span<const Rigid3> poses) {
   const bool any_frozen = frozen.directions.size() > 0;
   const Equations equations =
-      linearize(problem, poses, kWeighed, false, any_frozen ? &frozen.motions : nullptr);
+      linearize(problem, poses, kWeighed, Extra::kScatter, any_frozen ? &frozen.motions : nullptr);
   const Eigen::Index unknowns = equations.information.rows();
   Opinion opinion{equations.motions, Eigen::MatrixXd::Identity(unknowns, unknowns), {}};
   if (any_frozen) {

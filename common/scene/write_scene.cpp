@@ -235,8 +235,9 @@ Result<void> save(const Scene& scene, const fs::path& path, const fs::path& layo
     fs::remove(unfinished, ignored);
     return fail(
         ErrorCode::kUnavailable,
-        fmt::format("{}: cannot be written; is the folder there, may you write in it, and is the disk not full?",
-                    path.string()));
+        fmt::format(
+            "{}: cannot be written; is the folder there, may you write in it, and is the disk not full?",
+            path.string()));
   }
   return {};
 }

@@ -1,5 +1,7 @@
 #include "common/command_line/values.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -42,6 +44,25 @@ CLI::Option* add_checked(CLI::App& app, const std::string& flag, const std::stri
   return app.add_option_function<std::string>(flag, take, description)->check(check);
 }
 
+/// Why a file cannot be written; empty where it can.
+std::string unwritable(const std::string& text, bool is_replaced) {
+  namespace fs = std::filesystem;
+  if (text.empty()) return "\"\" is not a file's name";
+  std::error_code none;
+  const fs::path file(text), folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::string why;
+  if (!fs::is_directory(folder, none)) {
+    why = fmt::format("there is no folder {}", folder.string());
+  } else if (fs::is_directory(file, none)) {
+    why = "it is a folder";
+  } else if (fs::exists(file, none) && access(text.c_str(), W_OK) != 0) {
+    why = "it is write-protected";
+  } else if ((is_replaced || !fs::exists(file, none)) && access(folder.c_str(), W_OK) != 0) {
+    why = fmt::format("you may not write in the folder {}", folder.string());
+  }
+  return why.empty() ? why : fmt::format("\"{}\" is not a file that can be written: {}", text, why);
+}
+
 }  // namespace
 
 CLI::Validator must_be(std::string what, std::function<bool(const std::string&)> is_one,
@@ -58,6 +79,14 @@ CLI::Validator some(std::string what) {
 
 CLI::Validator file_name() {
   return some("a file's name");
+}
+
+CLI::Validator writable_file() {
+  return {[](const std::string& text) { return unwritable(text, false); }, ""};
+}
+
+CLI::Validator replaceable_file() {
+  return {[](const std::string& text) { return unwritable(text, true); }, ""};
 }
 
 CLI::Validator existing_file() {

@@ -32,6 +32,11 @@ CLI::Validator some(std::string what);
 
 /// A file's name; whether it is there or can be written is found out later.
 CLI::Validator file_name();
+/// A file that can be written as things stand: its folder is there, and neither is protected. So what takes minutes to
+/// make does not end at the last step.
+CLI::Validator writable_file();
+/// The same for one that is made beside its name first and then moved there, so that its folder must be writable, too.
+CLI::Validator replaceable_file();
 CLI::Validator existing_file();
 CLI::Validator existing_folder();
 

@@ -7,10 +7,14 @@
 namespace copresence {
 namespace {
 
+double radial_part(const std::array<double, 8>& k, double r2) {
+  const double r4 = r2 * r2, r6 = r4 * r2;
+  return (1 + k[0] * r2 + k[1] * r4 + k[4] * r6) / (1 + k[5] * r2 + k[6] * r4 + k[7] * r6);
+}
+
 Eigen::Vector2d distort(const std::array<double, 8>& k, const Eigen::Vector2d& p) {
   const double x = p.x(), y = p.y();
-  const double r2 = x * x + y * y, r4 = r2 * r2, r6 = r4 * r2;
-  const double radial = (1 + k[0] * r2 + k[1] * r4 + k[4] * r6) / (1 + k[5] * r2 + k[6] * r4 + k[7] * r6);
+  const double r2 = x * x + y * y, radial = radial_part(k, r2);
   return {x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x),
           y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y};
 }
@@ -23,6 +27,33 @@ Eigen::Vector2d undistort(const std::array<double, 8>& k, const Eigen::Vector2d&
     if (error.squaredNorm() < 1e-20) break;
   }
   return p;
+}
+
+// Polynomials fitted to few corners turn around, or have a pole, where no corner was.
+bool is_one_to_one(const CameraModel& camera) {
+  const double reach_x = std::max(std::abs(camera.cx), std::abs(camera.width - 1 - camera.cx)) / camera.fx,
+               reach_y = std::max(std::abs(camera.cy), std::abs(camera.height - 1 - camera.cy)) / camera.fy;
+  const double corner = std::hypot(reach_x, reach_y);
+  constexpr int kSteps = 400;
+  double before = 0;
+  for (int step = 1; before < corner; ++step) {
+    const double r = corner * step / kSteps, r2 = r * r;
+    const double pole =
+        1 + camera.distortion[5] * r2 + camera.distortion[6] * r2 * r2 + camera.distortion[7] * r2 * r2 * r2;
+    const double appears = r * radial_part(camera.distortion, r2);
+    if (!(pole > 0) || !(appears > before) || step > 10 * kSteps) return false;
+    before = appears;
+  }
+  // And unproject() finds the way back, all along the rim.
+  constexpr int kSides = 8;
+  for (int i = 0; i <= kSides; ++i) {
+    const double x = (camera.width - 1.0) * i / kSides, y = (camera.height - 1.0) * i / kSides;
+    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(x, 0), Eigen::Vector2d(x, camera.height - 1),
+                                         Eigen::Vector2d(0, y), Eigen::Vector2d(camera.width - 1, y)}) {
+      if (!((project(camera, unproject(camera, pixel, 1)) - pixel).norm() < 0.01)) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -56,6 +87,11 @@ Result<void> check(const CameraModel& camera) {
   if (!finite || camera.fx <= 0 || camera.fy <= 0) {
     return fail(ErrorCode::kInvalid,
                 "a camera's intrinsics must be finite numbers with positive focal lengths");
+  }
+  if (camera.is_distorted() && !is_one_to_one(camera)) {
+    return fail(
+        ErrorCode::kInvalid,
+        "a camera's distortion sends several rays to one pixel of its picture, or none: no lens does");
   }
   return {};
 }

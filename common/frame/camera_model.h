@@ -25,7 +25,7 @@ struct CameraModel {
 CameraModel camera_from_field_of_view(int width, int height, double horizontal, double vertical);
 
 /// What a camera model from outside must satisfy: even sizes from 2 to 4096, finite numbers, positive focal
-/// lengths.
+/// lengths, and a distortion that sends different rays to different pixels all over the picture.
 Result<void> check(const CameraModel& camera);
 
 /// Pixel at which a point of the camera frame (metres, z > 0) appears; may lie outside the image.

@@ -220,17 +220,24 @@ Result<void> save(const Scene& scene, const fs::path& path, const fs::path& layo
   } else {
     text = to_toml(scene, path);
   }
-  const fs::path unfinished = path.string() + ".new";
+  // Where the name is a link, what it leads to is replaced, and stays readable for whom it was.
+  std::error_code ignored, problem;
+  const fs::path target = fs::exists(path, ignored) ? fs::canonical(path, ignored) : path;
+  const auto rights = fs::status(target, ignored).permissions();
+  const fs::path unfinished = target.string() + ".new";
   std::ofstream file(unfinished, std::ios::binary);
   file << text << std::flush;
-  std::error_code problem;
-  if (file) fs::rename(unfinished, path, problem);
+  if (file && rights != fs::perms::unknown && fs::exists(target, ignored)) {
+    fs::permissions(unfinished, rights, ignored);
+  }
+  if (file) fs::rename(unfinished, target, problem);
   if (!file || problem) {
-    std::error_code ignored;
     fs::remove(unfinished, ignored);
     return fail(
         ErrorCode::kUnavailable,
-        fmt::format("{}: cannot be written; is the folder there, and the disk not full?", path.string()));
+        fmt::format(
+            "{}: cannot be written; is the folder there, may you write in it, and is the disk not full?",
+            path.string()));
   }
   return {};
 }

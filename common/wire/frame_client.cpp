@@ -32,15 +32,16 @@ class FrameClient::Connection {
     const auto target = parse_host_port(address_);
     if (!target) return fail(target.error());
     reach(*target);
-    return run_until([this] { return welcomed_; }, stop, Clock::now() + timeout);
+    return run_until([this] { return welcomed_; }, stop, Clock::now() + timeout,
+                     " does not answer: is a capture_server running there?");
   }
 
-  Result<ReceivedFrame> receive(const std::stop_token& stop) {
+  Result<ReceivedFrame> receive(const std::stop_token& stop, std::optional<Instant> latest) {
     last_heard_ = Clock::now();  // what lies in the socket since the last call is no silence
     if (!reading_ && !failure_) read_message();
-    if (const auto arrived = run_until([this] { return arrived_.has_value(); }, stop, {}); !arrived) {
-      return fail(arrived.error());
-    }
+    const auto arrived =
+        run_until([this] { return arrived_.has_value(); }, stop, latest, " sends no pictures");
+    if (!arrived) return fail(arrived.error());
     return *std::exchange(arrived_, std::nullopt);
   }
 
@@ -55,9 +56,10 @@ class FrameClient::Connection {
   std::uint64_t bytes_received() const { return bytes_received_; }
 
  private:
-  /// Runs the loop until `done` says so, the connection fails, or waiting is over.
+  /// Runs the loop until `done` says so, the connection fails, or waiting is over, which is said as `too_late`.
   template <class Done>
-  Result<void> run_until(const Done& done, const std::stop_token& stop, std::optional<Instant> deadline) {
+  Result<void> run_until(const Done& done, const std::stop_token& stop, std::optional<Instant> deadline,
+                         const char* too_late) {
     const std::stop_callback wake(stop, [this] { asio::post(io_, [] {}); });
     io_.restart();
     while (!done()) {
@@ -67,7 +69,7 @@ class FrameClient::Connection {
       if (!deadline) {
         io_.run_one();
       } else if (io_.run_one_until(*deadline) == 0 && Clock::now() >= *deadline) {
-        return fail(ErrorCode::kTimeout, address_ + " does not answer: is a capture_server running there?");
+        return fail(ErrorCode::kTimeout, address_ + too_late);
       }
     }
     return {};
@@ -294,8 +296,8 @@ const StreamDescription& FrameClient::description() const {
   return connection_->description();
 }
 
-Result<ReceivedFrame> FrameClient::receive(std::stop_token stop) {
-  return connection_->receive(stop);
+Result<ReceivedFrame> FrameClient::receive(std::stop_token stop, std::optional<Instant> latest) {
+  return connection_->receive(stop, latest);
 }
 
 void FrameClient::on_notice(std::function<void(const std::string&)> heard) {

@@ -4,13 +4,14 @@
 //
 // Errors  kRefused is final: the releases differ. kEndOfStream carries the server's own words. All others
 //         (kUnavailable, kTimeout, kCorrupt, kNotFound) may pass: connect anew after a while. After any of
-//         them the connection is over.
+//         them the connection is over, but for receive() that was stopped or too late.
 // Thread  one thread; request_keyframe() may be called from any.
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -47,8 +48,8 @@ class FrameClient {
 
   /// Waits for the next frame and acknowledges it: call again when ready for one more, that is what keeps the
   /// latency bounded. Returns kUnavailable when asked to stop, kTimeout when the server has been silent for 5
-  /// s.
-  Result<ReceivedFrame> receive(std::stop_token stop);
+  /// s, or when no frame has come until `latest`: the connection is then not over, and the camera what keeps it waiting.
+  Result<ReceivedFrame> receive(std::stop_token stop, std::optional<Instant> latest = {});
 
   /// What comes cannot be decoded: asks for a keyframe. Sent at once, or from within the next receive().
   void request_keyframe();

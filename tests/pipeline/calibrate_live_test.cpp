@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <fstream>
 
 #include "common/scene/scene.h"
 #include "tests/pipeline/running_room.h"
@@ -14,6 +15,7 @@ namespace copresence::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Ended {
   std::optional<int> code;
@@ -75,14 +77,62 @@ TEST_F(CalibrateLive, FindsKeepsAndJudgesPosesOfRunningServers) {
   EXPECT_THAT(check.words, HasSubstr("good"));
 }
 
-TEST(CalibrateStreams, AServerThatIsNotThereIsNamed) {
-  const TemporaryFolder folder;
+TEST_F(CalibrateLive, AServerThatIsNotThereIsNamedBeforeTheOthersAreLookedAt) {
   const std::string nowhere = "127.0.0.1:" + std::to_string(free_port());
-  const Ended ended =
-      run({program("calibrate"), "markers", "--stream", "left=" + nowhere, "--out", folder / "none.toml"});
+  const Ended ended = calibrate("markers", {"--stream", "third=" + nowhere, "--out", folder_ / "none.toml"});
   EXPECT_EQ(ended.code, 1);
   EXPECT_THAT(ended.words, HasSubstr(nowhere + ": nothing listens there: start a capture_server"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "none.toml"));
+  EXPECT_THAT(ended.words, Not(HasSubstr("camera0: 10 markers")));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none.toml"));
+}
+
+// A chessboard before a live simulated Kinect, which a file unplugs.
+class BoardLive : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(control_) << "";
+    server_ = room_.serve("simulated:board?control=" + control_, {"--name", "kinect"});
+    ASSERT_TRUE(room_.server(server_).says(room_.address(server_), std::chrono::seconds(20)));
+  }
+
+  Ended intrinsics(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{
+        program("calibrate"), "intrinsics", "--stream", "left=" + room_.address(server_),
+        "--board-size",       "9x6",        "--square", "40"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  TemporaryFolder folder_;
+  std::string control_ = folder_ / "control";
+  RunningRoom room_;
+  std::size_t server_ = 0;
+};
+
+TEST_F(BoardLive, IntrinsicsCountsViewsAloudAndFindsTheLensOfARunningServer) {
+  const std::string toml = folder_ / "lab.toml";
+  const Ended ended = intrinsics({"--frames", "40", "--pause", "0.25", "--scene-out", toml});
+  ASSERT_EQ(ended.code, 0) << ended.words;
+  EXPECT_THAT(ended.words, HasSubstr("left: picture 1 of 40: "));
+  EXPECT_THAT(ended.words, HasSubstr("board found, view 6"));
+  const CameraModel lens = scene::load(toml).value().find("left")->model;
+  EXPECT_NEAR(lens.fx, 585, 3);
+  EXPECT_NEAR(lens.fy, 585, 3);
+  EXPECT_NEAR(lens.cx, 319.5, 1.5);
+  EXPECT_NEAR(lens.cy, 239.5, 1.5);
+  EXPECT_FALSE(lens.is_distorted());
+}
+
+TEST_F(BoardLive, ACameraThatIsUnpluggedMeanwhileIsNamedAndNotWaitedForWithoutEnd) {
+  std::filesystem::remove(control_);
+  const Ended ended = intrinsics({"--out", folder_ / "left.yaml"});
+  EXPECT_EQ(ended.code, 1) << ended.words;
+  EXPECT_THAT(ended.words, HasSubstr("sends no pictures: "));
+  EXPECT_THAT(ended.words, HasSubstr("unplugged"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "left.yaml"));
+}
+
+TEST(CalibrateStreams, AnAddressIsHostAndPort) {
   EXPECT_EQ(run({program("calibrate"), "markers", "--stream", "left=nowhere", "--out", "none"}).code, 2);
 }
 

@@ -103,26 +103,47 @@ Result<RgbdFrame> Capture::next() {
   return registration_.apply(std::move(*frame));
 }
 
-Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most, Duration pause) {
+Result<void> try_all(std::span<const NamedSource> sources, const scene::Scene* scene) {
+  for (const NamedSource& source : sources) {
+    const auto capture = Capture::open(source, scene ? scene->find(source.name) : nullptr);
+    if (!capture) return fail(capture.error());
+  }
+  return {};
+}
+
+Result<std::size_t> look_at_frames(Capture& capture, std::size_t most, Duration pause, const Look& look) {
   const std::uint64_t all = capture.frames().value_or(most);
   const std::uint64_t wanted = std::clamp<std::uint64_t>(most, 1, std::max<std::uint64_t>(all, 1));
-  std::vector<RgbdFrame> kept;
-  for (std::uint64_t number = 0; kept.size() < wanted; ++number) {
+  std::size_t looked_at = 0;
+  Instant last{};
+  for (std::uint64_t number = 0; looked_at < wanted; ++number) {
     auto frame = capture.next();
     if (!frame && frame.error().code == ErrorCode::kEndOfStream) break;
     if (!frame) return fail(frame.error());
-    const bool due = capture.is_stream()
-                         ? kept.empty() || frame->stamp.captured_at - kept.back().stamp.captured_at >= pause
-                         : number >= kept.size() * all / wanted;
+    const bool due = capture.is_stream() ? looked_at == 0 || frame->stamp.captured_at - last >= pause
+                                         : number >= looked_at * all / wanted;
     if (!due) continue;
-    kept.push_back(std::move(*frame));
+    last = frame->stamp.captured_at;
+    ++looked_at;
+    const std::string said = look(std::move(*frame));
     if (capture.is_stream() && pause > Duration::zero()) {
-      fmt::print(stderr, "{}: picture {} of {}\n", capture.name(), kept.size(), wanted);
+      fmt::print(stderr, "{}: picture {} of {}{}{}\n", capture.name(), looked_at, wanted,
+                 said.empty() ? "" : ": ", said);
     }
   }
-  if (kept.empty()) {
+  if (looked_at == 0) {
     return fail(ErrorCode::kCorrupt, fmt::format("camera \"{}\" has no frame", capture.name()));
   }
+  return looked_at;
+}
+
+Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most) {
+  std::vector<RgbdFrame> kept;
+  const auto looked = look_at_frames(capture, most, {}, [&](RgbdFrame frame) {
+    kept.push_back(std::move(frame));
+    return std::string();
+  });
+  if (!looked) return fail(looked.error());
   return kept;
 }
 

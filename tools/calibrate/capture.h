@@ -4,8 +4,10 @@
 // in one camera model.
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -70,8 +72,18 @@ class Capture {
   registration::Registration registration_;
 };
 
-/// At most `most` frames, spread evenly over a recording; of a stream, whatever it sends in this moment, one every `pause`.
+/// Opens each source and lets it go: what is not there shows before anything has been taken from the others.
+/// Fails  as Capture::open().
+Result<void> try_all(std::span<const NamedSource> sources, const scene::Scene* scene);
+
+/// Looks at frames one by one, as frames_of() chooses them, and keeps none. Of a stream with a pause what `look` returns is
+/// printed behind the picture's number, for whoever moves things before the camera meanwhile. Returns how many were looked at.
+/// Fails  as frames_of(), after `look` was called for those that came before.
+using Look = std::function<std::string(RgbdFrame)>;
+Result<std::size_t> look_at_frames(Capture& capture, std::size_t most, Duration pause, const Look& look);
+
+/// At most `most` frames, spread evenly over a recording; of a stream, whatever it sends in this moment.
 /// Fails  as Capture::next(), but not at the recording's end; kCorrupt where there is no frame at all.
-Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most, Duration pause = {});
+Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most);
 
 }  // namespace copresence::calibrate

@@ -7,38 +7,18 @@
 #include "tools/calibrate/agreement_picture.h"
 #include "tools/calibrate/alignment/agreement.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/picture_file.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/still_view.h"
 
 namespace copresence::calibrate {
 namespace {
 
-// A pair of cameras that share less says nothing either way.
-constexpr double kLeastOverlap = 0.05;
-
 struct Options {
   std::string scene, json, picture;
   std::vector<NamedSource> sources;
-  double most_median_sigmas = 2, most_median_mm = 15, most_contradicted_percent = 5;
+  Limits limits;
 };
-
-// What is wrong with a pair; empty where nothing is.
-std::string complaint(const alignment::Agreement& agreement, const Options& options) {
-  const double median_mm = 1000 * agreement.median_m, contradicted = 100 * agreement.contradicted;
-  if (contradicted > options.most_contradicted_percent) {
-    return fmt::format(
-        "{:.1f} % of the surfaces of one stand where the other sees through (at most {:.1f} %)", contradicted,
-        options.most_contradicted_percent);
-  }
-  if (median_mm > options.most_median_mm) {
-    return fmt::format("surfaces lie {:.1f} mm apart (at most {:.1f} mm)", median_mm, options.most_median_mm);
-  }
-  if (agreement.median_sigmas > options.most_median_sigmas) {
-    return fmt::format("surfaces lie {:.1f} times the expected noise apart (at most {:.1f})",
-                       agreement.median_sigmas, options.most_median_sigmas);
-  }
-  return {};
-}
 
 Result<void> run(const Options& options) {
   const auto scene = scene::load(options.scene);
@@ -54,24 +34,23 @@ Result<void> run(const Options& options) {
       const StillView &a = (*views)[i], &b = (*views)[j];
       const alignment::Agreement agreement =
           alignment::measure_agreement(a.surface, a.world_from_camera, b.surface, b.world_from_camera);
-      const bool says_something = agreement.overlap >= kLeastOverlap || agreement.contradicted > 0.5;
-      const std::string problem = says_something ? complaint(agreement, options) : std::string();
+      const bool judges = says_something(agreement);
+      const std::string problem = complaint(agreement, options.limits);
       const std::string verdict =
-          !says_something   ? fmt::format("not judged: under {:.0f} % in common", 100 * kLeastOverlap)
+          !judges           ? fmt::format("not judged: under {:.0f} % in common", 100 * kLeastJudged)
           : problem.empty() ? "good"
                             : problem;
       fmt::print("{} - {}\n  {}\n  {}\n", a.name, b.name, to_text(agreement), verdict);
       nlohmann::json entry = to_json(agreement);
-      entry.update(
-          {{"a", a.name}, {"b", b.name}, {"good", says_something && problem.empty()}, {"verdict", verdict}});
+      entry.update({{"a", a.name}, {"b", b.name}, {"good", judges && problem.empty()}, {"verdict", verdict}});
       pairs.push_back(std::move(entry));
-      if (says_something) {
+      if (judges) {
         seen.push_back({fmt::format("{} against {}", a.name, b.name), a.surface, a.world_from_camera,
                         b.surface, b.world_from_camera});
         seen.push_back({fmt::format("{} against {}", b.name, a.name), b.surface, b.world_from_camera,
                         a.surface, a.world_from_camera});
       }
-      judged += says_something;
+      judged += judges;
       if (wrong.empty() && !problem.empty()) wrong = fmt::format("{} and {}: {}", a.name, b.name, problem);
     }
   }
@@ -80,10 +59,10 @@ Result<void> run(const Options& options) {
     const nlohmann::json told{{"pairs", pairs},
                               {"good", good},
                               {"limits",
-                               {{"median_sigmas", options.most_median_sigmas},
-                                {"median_mm", options.most_median_mm},
-                                {"contradicted_percent", options.most_contradicted_percent},
-                                {"least_overlap", kLeastOverlap}}}};
+                               {{"median_sigmas", options.limits.most_median_sigmas},
+                                {"median_mm", options.limits.most_median_mm},
+                                {"contradicted_percent", options.limits.most_contradicted_percent},
+                                {"least_overlap", kLeastJudged}}}};
     if (auto written = write_json(told, options.json); !written) return written;
   }
   if (!options.picture.empty()) {
@@ -114,21 +93,21 @@ Command check_command(CLI::App& program) {
       ->check(command_line::file_name());
   add_source_options(*parser, options->sources, 2, 64);
   parser->add_option("--json", options->json, "also tells everything to this file")
-      ->check(command_line::file_name());
+      ->check(command_line::writable_file());
   parser
       ->add_option("--picture", options->picture,
                    "write how far surfaces of each pair lie apart as coloured pictures (.png or .jpg)")
-      ->check(command_line::file_name());
+      ->check(picture_file_name());
   parser
-      ->add_option("--most-sigmas", options->most_median_sigmas,
+      ->add_option("--most-sigmas", options->limits.most_median_sigmas,
                    "largest good median, in units of the sensors' expected noise")
       ->capture_default_str()
       ->check(command_line::number_above_zero(1e6));
-  parser->add_option("--most-mm", options->most_median_mm, "largest good median, mm")
+  parser->add_option("--most-mm", options->limits.most_median_mm, "largest good median, mm")
       ->capture_default_str()
       ->check(command_line::number_above_zero(1e6));
   parser
-      ->add_option("--most-contradicted", options->most_contradicted_percent,
+      ->add_option("--most-contradicted", options->limits.most_contradicted_percent,
                    "largest good share of points of one camera where another sees through, percent")
       ->capture_default_str()
       ->check(command_line::number(0, 100));

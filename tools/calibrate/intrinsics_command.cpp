@@ -17,6 +17,7 @@
 #include "tools/calibrate/lens/picture_folder.h"
 #include "tools/calibrate/markers/depth_to_color.h"
 #include "tools/calibrate/markers/dictionary.h"
+#include "tools/calibrate/picture_file.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -39,7 +40,7 @@ struct Pictures {
   int width = 0, height = 0;
   std::vector<BoardView> views;
   BoardPictures shown;
-  std::size_t looked_at = 0;
+  std::size_t looked_at = 0, different = 0;
   bool is_depths_own = true;  ///< the lens is depth's too, which a registered sensor's colour has
 };
 
@@ -50,14 +51,20 @@ Result<std::optional<scene::Scene>> scene_of(const LensSettings& settings) {
   return std::optional(std::move(*scene));
 }
 
-void look_at(const Board& board, const ColorImage& picture, const std::string& name, Pictures& out) {
+// Says what became of it.
+std::string look_at(const Board& board, const ColorImage& picture, const std::string& name, Pictures& out) {
   out.width = picture.width();
   out.height = picture.height();
   ++out.looked_at;
   auto view = find_board(board, picture, name);
-  if (!view) return;
+  if (!view) return "no board";
+  const BoardView* same = same_view(*view, out.views, out.width);
+  const std::string as = same ? same->picture : "";
+  out.different += same == nullptr ? 1 : 0;
   out.shown.add(*view, picture);
   out.views.push_back(std::move(*view));
+  return same ? fmt::format("the same view as {}: move the board", as)
+              : fmt::format("board found, view {}", out.different);
 }
 
 Result<Pictures> pictures_of_source(const LensSettings& settings, const scene::Scene* scene) {
@@ -66,14 +73,20 @@ Result<Pictures> pictures_of_source(const LensSettings& settings, const scene::S
       Capture::open(source, scene ? scene->find(source.name) : nullptr, Capture::Form::kAsDelivered);
   if (!capture) return fail(capture.error());
   const std::chrono::milliseconds pause(static_cast<int>(1000 * settings.pause_s));
-  const auto frames = frames_of(*capture, settings.frames, pause);
-  if (!frames) return fail(frames.error());
   Pictures out;
   out.camera = source.name;
   out.is_depths_own = capture->sensor().registered;
-  for (const RgbdFrame& frame : *frames) {
-    if (frame.color)
-      look_at(settings.board, *frame.color, fmt::format("frame {}", frame.stamp.sequence), out);
+  const auto looked = look_at_frames(*capture, settings.frames, pause, [&](const RgbdFrame& frame) {
+    if (!frame.color) return std::string("no colour");
+    const auto number = source.is_stream ? out.looked_at + 1 : frame.stamp.sequence;
+    return look_at(settings.board, *frame.color,
+                   fmt::format("{} {}", source.is_stream ? "picture" : "frame", number), out);
+  });
+  // What somebody has held a board up for is not thrown away.
+  if (!looked && out.different < kFewestViews) return fail(looked.error());
+  if (!looked || (source.is_stream && *looked < settings.frames)) {
+    fmt::print(stderr, "{} ended{}; going on with the {} pictures taken\n", source.from,
+               looked ? "" : " (" + looked.error().what + ")", out.looked_at);
   }
   if (out.looked_at == 0) {
     return fail(ErrorCode::kInvalid,
@@ -107,6 +120,7 @@ nlohmann::json to_json(const LensFit& fit, const std::string& camera) {
     dropped.push_back({{"picture", view.picture}, {"why", view.why}});
   const CameraModel& m = fit.model;
   return {{"camera", camera},
+          {"distortion_fitted", fit.distortion},
           {"rms_px", fit.rms_px},
           {"focal_sigma_px", fit.focal_sigma_px},
           {"center_sigma_px", fit.center_sigma_px},
@@ -130,9 +144,11 @@ void print_fit(const LensFit& fit, const Pictures& pictures) {
   for (const ViewFit& view : fit.views) fmt::print("{:<24}{:.3f} px\n", view.picture, view.rms_px);
   for (const DroppedView& view : fit.dropped) fmt::print("{:<24}left out: {}\n", view.picture, view.why);
   fmt::print(
-      "fx {:.2f} fy {:.2f} (+- {:.2f}) cx {:.2f} cy {:.2f} (+- {:.2f}) pixels, reprojection error {:.3f} px, "
-      "{:.0f} % of the picture covered\n",
-      m.fx, m.fy, fit.focal_sigma_px, m.cx, m.cy, fit.center_sigma_px, fit.rms_px, 100 * fit.covered);
+      "fx {:.2f} fy {:.2f} (+- {:.2f}) cx {:.2f} cy {:.2f} (+- {:.2f}) pixels, distortion {}, reprojection "
+      "error "
+      "{:.3f} px, {:.0f} % of the picture covered\n",
+      m.fx, m.fy, fit.focal_sigma_px, m.cx, m.cy, fit.center_sigma_px, fit.distortion, fit.rms_px,
+      100 * fit.covered);
   if (fit.covered < 0.6) {
     fmt::print(
         "the picture's rim is little covered: show the board in its corners too, or its distortion is a "
@@ -170,6 +186,12 @@ Result<void> calibrate_lens(const LensSettings& settings) {
   auto pictures = settings.images.empty() ? pictures_of_source(settings, *scene ? &**scene : nullptr)
                                           : pictures_of_folder(settings);
   if (!pictures) return fail(pictures.error());
+  if (pictures->views.empty()) {
+    return fail(ErrorCode::kNotFound,
+                fmt::format("none of {} pictures shows the whole board: is its size as given ({}x{} {})?",
+                            pictures->looked_at, settings.board.columns, settings.board.rows,
+                            settings.board.kind == Board::Kind::kChessboard ? "inner corners" : "squares"));
+  }
   std::vector<DroppedView> dropped;
   const auto views = worth_using(pictures->views, pictures->width, dropped);
   auto fit = fit_lens(views, pictures->width, pictures->height);
@@ -211,6 +233,10 @@ Result<void> take_lens(const LensSettings& settings) {
   auto info = load_camera_info(settings.camera_info);
   if (!info) return fail(info.error());
   if (!settings.name.empty()) info->name = settings.name;
+  if (info->name.empty()) {
+    return fail(ErrorCode::kInvalid,
+                settings.camera_info + ": has no camera_name; say with --name whose lens it is");
+  }
   const CameraModel& m = info->model;
   fmt::print("{}: {}x{} pixels, fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}\n", info->name, m.width, m.height,
              m.fx, m.fy, m.cx, m.cy);
@@ -234,9 +260,17 @@ Result<void> calibrate_depth_to_color(const LensSettings& settings) {
   const scene::Camera* known = *scene ? (*scene)->find(source.name) : nullptr;
   auto capture = Capture::open(source, known, Capture::Form::kAsDelivered);
   if (!capture) return fail(capture.error());
+  const sensor::SensorDescription& sensor = capture->sensor();
+  if (sensor.registered) {
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("{} says that its sensor registers colour to depth itself, so there is nothing to find; "
+                    "where it does not, put its colour camera's lens into the scene file first "
+                    "(--camera-info FILE --color-camera)",
+                    source.from));
+  }
   const auto frames = frames_of(*capture, settings.frames);
   if (!frames) return fail(frames.error());
-  const sensor::SensorDescription& sensor = capture->sensor();
   const auto fit =
       fit_depth_to_color(*frames, sensor.unit, sensor.depth, sensor.color, settings.board.dictionary);
   if (!fit) return fail(fit.error());
@@ -316,22 +350,22 @@ Command intrinsics_command(CLI::App& program) {
                        "no depth; both lenses are the scene file's or the recording's");
   to_color->excludes(images)->excludes(camera_info)->needs(source.recording);
   parser->add_option("--out", settings->out, "write the lens as ROS camera_info YAML")
-      ->check(command_line::file_name())
+      ->check(command_line::writable_file())
       ->excludes(to_color);
   parser->add_option("--json", settings->json, "also write the report as JSON")
-      ->check(command_line::file_name())
+      ->check(command_line::writable_file())
       ->excludes(to_color);
   parser
       ->add_option("--picture", settings->picture,
                    "write the pictures with the corners found and their errors (.png or .jpg)")
-      ->check(command_line::file_name())
+      ->check(picture_file_name())
       ->excludes(to_color);
   parser->add_option("--scene", settings->scene, "scene file to start from")
       ->check(command_line::existing_file());
   parser
       ->add_option("--scene-out", settings->scene_out,
                    "write the lens into a scene file; may be the one of --scene")
-      ->check(command_line::file_name());
+      ->check(command_line::replaceable_file());
   return {parser, [settings]() -> Result<void> {
             settings->board.square_m = settings->square_mm * 1e-3;
             settings->board.marker_m = settings->marker_mm * 1e-3;

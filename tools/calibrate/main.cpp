@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   for (const Command& command : commands) {
     if (!command.parser->parsed()) continue;
     if (const auto done = command.run(); !done) {
+      std::fflush(stdout);  // in a log the sentence comes last
       fmt::print(stderr, "calibrate {}: {}\n", command.parser->get_name(), done.error().what);
       return 1;
     }

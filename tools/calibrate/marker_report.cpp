@@ -58,7 +58,9 @@ json camera_json(const MarkerReport& report, std::size_t c) {
 
 std::string to_text(const MarkerReport& report) {
   const calibration::Names& names = report.names;
-  std::string text = "camera            markers    rms  worst (marker)    left out  expected shift, turn\n";
+  std::string text =
+      fmt::format("camera            {}    rms  worst ({})    left out  expected shift, turn\n",
+                  report.of_board ? "corners" : "markers", report.of_board ? "corner" : "marker");
   for (std::size_t c = 0; c < names.cameras.size(); ++c) {
     const calibration::CameraFit& camera = report.fit.cameras[c];
     const std::string left_out =
@@ -71,14 +73,15 @@ std::string to_text(const MarkerReport& report) {
                         camera.residual.count, 1000 * camera.residual.rms, 1000 * camera.residual.worst,
                         names.markers[camera.residual.worst_at], left_out, expected);
   }
-  text += "\nmarker            cameras    rms  worst (camera)\n";
-  for (std::size_t m = 0; m < names.markers.size(); ++m) {
+  if (!report.of_board) text += "\nmarker            cameras    rms  worst (camera)\n";
+  for (std::size_t m = 0; m < names.markers.size() && !report.of_board; ++m) {
     const Spread& residual = report.fit.markers[m].residual;
     if (residual.count < 2) continue;
     text += fmt::format("{:<18}{:>6}{:>7.1f}{:>7.1f} mm ({})\n", names.markers[m], residual.count,
                         1000 * residual.rms, 1000 * residual.worst, names.cameras[residual.worst_at]);
   }
-  text += "\npair              markers  rigid  linear (lengths)\n";
+  text += fmt::format("\npair              {}  rigid  linear (lengths)\n",
+                      report.of_board ? "corners" : "markers");
   for (const calibration::PairFit& pair : report.fit.pairs) {
     const std::string linear = pair.linear_rms_m
                                    ? fmt::format("{:.1f} mm ({:.3f} to {:.3f})", 1000 * *pair.linear_rms_m,

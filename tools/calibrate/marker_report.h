@@ -15,6 +15,7 @@ struct MarkerReport {
   calibration::Names names;
   std::size_t reference = 0;
   calibration::Form form = calibration::Form::kRigid;
+  bool of_board = false;  ///< the markers are a chessboard's corners: too many to list one by one
   calibration::WorldFit fit;
   std::vector<std::vector<MarkerDepth>> depths;  ///< per camera
   std::vector<Unused> unused;

@@ -18,6 +18,7 @@
 #include "tools/calibrate/markers/clicks.h"
 #include "tools/calibrate/markers/dictionary.h"
 #include "tools/calibrate/markers/marker_finder.h"
+#include "tools/calibrate/picture_file.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -43,6 +44,7 @@ struct Looked {
   std::optional<StillBoard> board;
 };
 
+constexpr double kWrongSize = 0.15;        // of a board: neither a lens nor depth errs by so much
 constexpr std::size_t kMostPictures = 20;  // of those frames; a still scene looks alike in the others
 
 Result<Looked> look_at(const NamedSource& source, const scene::Scene* scene, const MarkerSettings& settings,
@@ -78,6 +80,15 @@ Result<Looked> look_at(const NamedSource& source, const scene::Scene* scene, con
     }
     auto board = find_still_board(settings.board, pictures, looked.camera.model);
     if (!board) return fail(board.error().code, fmt::format("{}: {}", source.from, board.error().what));
+    const auto ratio = size_over_depth(*board, settings.board, looked.depth, looked.camera.model);
+    if (ratio && std::abs(*ratio - 1) > kWrongSize) {
+      const double away = board->pose.camera_from_board.translation.z();
+      return fail(
+          ErrorCode::kInvalid,
+          fmt::format("{}: with squares of {:g} mm the board is {:.2f} m away, but depth measures {:.2f} m "
+                      "there, as of squares of {:.0f} mm: measure them and give --square",
+                      source.from, settings.square_mm, away, away / *ratio, settings.square_mm / *ratio));
+    }
     looked.board = std::move(*board);
     return looked;
   }
@@ -194,6 +205,7 @@ Result<void> calibrate_by_markers(const MarkerSettings& settings) {
     clicks = std::move(*loaded);
   }
 
+  if (const auto there = try_all(settings.sources, scene ? &*scene : nullptr); !there) return there;
   std::vector<Looked> cameras;
   MarkerReport report;
   for (const NamedSource& source : settings.sources) {
@@ -215,6 +227,7 @@ Result<void> calibrate_by_markers(const MarkerSettings& settings) {
 
   report.names.markers = marker_names(cameras);
   report.reference = *reference;
+  report.of_board = !settings.chessboard.empty();
   report.form = settings.form;
   std::vector<calibration::Sighting> sightings;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
@@ -231,8 +244,9 @@ Result<void> calibrate_by_markers(const MarkerSettings& settings) {
     report.unused.insert(report.unused.end(), seen.unused.begin(), seen.unused.end());
     report.depths.push_back(std::move(seen.depths));
   }
-  const calibration::WorldSettings world{
-      *reference, cameras[*reference].camera.world_from_camera.value_or(Rigid3{}), settings.form};
+  const calibration::WorldSettings world{*reference,
+                                         cameras[*reference].camera.world_from_camera.value_or(Rigid3{}),
+                                         settings.form, !settings.chessboard.empty()};
   auto fit = calibration::fit_world(sightings, report.names, world);
   if (!fit) {
     std::string why = fit.error().what;
@@ -264,7 +278,7 @@ Command markers_command(CLI::App& program) {
                              "Finds where cameras stand from four or more markers that stay still in the "
                              "room, each pair of neighbouring "
                              "cameras seeing at least four in common. Prints errors in millimetres.");
-  add_source_options(*parser, settings->sources, 1, 64);
+  add_source_options(*parser, settings->sources, 2, 64);
   parser
       ->add_option("--scene", settings->scene,
                    "scene file to start from: lenses, and all that is to stay as it is")
@@ -272,13 +286,13 @@ Command markers_command(CLI::App& program) {
   parser
       ->add_option("--out", settings->out,
                    "scene file to write; may be the one of --scene, whose comments stay")
-      ->check(command_line::file_name());
+      ->check(command_line::replaceable_file());
   parser->add_option("--json", settings->json, "also write the report as JSON")
-      ->check(command_line::file_name());
+      ->check(command_line::writable_file());
   parser
       ->add_option("--picture", settings->picture,
                    "write what every camera saw, markers named, with distance and error (.png or .jpg)")
-      ->check(command_line::file_name());
+      ->check(picture_file_name());
   parser
       ->add_option(
           "--reference", settings->reference,
@@ -304,7 +318,7 @@ Command markers_command(CLI::App& program) {
                    "take clicks from a file: lines \"camera marker x y\", pixels")
       ->check(command_line::existing_file());
   parser->add_option("--save-points", settings->save_points, "write the clicks to such a file")
-      ->check(command_line::file_name());
+      ->check(command_line::writable_file());
   parser
       ->add_option("--chessboard", settings->chessboard,
                    "use a chessboard of COLUMNSxROWS inner corners instead of markers, held still and "

@@ -2,6 +2,7 @@
 
 // Pictures for people: labels that can be read on anything, and files.
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
@@ -10,10 +11,13 @@
 
 namespace copresence::calibrate {
 
+/// For Option::check(): a file that can be written, of a kind of picture that can be.
+CLI::Validator picture_file_name();
+
 /// `at` is the left end of the text's base line.
 void write_label(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& color);
 
-/// Fails  kInvalid where the name's end is that of no picture, kUnavailable where it cannot be written.
+/// Fails  kUnavailable where it cannot be written. Requires a name that picture_file_name() takes.
 Result<void> write_picture(const cv::Mat& picture, const std::filesystem::path& file);
 
 }  // namespace copresence::calibrate

@@ -10,6 +10,7 @@
 #include "tools/calibrate/agreement_picture.h"
 #include "tools/calibrate/alignment/refinement.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/picture_file.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/still_view.h"
 
@@ -83,7 +84,8 @@ std::string tell(const CameraRefinement& camera) {
       break;
   }
   std::string text = fmt::format("moved {:.1f} mm and {:.2f} degrees", camera.moved_mm, camera.moved_deg);
-  if (camera.error_mm > 0) text += fmt::format(", expected to be {:.1f} mm off now", camera.error_mm);
+  text += camera.error_mm > 0 ? fmt::format(", expected to be {:.1f} mm off now", camera.error_mm)
+                              : ", how far off it is now nobody knows";
   if (camera.contradicts_told) {
     text += fmt::format(
         "; the surfaces lie farther from the given pose than its error of {:.1f} mm explains, so it was "
@@ -175,10 +177,15 @@ Result<void> run(const Options& options) {
     poses.push_back(view.world_from_camera);
     errors_m.push_back(error_to(views->front(), view));
   }
-  const alignment::Refinement refinement = alignment::refine(surfaces, poses, errors_m);
+  alignment::Refinement refinement = alignment::refine(surfaces, poses, errors_m);
   for (const alignment::PairRefinement& pair : refinement.pairs) {
     fmt::print("{} - {}\n  before  {}\n  after   {}\n", (*views)[pair.a].name, (*views)[pair.b].name,
                to_text(pair.before), to_text(pair.after));
+    const std::string wrong = complaint(pair.after, {});
+    if (wrong.empty()) continue;
+    fmt::print("  still not good: {}; were the poses given more than 10 cm or 5 degrees off?\n", wrong);
+    for (const std::size_t i : {pair.a, pair.b})
+      refinement.cameras[i].error_mm = 0;  // it is in another place
   }
   bool any = false;
   for (std::size_t i = 0; i < views->size(); ++i) {
@@ -214,7 +221,8 @@ Result<void> run(const Options& options) {
       camera.world_from_camera = refinement.cameras[i].world_from_camera;
       const double error_mm =
           std::max(1000 * kLeastError_m, std::round(10 * refinement.cameras[i].error_mm) / 10);
-      if (refinement.cameras[i].error_mm > 0) camera.calibration_error_mm = error_mm;
+      camera.calibration_error_mm =
+          refinement.cameras[i].error_mm > 0 ? std::optional(error_mm) : std::nullopt;
     }
   }
   return scene::save(*scene, options.out, options.scene);
@@ -241,13 +249,13 @@ Command refine_command(CLI::App& program) {
   add_source_options(*parser, options->sources, 2, 64);
   parser->add_option("--out", options->out, "the scene file to write; may be the same")
       ->required()
-      ->check(command_line::file_name());
+      ->check(command_line::replaceable_file());
   parser->add_option("--json", options->json, "also tells everything to this file")
-      ->check(command_line::file_name());
+      ->check(command_line::writable_file());
   parser
       ->add_option("--picture", options->picture,
                    "write how far surfaces lie apart, before and after, as coloured pictures (.png or .jpg)")
-      ->check(command_line::file_name());
+      ->check(picture_file_name());
   return {parser, [options] { return run(*options); }};
 }
 

@@ -26,6 +26,28 @@ nlohmann::json to_json(const alignment::Agreement& agreement) {
           {"points", agreement.points}};
 }
 
+bool says_something(const alignment::Agreement& agreement) {
+  return agreement.overlap >= kLeastJudged || agreement.contradicted > 0.5;
+}
+
+std::string complaint(const alignment::Agreement& agreement, const Limits& limits) {
+  if (!says_something(agreement)) return {};
+  const double median_mm = 1000 * agreement.median_m, contradicted = 100 * agreement.contradicted;
+  if (contradicted > limits.most_contradicted_percent) {
+    return fmt::format(
+        "{:.1f} % of the surfaces of one stand where the other sees through (at most {:.1f} %)", contradicted,
+        limits.most_contradicted_percent);
+  }
+  if (median_mm > limits.most_median_mm) {
+    return fmt::format("surfaces lie {:.1f} mm apart (at most {:.1f} mm)", median_mm, limits.most_median_mm);
+  }
+  if (agreement.median_sigmas > limits.most_median_sigmas) {
+    return fmt::format("surfaces lie {:.1f} times the expected noise apart (at most {:.1f})",
+                       agreement.median_sigmas, limits.most_median_sigmas);
+  }
+  return {};
+}
+
 Result<void> write_json(const nlohmann::json& json, const std::string& path) {
   std::ofstream file(path);
   file << json.dump(2) << '\n';

@@ -56,6 +56,7 @@ Result<StillView> still_view(const NamedSource& source, const scene::Camera& kno
 
 Result<std::vector<StillView>> still_views(std::span<const NamedSource> sources, const scene::Scene& scene,
                                            const std::string& scene_path) {
+  if (const auto there = try_all(sources, &scene); !there) return fail(there.error());
   std::vector<StillView> views;
   for (const NamedSource& source : sources) {
     const scene::Camera* known = scene.find(source.name);

@@ -11,12 +11,17 @@ namespace copresence::calibrate {
 namespace {
 
 constexpr std::chrono::milliseconds kConnectTimeout{2000};
-constexpr int kMostLost = 90;  // frames in a row that do not decode
+constexpr int kMostLost = 90;                  // frames in a row that do not decode
+constexpr std::chrono::seconds kPatience{10};  // a camera that is plugged in again is back by then
 
 class StreamSource : public sensor::FrameSource {
  public:
-  StreamSource(wire::FrameClient client, client::FrameDecoding decoding)
+  StreamSource(const std::string& address, wire::FrameClient client, client::FrameDecoding decoding)
       : client_(std::move(client)), decoding_(std::move(decoding)) {
+    client_.on_notice([this, address](const std::string& notice) {
+      notice_ = notice;
+      if (!notice.empty()) fmt::print(stderr, "{}: {}\n", address, notice);
+    });
     const StreamDescription& stream = client_.description();
     description_.name = stream.camera;
     description_.depth = description_.color = stream.model;
@@ -32,7 +37,11 @@ class StreamSource : public sensor::FrameSource {
 
   Result<RgbdFrame> next(std::stop_token stop) override {
     for (int lost = 0; lost < kMostLost; ++lost) {
-      const auto received = client_.receive(stop);
+      const auto received = client_.receive(stop, std::chrono::steady_clock::now() + kPatience);
+      if (!received && received.error().code == ErrorCode::kTimeout) {
+        return fail(ErrorCode::kTimeout,
+                    notice_.empty() ? received.error().what : received.error().what + ": " + notice_);
+      }
       if (!received) return fail(received.error());
       client::FrameDecoding::Durations durations;
       auto frame = decoding_.decode(received->frame, durations);
@@ -52,7 +61,11 @@ class StreamSource : public sensor::FrameSource {
   }
 
  private:
+  StreamSource(const StreamSource&) = delete;  // the client calls back
+  StreamSource& operator=(const StreamSource&) = delete;
+
   wire::FrameClient client_;
+  std::string notice_;  // what keeps the camera from sending, in the server's words; empty where nothing does
   client::FrameDecoding decoding_;
   sensor::SensorDescription description_;
   sensor::SourceCounters counters_;
@@ -65,7 +78,7 @@ Result<std::unique_ptr<sensor::FrameSource>> open_stream(const std::string& addr
   if (!client) return fail(client.error());
   auto decoding = client::FrameDecoding::open(client->description());
   if (!decoding) return fail(decoding.error());
-  return std::make_unique<StreamSource>(std::move(*client), std::move(*decoding));
+  return std::make_unique<StreamSource>(address, std::move(*client), std::move(*decoding));
 }
 
 }  // namespace copresence::calibrate

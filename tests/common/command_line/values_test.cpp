@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 
 #include "common/command_line/mistakes.h"
@@ -40,6 +44,31 @@ TEST(Number, IsFiniteAndWithinItsBounds) {
     EXPECT_THAT(wrong(number(0.1, 1000), text), HasSubstr("is not a number from 0.1 to 1000"));
   EXPECT_THAT(wrong(number_above_zero(10), "0"), HasSubstr("is not a number above 0, at most 10"));
   EXPECT_THAT(wrong(number_above_zero(10), "1e-9"), IsEmpty());
+}
+
+TEST(WritableFile, SaysWhyAFileCannotBeWrittenBeforeAnythingIsDone) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("copresence_values_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const std::string file = (folder / "new.toml").string();
+  EXPECT_THAT(wrong(writable_file(), file), IsEmpty());
+  EXPECT_THAT(wrong(replaceable_file(), file), IsEmpty());
+  EXPECT_THAT(wrong(writable_file(), "new.toml"), IsEmpty());
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(wrong(writable_file(), "/nowhere/new.toml"),
+            "\"/nowhere/new.toml\" is not a file that can be written: there is no folder /nowhere");
+  EXPECT_THAT(wrong(replaceable_file(), folder.string()), HasSubstr("it is a folder"));
+  EXPECT_EQ(wrong(writable_file(), ""), "\"\" is not a file's name");
+  std::ofstream(file) << "kept";
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read);
+  std::filesystem::permissions(folder, std::filesystem::perms::owner_write,
+                               std::filesystem::perm_options::remove);
+  if (geteuid() != 0) {  // whom nothing is protected from
+    EXPECT_THAT(wrong(writable_file(), file), HasSubstr("it is write-protected"));
+    EXPECT_THAT(wrong(writable_file(), file + "2"), HasSubstr("you may not write in the folder"));
+  }
+  std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(OneOf, NamesAllThatThereAre) {

@@ -71,6 +71,22 @@ TEST(CameraModel, RefusesSizesAndNumbersThatCannotBe) {
   }
 }
 
+TEST(CameraModel, RefusesADistortionThatFoldsThePictureOrTearsIt) {
+  EXPECT_TRUE(check(distorted_kinect()));
+  CameraModel camera = kinect();
+  camera.distortion = {-9, 50, 0, 0, 0, 0, 0, 0};
+  EXPECT_FALSE(check(camera));
+  camera.distortion = {-0.2, 0, 0, 0, 0, 0, 0, 0};
+  EXPECT_TRUE(check(camera));
+  camera.distortion[0] = -0.8;  // turns around before the corners
+  EXPECT_FALSE(check(camera));
+  // Fitted to a board's corners to 0.11 px by OpenCV: above and below a fraction's line are zeros, close together.
+  camera = {640, 480, 584.115, 584.185, 320.512, 239.28, {}};
+  camera.distortion = {-6.459571043904878, 8.002977728422218, -5.3003932919357835e-05, 0.0004995218441833445,
+                       8.16036975966137,   -6.45702892311589, 7.984941682116481,       8.192284966704637};
+  EXPECT_FALSE(check(camera));
+}
+
 TEST(DepthUnit, TurnsARangeInMetresIntoUnits) {
   EXPECT_EQ(to_units({0.4, 5.0}, DepthUnit::kMillimetre).near, 400);
   EXPECT_EQ(to_units({0.4, 5.0}, DepthUnit::k100Micrometres).far, 50000);

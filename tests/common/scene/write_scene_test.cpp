@@ -71,11 +71,13 @@ Scene full() {
   scene.up = Eigen::Vector3d(0.1, -1, 0.2).normalized();
   Camera& left = scene.cameras[0];
   left.model.fx = 579.123456789012345;
-  left.model.distortion = {0.1, -0.2, 1e-4, -2e-5, 0.3, 1.5, 0, 7e-9};
+  left.model.distortion = {0.1, -0.2, 1e-4, -2e-5, 0.3, 0.15, 0, 7e-9};
   left.world_from_camera = turned(0.7);
   left.source = "openni:freenect://A00366";
   left.color = ColorCamera{left.model, turned(0.02)};
   left.color->model.width = 1280;
+  left.color->model.fx = 1158.25;
+  left.color->model.cx = 640;
   left.color_matching.emplace();
   *left.color_matching << 1.1f, 0, 0, -0.1f, 0, 0.9f, 0.05f, 0, 0, 0, 1, 1.0f / 3;
   left.calibration_error_mm = 4.2;
@@ -245,6 +247,23 @@ TEST_F(SaveScene, ReplacesAFileAndKeepsItsComments) {
   ASSERT_TRUE(save(*scene, file, file));
   EXPECT_THAT(text_of(file), HasSubstr("fx = 500.0          # from the data sheet"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);  // nothing unfinished is left
+}
+
+TEST_F(SaveScene, FollowsALinkAndKeepsWhoMayRead) {
+  const fs::path file = folder_ / "shared.toml", link = folder_ / "scene.toml";
+  std::ofstream(file) << kLab;
+  constexpr auto kGroup =
+      fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read | fs::perms::group_write;
+  fs::permissions(file, kGroup);
+  fs::create_symlink("shared.toml", link);
+  auto scene = load(link);
+  ASSERT_TRUE(scene) << scene.error().what;
+  scene->cameras[0].model.fx = 500;
+  ASSERT_TRUE(save(*scene, link, link));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_THAT(text_of(file), HasSubstr("fx = 500.0"));
+  EXPECT_EQ(fs::status(file).permissions(), kGroup);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
 }
 
 TEST_F(SaveScene, WritesANewFileAndSaysWhereItCannot) {

@@ -93,6 +93,18 @@ TEST(Loopback, RestsWithoutClients) {
   EXPECT_EQ(served.capture(), 0u);
 }
 
+TEST(Loopback, WaitsNoLongerThanItIsToldAndGoesOnAfterwards) {
+  Served served;
+  auto client = served.client();
+  ASSERT_TRUE(client);
+  const auto none = client->receive({}, std::chrono::steady_clock::now() + 20ms);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kTimeout);
+  EXPECT_THAT(none.error().what, HasSubstr("sends no pictures"));
+  ASSERT_NE(served.capture_when_wanted(), 0u);
+  EXPECT_TRUE(client->receive({}, std::chrono::steady_clock::now() + 5s));
+}
+
 TEST(Loopback, StopsWaitingWhenAskedAndGoesOnAfterwards) {
   Served served;
   auto client = served.client();

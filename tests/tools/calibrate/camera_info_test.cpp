@@ -18,7 +18,7 @@ const CameraInfo kLeft{"left \"A\"",
                         524.9,
                         319.7,
                         241.0 / 3,
-                        {0.1, -0.25, 1e-4, -2e-5, 0.07, 1.0 / 3, 0, 7e-9}}};
+                        {0.1, -0.25, 1e-4, -2e-5, 0.07, 0.1 / 3, 0, 7e-9}}};
 
 TEST(CameraInfo, ReadsBackTheSameToTheLastBit) {
   const auto again = parse_camera_info(to_camera_info(kLeft), "left.yaml");

@@ -118,8 +118,21 @@ TEST(CalibrateIntrinsics, SaysWhatIsMissing) {
   const Outcome few = run({"--images", folder / "photos", "--board-size", "7x5"});
   EXPECT_EQ(few.exit_code, 1);
   EXPECT_THAT(few.said, HasSubstr("only 1 different, sharp views"));
+  const Outcome wrong_size = run({"--images", folder / "photos", "--board-size", "12x9"});
+  EXPECT_THAT(
+      wrong_size.said,
+      HasSubstr("none of 1 pictures shows the whole board: is its size as given (12x9 inner corners)?"));
   std::ofstream(folder / "photos/2.png") << "no picture";
   EXPECT_THAT(run({"--images", folder / "photos"}).said, HasSubstr("2.png: is no picture"));
+  const std::string yaml = folder / "nameless.yaml";
+  ASSERT_TRUE(save_camera_info({"", kLens}, yaml));
+  const Outcome nameless = run({"--camera-info", yaml, "--scene-out", folder / "scene.toml"});
+  EXPECT_EQ(nameless.exit_code, 1);
+  EXPECT_THAT(nameless.said, HasSubstr("has no camera_name; say with --name whose lens it is"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "scene.toml"));
+  const Outcome lost = run({"--images", folder / "photos", "--out", "/nowhere/left.yaml"});
+  EXPECT_EQ(lost.exit_code, 2);
+  EXPECT_THAT(lost.said, HasSubstr("there is no folder /nowhere"));
   EXPECT_EQ(run({}).exit_code, 1);
   EXPECT_EQ(run({"--images", folder / "photos", "--board-size", "7"}).exit_code, 2);
   EXPECT_EQ(run({"--images", "/nowhere"}).exit_code, 2);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <opencv2/aruco/charuco.hpp>
+#include <random>
 
 #include "tests/tools/calibrate/painted_board.h"
 #include "tools/calibrate/geometry/world_fit.h"
@@ -127,6 +128,53 @@ TEST(LensFit, FindsALensWithDistortion) {
   EXPECT_LT(most, 2.5);
   EXPECT_NEAR(fit->model.fx, kLens.fx, 1.5);
   EXPECT_NEAR(fit->model.cx, kLens.cx, 1.5);
+}
+
+std::vector<BoardView> exact_views(const CameraModel& lens, double noise_px) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, noise_px);
+  std::vector<BoardView> all = views();
+  for (std::size_t v = 0; v < all.size(); ++v) {
+    for (std::size_t i = 0; i < all[v].pixels.size(); ++i) {
+      const Eigen::Vector3d corner(all[v].on_board[i].x(), all[v].on_board[i].y(), 0);
+      all[v].pixels[i] = project(lens, places()[v] * corner) + Eigen::Vector2d(noise(random), noise(random));
+    }
+  }
+  return all;
+}
+
+// Over the whole picture, also where no corner was.
+double most_off(const CameraModel& found, const CameraModel& truth) {
+  double most = 0;
+  for (int y = 0; y < truth.height; ++y) {
+    for (int x = 0; x < truth.width; ++x) {
+      const Eigen::Vector2d pixel(x, y);
+      most = std::max(most, (project(found, unproject(truth, pixel, 1)) - pixel).norm());
+    }
+  }
+  return most;
+}
+
+TEST(LensFit, MakesUpNoDistortionForALensThatHasNone) {
+  CameraModel straight = kLens;
+  straight.distortion = {};
+  const auto fit = fit_lens(exact_views(straight, 0.1), 320, 240);
+  ASSERT_TRUE(fit) << fit.error().what;
+  EXPECT_EQ(fit->distortion, "none");
+  EXPECT_FALSE(fit->model.is_distorted());
+  EXPECT_LT(most_off(fit->model, straight), 1.5);
+}
+
+TEST(LensFit, FitsAllCoefficientsWhereALensNeedsThem) {
+  CameraModel wide = kLens;
+  wide.fx = wide.fy = 200;
+  wide.distortion = {0.9, 0.1, 0.0008, -0.0005, 0, 1.1, 0.2, 0.01};
+  ASSERT_TRUE(check(wide));
+  const auto fit = fit_lens(exact_views(wide, 0.02), 320, 240);
+  ASSERT_TRUE(fit) << fit.error().what;
+  EXPECT_NE(fit->distortion, "none");
+  EXPECT_LT(fit->rms_px, 0.04);
+  EXPECT_TRUE(check(fit->model));
 }
 
 TEST(LensFit, LeavesOutAViewThatDoesNotFit) {

@@ -171,6 +171,53 @@ TEST_F(CalibrateMarkers, StartsFromASceneFileAndKeepsItsComments) {
   EXPECT_THAT(text, HasSubstr("# Made by: simulate_kinect"));
 }
 
+class CalibrateChessboard : public ::testing::Test {
+ protected:
+  static Outcome calibrate(const std::vector<std::string>& more) {
+    const testing::TemporaryFolder folder;
+    return calibrate(folder, more);
+  }
+  static Outcome calibrate(const testing::TemporaryFolder& folder, const std::vector<std::string>& more) {
+    const std::string room = (folder / "room").string();
+    const Outcome made = run({testing::program("simulate_kinect"), "still-board", "--cameras", "2",
+                              "--frames", "4", "--out", room});
+    EXPECT_EQ(made.exit_code, 0) << made.said;
+    std::vector<std::string> arguments{
+        testing::program("calibrate"),      "markers",     "--recording",
+        "camera0=" + room + "/camera0.oni", "--recording", "camera1=" + room + "/camera1.oni"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+};
+
+TEST_F(CalibrateChessboard, PlacesTwoCamerasThatSeeOneBoard) {
+  const testing::TemporaryFolder folder;
+  const std::string out = (folder / "pair.toml").string();
+  const Outcome outcome = calibrate(folder, {"--chessboard", "9x6", "--square", "90", "--out", out});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
+  EXPECT_THAT(outcome.said, HasSubstr("corners"));
+  EXPECT_LT(std::count(outcome.said.begin(), outcome.said.end(), '\n'), 12) << "not a line for each corner";
+  const auto found = scene::load(out), truth = scene::load(folder / "room/scene.toml");
+  ASSERT_TRUE(found && truth);
+  const Rigid3 off =
+      *found->find("camera1")->world_from_camera * truth->find("camera1")->world_from_camera->inverse();
+  const Eigen::Vector3d middle(0, -1, 0);
+  EXPECT_LT(1000 * (off * middle - middle).norm(), 5);
+  EXPECT_LT(Eigen::AngleAxisd(off.rotation).angle() * 180 / std::numbers::pi, 0.4);
+}
+
+TEST_F(CalibrateChessboard, AWrongSizeOfTheSquaresShowsInDepth) {
+  const Outcome outcome = calibrate({"--chessboard", "9x6", "--square", "45"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.said, HasSubstr("as of squares of 90 mm: measure them and give --square"));
+}
+
+TEST_F(CalibrateChessboard, AnotherNumberOfCornersIsAskedFor) {
+  const Outcome outcome = calibrate({"--chessboard", "7x6", "--square", "90"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.said, HasSubstr("is its size in inner corners as given?"));
+}
+
 TEST_F(CalibrateMarkers, SaysWhatIsMissing) {
   const Outcome none = calibrate(2, {"--dictionary", "6x6_250"});
   EXPECT_EQ(none.exit_code, 1);
@@ -179,7 +226,8 @@ TEST_F(CalibrateMarkers, SaysWhatIsMissing) {
   EXPECT_EQ(calibrate(0, {}).exit_code, 2);
   EXPECT_EQ(calibrate(2, {"--solver", "magic"}).exit_code, 2);
   EXPECT_EQ(run({testing::program("calibrate"), "markers", "--recording", "camera0"}).exit_code, 2);
-  const Outcome gone = run({testing::program("calibrate"), "markers", "--recording", "a=/nowhere.oni"});
+  const Outcome gone = run({testing::program("calibrate"), "markers", "--recording", "a=/nowhere.oni",
+                            "--recording", "b=/nowhere.oni"});
   EXPECT_EQ(gone.exit_code, 1);
   EXPECT_THAT(gone.said, HasSubstr("/nowhere.oni"));
 }

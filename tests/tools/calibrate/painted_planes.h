@@ -2,8 +2,10 @@
 
 // Pictures and depth images of painted planes through any lens: boards and markers with a known answer.
 
+#include <Eigen/Geometry>
 #include <array>
 #include <functional>
+#include <opencv2/aruco.hpp>
 #include <vector>
 
 #include "common/frame/camera_model.h"
@@ -75,5 +77,37 @@ class PaintedCamera {
   CameraModel model_;
   std::vector<Eigen::Vector3d> rays_;  // four per pixel
 };
+
+/// A marker of DICT_4X4_50 with a white rim of a cell.
+inline constexpr double kMarkerSize = 0.24;  // metres, of the black square
+inline PaintedPlane painted_marker(int id, const Rigid3& camera_from_marker) {
+  cv::Mat bits;
+  cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), id, 6, bits, 1);
+  return {camera_from_marker, [bits](double x, double y) {
+            const double u = (x / kMarkerSize + 0.5) * 6, v = (y / kMarkerSize + 0.5) * 6;
+            if (u < -1 || v < -1 || u > 7 || v > 7) return -1;
+            if (u < 0 || v < 0 || u >= 6 || v >= 6) return 230;
+            return bits.at<uchar>(int(v), int(u)) > 127 ? 230 : 20;
+          }};
+}
+
+/// Five of them, some decimetres apart, 1.2 to 1.7 m before the camera, as another one sees them.
+inline std::vector<Rigid3> marker_places() {
+  const auto at = [](double x, double y, double z, double yaw, double pitch) {
+    return Rigid3{(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix(),
+                  {x, y, z}};
+  };
+  return {at(-0.45, -0.28, 1.3, 0.3, 0.1), at(0.35, -0.3, 1.2, -0.2, 0.2), at(0.05, 0.05, 1.7, 0.1, -0.3),
+          at(-0.4, 0.3, 1.25, 0.2, -0.2), at(0.5, 0.3, 1.6, -0.4, 0.1)};
+}
+inline std::vector<PaintedPlane> painted_markers(const Rigid3& camera_from_first) {
+  std::vector<PaintedPlane> all;
+  for (const Rigid3& place : marker_places()) {
+    all.push_back(painted_marker(int(all.size()), camera_from_first * place));
+  }
+  return all;
+}
 
 }  // namespace copresence::calibrate

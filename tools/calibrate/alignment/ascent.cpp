@@ -41,7 +41,8 @@ double top(double before, double here, double after) {
 
 void climb(const Problem& problem, const Level& level, const Frozen& frozen, std::vector<Rigid3>& poses) {
   const bool any_frozen = frozen.directions.size() > 0;
-  const Equations equations = linearize(problem, poses, level, false, any_frozen ? &frozen.motions : nullptr);
+  const Equations equations =
+      linearize(problem, poses, level, Extra::kNone, any_frozen ? &frozen.motions : nullptr);
   const Eigen::Index unknowns = equations.information.rows();
   Eigen::MatrixXd free = Eigen::MatrixXd::Identity(unknowns, unknowns);
   if (any_frozen) {

@@ -1,10 +1,13 @@
 #include "tools/calibrate/alignment/descent.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "tools/calibrate/alignment/agreement.h"
 
@@ -17,6 +20,7 @@ constexpr double kStill_m = 1e-6;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 struct PairMatches {
+  std::size_t camera_a, camera_b;
   std::ptrdiff_t a, b;  // places among the moving cameras; -1 for one that stands still
   std::vector<Match> matches;
   std::vector<int> blocks;  // of each match
@@ -37,6 +41,45 @@ struct BlockGrid {
     const bool white = (pixel / width / kBlock_px + pixel % width / kBlock_px) % 2 == 0;
     return blocks == Blocks::kAll || white == (blocks == Blocks::kWhite);
   }
+};
+
+// What the matches add to the gradient, block by block of every camera's picture.
+class Clusters {
+ public:
+  Clusters(std::span<const Surface> surfaces, Eigen::Index unknowns) : unknowns_(unknowns) {
+    int blocks = 0;
+    for (const Surface& surface : surfaces) {
+      grids_.emplace_back(blocks, surface.model);
+      blocks += grids_.back().count();
+    }
+    of_blocks_ = Eigen::MatrixXd::Zero(unknowns, blocks);
+  }
+
+  void add(const PairMatches& pair, const Match& match, const Vector6& part) {
+    const int a = grids_[pair.camera_a].at(match.pixel_a), b = grids_[pair.camera_b].at(match.pixel_b);
+    auto& both =
+        of_two_.try_emplace({std::min(a, b), std::max(a, b)}, Eigen::VectorXd::Zero(unknowns_)).first->second;
+    for (const auto& [place, sign] : {std::pair(pair.a, 1.0), std::pair(pair.b, -1.0)}) {
+      if (place < 0) continue;
+      for (const int block : {a, b}) of_blocks_.col(block).segment<6>(6 * place) += sign * part;
+      both.segment<6>(6 * place) += sign * part;
+    }
+  }
+
+  Eigen::MatrixXd scatter() const {
+    Eigen::MatrixXd sum = of_blocks_ * of_blocks_.transpose();
+    for (const auto& [blocks, part] : of_two_) sum -= part * part.transpose();
+    // The difference may leave a little less than nothing.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sum);
+    return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() *
+           solver.eigenvectors().transpose();
+  }
+
+ private:
+  Eigen::Index unknowns_;
+  std::vector<BlockGrid> grids_;  // of each camera
+  Eigen::MatrixXd of_blocks_;
+  std::map<std::pair<int, int>, Eigen::VectorXd> of_two_;
 };
 
 std::ptrdiff_t place_of(const Problem& problem, std::size_t camera) {
@@ -63,7 +106,7 @@ Vector6 Motions::between(const Rigid3& from, const Rigid3& to) const {
   return motion;
 }
 
-Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const Level& level, bool keep_rows,
+Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const Level& level, Extra extra,
                     const Motions* about) {
   const MatchRules rules{level.spacing, level.reach_m};
   std::vector<PairMatches> all;
@@ -74,7 +117,7 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
     const BlockGrid grid(blocks, problem.surfaces[first].model);
     blocks += grid.count();
     for (const auto& [a, b] : {std::pair(first, second), std::pair(second, first)}) {
-      PairMatches pair{place_of(problem, a), place_of(problem, b), {}, {}};
+      PairMatches pair{a, b, place_of(problem, a), place_of(problem, b), {}, {}};
       if (pair.a < 0 && pair.b < 0) continue;
       append_matches(problem.surfaces[a], poses[a], problem.surfaces[b], poses[b], rules, pair.matches);
       const auto pixel_in_first = [&, forth = a == first](const Match& match) {
@@ -92,7 +135,6 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
   }
   const auto unknowns = static_cast<Eigen::Index>(6 * problem.moving.size());
   equations.information = Eigen::MatrixXd::Zero(unknowns, unknowns);
-  equations.scatter = Eigen::MatrixXd::Zero(unknowns, unknowns);
   equations.block_gains.assign(static_cast<std::size_t>(blocks), 0);
   equations.gradient = Eigen::VectorXd::Zero(unknowns);
   if (equations.matches == 0) return equations;
@@ -103,9 +145,10 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
   }
   equations.motions.radius_m = std::max(0.1, std::sqrt(squares / equations.matches));
   if (about) equations.motions = *about;
-  if (keep_rows) equations.rows = Eigen::MatrixXd::Zero(equations.matches, unknowns);
+  if (extra == Extra::kRows) equations.rows = Eigen::MatrixXd::Zero(equations.matches, unknowns);
   Eigen::Index row = 0;
-  Eigen::MatrixXd block_gradients = Eigen::MatrixXd::Zero(unknowns, blocks);
+  std::optional<Clusters> clusters;
+  if (extra == Extra::kScatter) clusters.emplace(problem.surfaces, unknowns);
   for (const PairMatches& pair : all) {
     for (std::size_t i = 0; i < pair.matches.size(); ++i) {
       const Match& match = pair.matches[i];
@@ -126,10 +169,11 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
       for (const auto& [place, sign] : {std::pair(pair.a, 1.0), std::pair(pair.b, -1.0)}) {
         if (place < 0) continue;
         equations.gradient.segment<6>(6 * place) += sign * weight * distance * J;
-        block_gradients.col(pair.blocks[i]).segment<6>(6 * place) += sign * weight * distance * J;
         equations.information.block<6, 6>(6 * place, 6 * place) += weight * J * J.transpose();
-        if (keep_rows && robust > 0) equations.rows.block<1, 6>(row, 6 * place) = sign * J.transpose();
+        if (extra == Extra::kRows && robust > 0)
+          equations.rows.block<1, 6>(row, 6 * place) = sign * J.transpose();
       }
+      if (clusters) clusters->add(pair, match, weight * distance * J);
       if (pair.a >= 0 && pair.b >= 0) {
         equations.information.block<6, 6>(6 * pair.a, 6 * pair.b) -= weight * J * J.transpose();
         equations.information.block<6, 6>(6 * pair.b, 6 * pair.a) -= weight * J * J.transpose();
@@ -137,7 +181,7 @@ Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const
       ++row;
     }
   }
-  equations.scatter = block_gradients * block_gradients.transpose();
+  if (clusters) equations.scatter = clusters->scatter();
   return equations;
 }
 
@@ -149,7 +193,7 @@ bool descend(const Problem& problem, std::span<const Level> levels, const Frozen
   for (const Level& level : levels) {
     for (int iteration = 0; iteration < level.iterations; ++iteration) {
       const Equations equations =
-          linearize(problem, poses, level, false, any_frozen ? &frozen.motions : nullptr);
+          linearize(problem, poses, level, Extra::kNone, any_frozen ? &frozen.motions : nullptr);
       if (equations.matches < kFewestMatches) return false;
       Eigen::MatrixXd A = equations.information;
       A.diagonal().array() += 1e-6 * A.diagonal().maxCoeff();

@@ -57,8 +57,9 @@ struct Equations {
   Motions motions;
   Eigen::MatrixXd information;  ///< J^T w J
   Eigen::VectorXd gradient;     ///< J^T w r
-  /// Sum over the blocks of g g^T, g a block's part of the gradient: with the information it says how far the matches'
-  /// errors, alike over a block as they are, may have moved the poses.
+  /// What the matches' errors may have made of the gradient, squared. Two matches err together when they share a block of
+  /// either camera's picture, in whichever pair: sum over all blocks of all cameras of g g^T, g what the block's matches
+  /// add to the gradient, less what has so been counted twice (dyadic clusters; Cameron and Miller 2014). Only when asked for
   Eigen::MatrixXd scatter;
   Eigen::MatrixXd rows;  ///< J, a row per match; 0 where the match counts for nothing. Only when asked for
   /// What descend() raises: the sum over the matches of w k^2 / 6 (1 - (r / k)^2)^3, k where Tukey's kernel ends.
@@ -68,8 +69,9 @@ struct Equations {
 };
 
 /// about  the centre and radius of the motions; the matches' own where it is null.
+enum class Extra { kNone, kRows, kScatter };
 Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const Level& level,
-                    bool keep_rows = false, const Motions* about = nullptr);
+                    Extra extra = Extra::kNone, const Motions* about = nullptr);
 
 /// Directions in which nothing may move.
 struct Frozen {

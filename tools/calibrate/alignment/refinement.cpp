@@ -206,7 +206,7 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
   std::vector<Weighed> weighed;
   if (!all.moving.empty()) {
     descend(all, kFinest, {}, poses);
-    const Equations equations = linearize(all, poses, kJudged, true);
+    const Equations equations = linearize(all, poses, kJudged, Extra::kRows);
     resistances = measure_resistance(equations);
     refinement.least_resistance = resistances.values.minCoeff();
     std::vector<Eigen::Index> weak;

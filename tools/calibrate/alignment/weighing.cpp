@@ -14,9 +14,10 @@ namespace {
 
 constexpr Level kWeighed{0.05, 4, 1};
 constexpr std::array<Level, 1> kHalf{{{0.05, 4, 15}}};
-constexpr double kSurprising = 22.5;  // chi squared of six numbers, one case in a thousand
-constexpr double kWorthMoving = 0.7;  // of the known error, what may be left for a pose to be moved
-constexpr double kConfirmed = 2;      // standard errors by which what was left out must agree better
+constexpr double kSurprising = 22.5;   // chi squared of six numbers, one case in a thousand
+constexpr double kWorthMoving = 0.7;   // of the known error, what may be left for a pose to be moved
+constexpr double kConfirmed = 2;       // standard errors by which what was left out must agree better
+constexpr double kHardlyFrozen = 0.1;  // of a camera's six numbers
 constexpr double kFirm_m = 1e-7;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -40,7 +41,7 @@ std::optional<Opinion> opinion_at(const Problem& problem, const Frozen& frozen,
                                   std::span<const Rigid3> poses) {
   const bool any_frozen = frozen.directions.size() > 0;
   const Equations equations =
-      linearize(problem, poses, kWeighed, false, any_frozen ? &frozen.motions : nullptr);
+      linearize(problem, poses, kWeighed, Extra::kScatter, any_frozen ? &frozen.motions : nullptr);
   const Eigen::Index unknowns = equations.information.rows();
   Opinion opinion{equations.motions, Eigen::MatrixXd::Identity(unknowns, unknowns), {}};
   if (any_frozen) {
@@ -215,8 +216,14 @@ std::vector<Weighed> weigh(const Problem& problem, const Frozen& frozen, std::sp
   }
 
   auto balance = scales.balance(*opinion, found);
+  // In what is frozen a pose is as far off as it was given: as told, or nobody knows how far.
+  const auto frozen_share = [&](std::size_t i) -> Vector6 {
+    if (frozen.directions.size() == 0) return Vector6::Zero();
+    return frozen.directions.middleRows<6>(static_cast<Eigen::Index>(6 * i)).rowwise().squaredNorm();
+  };
   const auto error_of = [&](std::size_t i) {
-    return std::sqrt(mean_square(balance.covariance.diagonal().segment<6>(static_cast<Eigen::Index>(6 * i))));
+    const Vector6 moving = balance.covariance.diagonal().segment<6>(static_cast<Eigen::Index>(6 * i));
+    return std::sqrt(mean_square(moving + scales.variance(i) * frozen_share(i)));
   };
   bool any_held = false;
   for (std::size_t i = 0; i < weighed.size(); ++i) {
@@ -250,8 +257,12 @@ std::vector<Weighed> weigh(const Problem& problem, const Frozen& frozen, std::sp
     const bool kept = weighed[i].verdict != Verdict::kMoved;
     weighed[i].pose = kept ? given[camera] : balance.poses[camera];
     // A known pose moves only as far as surfaces left out of the fit confirm.
-    if (!kept)
-      weighed[i].error_m = scales.is_known(i) ? error_of(i) : std::hypot(error_of(i), systematic_m[i]);
+    if (kept) continue;
+    if (scales.is_known(i)) {
+      weighed[i].error_m = error_of(i);
+    } else if (frozen_share(i).sum() < kHardlyFrozen) {
+      weighed[i].error_m = std::hypot(error_of(i), systematic_m[i]);
+    }
   }
   return weighed;
 }

@@ -25,7 +25,7 @@ struct Weighed {
   Rigid3 pose;
   Verdict verdict = Verdict::kMoved;
   double surfaces_m = 0;  ///< how far off the surfaces alone leave points among the matches, root mean square
-  double error_m = 0;     ///< the same of `pose`
+  double error_m = 0;     ///< the same of `pose`; 0 where nobody knows, parts of it being frozen
   bool contradicts = false;  ///< the surfaces lie farther from the given pose than both errors explain
 };
 

@@ -123,6 +123,21 @@ std::optional<BoardView> find_board(const Board& board, const ColorImage& pictur
   return view;
 }
 
+const BoardView* same_view(const BoardView& view, std::span<const BoardView> others, int width) {
+  const auto same = std::find_if(others.begin(), others.end(), [&](const BoardView& other) {
+    double sum = 0;
+    std::size_t common = 0;
+    for (std::size_t i = 0; i < view.pixels.size(); ++i) {
+      const auto there = std::find(other.on_board.begin(), other.on_board.end(), view.on_board[i]);
+      if (there == other.on_board.end()) continue;
+      sum += (other.pixels[static_cast<std::size_t>(there - other.on_board.begin())] - view.pixels[i]).norm();
+      ++common;
+    }
+    return common > 0 && sum / static_cast<double>(common) < kSameView * width;
+  });
+  return same == others.end() ? nullptr : &*same;
+}
+
 std::vector<BoardView> worth_using(std::vector<BoardView> views, int width,
                                    std::vector<DroppedView>& dropped) {
   if (views.empty()) return views;
@@ -131,25 +146,11 @@ std::vector<BoardView> worth_using(std::vector<BoardView> views, int width,
   const auto middle = sharpness.begin() + static_cast<std::ptrdiff_t>(sharpness.size() / 2);
   std::nth_element(sharpness.begin(), middle, sharpness.end());
   const double least = *middle / 3;
-  // Two views of the same corners are the same view when these lie near each other in the mean.
-  const auto is_like = [&](const BoardView& a, const BoardView& b) {
-    double sum = 0;
-    std::size_t common = 0;
-    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
-      const auto there = std::find(b.on_board.begin(), b.on_board.end(), a.on_board[i]);
-      if (there == b.on_board.end()) continue;
-      sum += (b.pixels[static_cast<std::size_t>(there - b.on_board.begin())] - a.pixels[i]).norm();
-      ++common;
-    }
-    return common > 0 && sum / static_cast<double>(common) < kSameView * width;
-  };
   std::vector<BoardView> kept;
   for (BoardView& view : views) {
     if (view.sharpness < least) {
       dropped.push_back({view.picture, "blurred"});
-    } else if (const auto same = std::find_if(kept.begin(), kept.end(),
-                                              [&](const BoardView& other) { return is_like(view, other); });
-               same != kept.end()) {
+    } else if (const BoardView* same = same_view(view, kept, width)) {
       dropped.push_back({view.picture, "the same view as " + same->picture});
     } else {
       kept.push_back(std::move(view));

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,9 +45,12 @@ struct DroppedView {
   std::string picture, why;
 };
 
-/// Leaves out blurred views (sharpness below a third of the median) and those whose corners lie within `kSameView` of
-/// the picture's width of a kept one's.
+/// The first of `others` that shows the same corners in the same place of the picture, within `kSameView` of its width;
+/// nullptr where none does.
 inline constexpr double kSameView = 0.02;
+const BoardView* same_view(const BoardView& view, std::span<const BoardView> others, int width);
+
+/// Leaves out blurred views (sharpness below a third of the median) and those that are the same_view() as a kept one.
 std::vector<BoardView> worth_using(std::vector<BoardView> views, int width,
                                    std::vector<DroppedView>& dropped);
 

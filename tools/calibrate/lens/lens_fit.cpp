@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/calib3d.hpp>
+#include <optional>
 #include <set>
 
 namespace copresence::calibrate {
@@ -46,7 +49,20 @@ Rigid3 pose_of(const cv::Mat& turn, const cv::Mat& move) {
   return pose;
 }
 
-Result<LensFit> fit_once(std::span<const BoardView> views, int width, int height) {
+// How much of the distortion is fitted, the simplest first. More coefficients than the corners can tell apart stand for
+// one another, and go astray where no corner was.
+struct Distortion {
+  const char* used;
+  int flags, coefficients;
+};
+constexpr std::array<Distortion, 4> kDistortions{
+    {{"none", cv::CALIB_ZERO_TANGENT_DIST | cv::CALIB_FIX_K1 | cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3, 0},
+     {"k1 k2 p1 p2", cv::CALIB_FIX_K3, 4},
+     {"k1 k2 k3 p1 p2", 0, 5},
+     {"k1 to k6 p1 p2", cv::CALIB_RATIONAL_MODEL, 8}}};
+
+Result<LensFit> fit_once(std::span<const BoardView> views, int width, int height,
+                         const Distortion& distortion) {
   std::vector<std::vector<cv::Point3f>> objects;
   std::vector<std::vector<cv::Point2f>> images;
   for (const BoardView& view : views) {
@@ -57,17 +73,19 @@ Result<LensFit> fit_once(std::span<const BoardView> views, int width, int height
   std::vector<cv::Mat> turns, moves;
   LensFit fit;
   try {
-    fit.rms_px =
-        cv::calibrateCamera(objects, images, cv::Size(width, height), k, d, turns, moves, deviations,
-                            of_views_deviations, errors, cv::CALIB_RATIONAL_MODEL,
-                            cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 200, 1e-9));
+    fit.rms_px = cv::calibrateCamera(
+        objects, images, cv::Size(width, height), k, d, turns, moves, deviations, of_views_deviations, errors,
+        distortion.flags, cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 200, 1e-9));
   } catch (const cv::Exception& error) {
     return fail(ErrorCode::kInvalid, "the views do not make a lens: " + error.err);
   }
   fit.model = {width, height, k.at<double>(0, 0), k.at<double>(1, 1), k.at<double>(0, 2), k.at<double>(1, 2),
                {}};
   d = d.reshape(1, 1);
-  for (int i = 0; i < 8; ++i) fit.model.distortion[static_cast<std::size_t>(i)] = d.at<double>(i);
+  for (int i = 0; i < std::min(8, d.cols); ++i) {
+    fit.model.distortion[static_cast<std::size_t>(i)] = d.at<double>(i);
+  }
+  fit.distortion = distortion.used;
   fit.focal_sigma_px = deviations.at<double>(0);
   fit.center_sigma_px = std::max(deviations.at<double>(2), deviations.at<double>(3));
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -75,6 +93,27 @@ Result<LensFit> fit_once(std::span<const BoardView> views, int width, int height
         {views[i].picture, errors.at<double>(static_cast<int>(i)), pose_of(turns[i], moves[i])});
   }
   return fit;
+}
+
+// As much distortion as the views can tell: what each coefficient gains must be worth it (Schwarz's criterion), and the
+// picture must stay whole.
+Result<LensFit> fit_best(std::span<const BoardView> views, int width, int height) {
+  double numbers = 0;
+  for (const BoardView& view : views) numbers += 2 * static_cast<double>(view.pixels.size());
+  std::optional<Result<LensFit>> best;
+  double least = 0;
+  for (const Distortion& distortion : kDistortions) {
+    auto fit = fit_once(views, width, height, distortion);
+    const bool usable = fit && check(fit->model);
+    if (best && !usable) continue;
+    const double cost = usable ? 2 * numbers * std::log(std::max(1e-6, fit->rms_px)) +
+                                     distortion.coefficients * std::log(numbers)
+                               : std::numeric_limits<double>::max();
+    if (best && cost >= least) continue;
+    best = std::move(fit);
+    least = cost;
+  }
+  return *best;
 }
 
 }  // namespace
@@ -88,7 +127,7 @@ Result<LensFit> fit_lens(std::span<const BoardView> views, int width, int height
             "far, tilted, and in every corner of the picture",
             views.size(), kFewestViews));
   }
-  auto fit = fit_once(views, width, height);
+  auto fit = fit_best(views, width, height);
   if (!fit) return fit;
   std::vector<double> errors;
   for (const ViewFit& view : fit->views) errors.push_back(view.rms_px);
@@ -105,7 +144,7 @@ Result<LensFit> fit_lens(std::span<const BoardView> views, int width, int height
     }
   }
   if (!dropped.empty() && good.size() >= kFewestViews) {
-    fit = fit_once(good, width, height);
+    fit = fit_best(good, width, height);
     if (!fit) return fit;
     fit->dropped = std::move(dropped);
   } else {

@@ -22,6 +22,7 @@ struct ViewFit {
 
 struct LensFit {
   CameraModel model;
+  std::string distortion;            ///< the coefficients that the views could tell; the others are 0
   double rms_px = 0;                 ///< over all views
   double focal_sigma_px = 0;         ///< standard deviation of fx, as OpenCV estimates it
   double center_sigma_px = 0;        ///< of cx and cy, the larger

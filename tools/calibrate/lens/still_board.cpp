@@ -39,6 +39,21 @@ Result<StillBoard> find_still_board(const Board& board, std::span<const ColorIma
   return still;
 }
 
+std::optional<double> size_over_depth(const StillBoard& still, const Board& board,
+                                      const calibration::DepthAverage& depth, const CameraModel& model) {
+  const auto columns = static_cast<std::size_t>(board.columns);
+  const std::vector<Eigen::Vector2d>& corners = still.view.pixels;
+  const std::size_t last = corners.size() - 1;
+  const std::vector<Eigen::Vector2d> outline{corners[0], corners[columns - 1], corners[last],
+                                             corners[last - (columns - 1)]};
+  const auto plane = calibration::fit_plane(depth, model, outline);
+  if (!plane) return std::nullopt;
+  const Eigen::Vector2d opposite = 0.5 * (still.view.on_board[0] + still.view.on_board[last]);
+  const Eigen::Vector3d middle =
+      still.pose.camera_from_board * Eigen::Vector3d(opposite.x(), opposite.y(), 0);
+  return middle.z() / plane->z_along(middle.head<2>() / middle.z());
+}
+
 std::vector<calibration::Sighting> sightings_of(std::size_t camera, const StillBoard& board,
                                                 const CameraModel& model) {
   double extent_px = 1;

@@ -1,5 +1,7 @@
 #include "tools/calibrate/markers/depth_to_color.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -60,7 +62,15 @@ Result<DepthToColor> fit_depth_to_color(std::span<const RgbdFrame> frames, Depth
   const std::vector<FoundMarker> by_color = in_color->found(color);
   std::vector<calibration::Sighting> sightings;
   std::vector<calibration::NamedPoint> points;
-  for (FoundMarker& marker : in_depth->found(depth)) {
+  std::vector<FoundMarker> by_depth = in_depth->found(depth);
+  if (by_depth.size() < calibration::kFewestMarkers && by_color.size() >= calibration::kFewestMarkers) {
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("colour shows {} markers, but where depth is missing only {} show, of at least {}: their "
+                    "dark cells must return no depth, as aluminium foil does, and their white ones must",
+                    by_color.size(), by_depth.size(), calibration::kFewestMarkers));
+  }
+  for (FoundMarker& marker : by_depth) {
     const auto other = std::find_if(by_color.begin(), by_color.end(),
                                     [&](const FoundMarker& m) { return m.name == marker.name; });
     if (other == by_color.end()) continue;

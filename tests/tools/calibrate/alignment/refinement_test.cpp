@@ -130,6 +130,10 @@ TEST(Refinement, DoesNotSlideAlongAWall) {
   const Eigen::Vector3d as_given = given[1] * Eigen::Vector3d(0, 0, 2) - right * Eigen::Vector3d(0, 0, 2);
   EXPECT_NEAR(moved.x(), as_given.x(), 0.01);  // and not along it
   EXPECT_NEAR(moved.y(), as_given.y(), 0.01);
+  EXPECT_EQ(refined.cameras[1].error_mm, 0) << "nobody knows how far off it is along the wall";
+  // What is told of the pose still holds there: half of its six numbers are as they were.
+  const CameraRefinement told = refine(surfaces, given, std::vector{0.0, 0.06}).cameras[1];
+  EXPECT_GT(told.error_mm, 30);
 }
 
 TEST(Refinement, SaysNoWhereNothingIsSeenInCommon) {

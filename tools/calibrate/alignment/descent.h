@@ -68,8 +68,10 @@ struct Equations {
   int matches = 0;
 };
 
-/// about  the centre and radius of the motions; the matches' own where it is null.
+/// What costs time or room and only some need.
 enum class Extra { kNone, kRows, kScatter };
+
+/// about  the centre and radius of the motions; the matches' own where it is null.
 Equations linearize(const Problem& problem, std::span<const Rigid3> poses, const Level& level,
                     Extra extra = Extra::kNone, const Motions* about = nullptr);
 

@@ -7,7 +7,10 @@
 // again, since a picture slightly late disturbs less than one without colour; else there is none. The
 // counters tell.
 //
-// Thread: a source belongs to one thread at a time; next() may block and obeys its stop token.
+// Thread: a source belongs to one thread at a time; next() may block and obeys its stop token. A thread that has called
+// next() lives as long as others may call it, for whatever source: OpenNI2 (2.2.0.33) keeps the numbers of all threads that
+// ever waited for a frame, and asks with pthread_kill() whether they live when a new one waits, which crashes where the
+// memory of one that has ended was given back.
 
 #include <cstdint>
 #include <memory>

@@ -3,14 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
-#include <future>
 
 #include "capture_server/simulation/frame_marker.h"
 #include "capture_server/simulation/kinect_noise.h"
 #include "capture_server/simulation/simulated_kinect.h"
 #include "capture_server/source.h"
+#include "common/flow/worker_pool.h"
 #include "tests/support/process.h"
 
 namespace copresence {
@@ -120,14 +121,15 @@ TEST(SimulatedCamera, LosesNothingToOtherProjectorsWhenTheyTakeTurns) {
   const std::string air = "&cameras=2&projectors=" + (folder / "air").string();
   const auto uri = [&](int camera) { return "simulated:empty-room?camera=" + std::to_string(camera) + air; };
   const auto in_a_moment = [] { return std::chrono::steady_clock::now() + std::chrono::seconds(2); };
+  flow::WorkerPool watchers(2, "watch");  // until the end: see frame_source.h about threads that wait
   const auto both = [&](std::optional<sensor::ProjectorSlot> first,
                         std::optional<sensor::ProjectorSlot> second) {
     // One after the other: OpenNI2 does not open two devices at a time.
     const auto camera_0 = lit_in_turns(uri(0), first), camera_1 = lit_in_turns(uri(1), second);
     const auto begin = in_a_moment();
-    auto other = std::async(std::launch::async, [&] { return watch(*camera_1, begin); });
-    const Delivered one = watch(*camera_0, begin);
-    return std::pair(one, other.get());
+    std::array<Delivered, 2> delivered;
+    watchers.run(2, [&](int i, int) { delivered[i] = watch(i == 0 ? *camera_0 : *camera_1, begin); });
+    return delivered;
   };
   const Delivered alone = watch(*lit_in_turns(uri(0), {}), in_a_moment());
   const auto [disturbed, also] = both({}, {});

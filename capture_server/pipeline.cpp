@@ -4,8 +4,6 @@
 #include <pthread.h>
 #include <spdlog/spdlog.h>
 
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -18,6 +16,7 @@
 #include "common/flow/latest.h"
 #include "common/flow/thread_priority.h"
 #include "common/flow/worker_pool.h"
+#include "common/frame/waiting.h"
 #include "common/wire/frame_server.h"
 
 namespace copresence::server {
@@ -160,13 +159,10 @@ class Pipeline {
   void wait_for_the_beginning(const std::stop_token& stop, const std::function<void()>& alive) const {
     constexpr std::chrono::milliseconds kShortly{200};
     if (!begin_) return;
-    std::mutex mutex;
-    std::condition_variable_any never;
-    std::unique_lock lock(mutex);
     const std::chrono::duration<double> ahead = *begin_ - std::chrono::steady_clock::now();
     if (ahead > kShortly) spdlog::info("{}: begins in {:.1f} s", settings_.name, ahead.count());
     while (!stop.stop_requested() && std::chrono::steady_clock::now() + kShortly < *begin_) {
-      never.wait_for(lock, stop, kShortly, [] { return false; });
+      wait_for(kShortly, stop);
       alive();
     }
   }

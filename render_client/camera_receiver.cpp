@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "common/frame/waiting.h"
 #include "render_client/clipping.h"
 
 namespace copresence::client {
@@ -15,12 +16,6 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kFirstBackoff{50}, kLongestBackoff{500}, kConnectTimeout{2000};
-
-void sleep_for(std::stop_token stop, Duration duration) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  std::condition_variable_any().wait_for(lock, stop, duration, [] { return false; });
-}
 
 bool is_final(const Error& error) {
   return error.code == ErrorCode::kRefused || error.code == ErrorCode::kUnsupported ||
@@ -58,7 +53,7 @@ Result<void> CameraReceiver::run(std::stop_token stop) {
       spdlog::info("{}; waiting for it", client.error().what);
       said_waiting = true;
     }
-    sleep_for(stop, backoff);
+    wait_for(backoff, stop);
     backoff = std::min<Duration>(backoff * 2, kLongestBackoff);
   }
   return {};

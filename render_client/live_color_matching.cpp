@@ -1,7 +1,8 @@
 #include "render_client/live_color_matching.h"
 
 #include <algorithm>
-#include <condition_variable>
+
+#include "common/frame/waiting.h"
 
 namespace copresence::client {
 namespace {
@@ -25,12 +26,9 @@ color_matching::ColorMap LiveColorMatching::map(std::size_t camera) const {
 }
 
 void LiveColorMatching::run(std::stop_token stop) {
-  std::mutex mutex;
-  std::condition_variable_any wake;
   Instant last = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
-    std::unique_lock lock(mutex);
-    wake.wait_for(lock, stop, kPeriod, [] { return false; });
+    wait_for(kPeriod, stop);
     if (stop.stop_requested()) return;
     const Instant now = std::chrono::steady_clock::now();
     compare(now - last);

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <condition_variable>
-#include <mutex>
+#include "common/frame/waiting.h"
 
 namespace copresence::sensor {
 namespace {
@@ -27,12 +26,6 @@ bool same_stream(const SensorDescription& a, const SensorDescription& b) {
          a.registered == b.registered && (!a.has_color || same_size(a.color, b.color));
 }
 
-void sleep_for(const std::stop_token& stop, Duration duration) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  std::condition_variable_any().wait_for(lock, stop, duration, [] { return false; });
-}
-
 }  // namespace
 
 Result<std::unique_ptr<FrameSource>> LastingSource::open(Open open, std::chrono::milliseconds between_tries) {
@@ -54,7 +47,7 @@ SourceCounters LastingSource::counters() const {
 
 Result<RgbdFrame> LastingSource::next(std::stop_token stop) {
   if (!source_) {
-    sleep_for(stop, between_tries_);
+    wait_for(between_tries_, stop);
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     auto again = open_();
     if (!again)

@@ -6,9 +6,7 @@
 #include <atomic>
 #include <cassert>
 #include <cerrno>
-#include <condition_variable>
 #include <cstring>
-#include <mutex>
 
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
@@ -18,6 +16,7 @@
 #include "capture_server/sensor/playback_schedule.h"
 #include "capture_server/sensor/read_position.h"
 #include "capture_server/sensor/recording_track.h"
+#include "common/frame/waiting.h"
 
 namespace copresence::sensor {
 namespace {
@@ -74,13 +73,6 @@ class EndListener final : public openni::OpenNI::DeviceStateChangedListener {
   const std::string uri_;
   std::atomic<bool> ended_ = false;
 };
-
-void wait_until(Instant due, const std::stop_token& stop) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  std::condition_variable_any never;
-  never.wait_until(lock, stop, due, [] { return false; });
-}
 
 class RecordingSource final : public FrameSource {
  public:

@@ -1,0 +1,26 @@
+#pragma once
+
+// Waiting for an instant, unless asked to stop before. Thread: free functions, safe anywhere.
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+
+#include "common/frame/rgbd_frame.h"
+
+namespace copresence {
+
+/// Returns at `instant`, at once where it has passed, or as soon as a stop is asked for.
+inline void wait_until(Instant instant, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any never;
+  never.wait_until(lock, stop, instant, [] { return false; });
+}
+
+inline void wait_for(Duration duration, const std::stop_token& stop) {
+  wait_until(std::chrono::steady_clock::now() + duration, stop);
+}
+
+}  // namespace copresence

@@ -60,9 +60,9 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
                  "end after N views, counted from the first that shows every camera")
       ->check(whole_number<std::uint64_t>(1, 1'000'000'000));
   app.add_option("--screenshot", settings.screenshot, "write the last view to this PNG file")
-      ->check(file_name());
+      ->check(writable_file());
   app.add_option("--stats", settings.stats, "write statistics to this JSON file at the end")
-      ->check(file_name());
+      ->check(writable_file());
 
   try {
     app.parse(argc, argv);

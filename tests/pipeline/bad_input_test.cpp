@@ -142,6 +142,11 @@ TEST(BadInput, AWrongCommandLineIsExplainedAndExitsWithTwo) {
   EXPECT_EQ(run({"render_client"}).code, 2);
   EXPECT_EQ(run({"render_client", "--connect", "127.0.0.1:1", "--size", "641x360"}).code, 2);
   EXPECT_EQ(run({"render_client", "--connect", "127.0.0.1:1", "--view", "telepathy"}).code, 2);
+  for (const char* flag : {"--stats", "--screenshot"}) {
+    const Ended nowhere = run({"render_client", "--connect", "127.0.0.1:1", flag, "/no/such/folder/file"});
+    EXPECT_EQ(nowhere.code, 2) << flag;
+    EXPECT_THAT(nowhere.words, HasSubstr("there is no folder /no/such/folder")) << flag;
+  }
 }
 
 TEST(BadInput, HelpAndVersionSucceed) {

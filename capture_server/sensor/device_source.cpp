@@ -76,10 +76,12 @@ class DeviceSource final : public FrameSource {
   Result<RgbdFrame> next(std::stop_token stop) override;
 
  private:
-  // A picture and when this process held it.
+  // A picture, when this process held it, and what its frame will have of it: copied while the picture of the other stream is
+  // still on its way. A colour picture that is shown again is copied again.
   struct Held {
     openni::VideoFrameRef picture;
     Instant at{};
+    std::shared_ptr<RgbdFrame> copy = std::make_shared<RgbdFrame>();
   };
   using Pairing = ColorPairing<Held>;
 
@@ -254,8 +256,12 @@ void DeviceSource::read(openni::VideoStream& stream) {
   if (!is_whole(held.picture, camera, is_depth ? 2 : 3)) {
     ++counters_.damaged;
   } else if (is_depth) {
+    copy_depth(held.picture, camera, *held.copy);
+    held.copy->durations.capture = steady_clock::now() - held.at;
     pairing_->add_depth(timestamp_us, std::move(held));
   } else {
+    copy_color(held.picture, camera, *held.copy);
+    held.copy->durations.capture = steady_clock::now() - held.at;
     pairing_->add_color(timestamp_us, std::move(held));
   }
 }
@@ -304,16 +310,18 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
 Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
   auto pair = next_pair(stop);
   if (!pair) return fail(pair.error());
-  const Instant begin = steady_clock::now();
-  RgbdFrame frame;
-  copy_depth(pair->depth.picture, description_.depth, frame);
-  if (pair->color) copy_color(pair->color->picture, description_.color, frame);
+  RgbdFrame frame = std::move(*pair->depth.copy);
+  if (pair->color_again) {
+    copy_color(pair->color->picture, description_.color, frame);
+  } else if (pair->color) {
+    frame.color = std::move(pair->color->copy->color);
+    frame.durations.capture += pair->color->copy->durations.capture;
+  }
   frame.sensor_times = Pairing::times_of(*pair);
   frame.stamp.sequence = ++counters_.frames;
   if (counters_.frames == kSettledAfter) fix_controls();
   frame.stamp.captured_at = pair->depth.at;
   frame.stamp.world_from_camera = description_.world_from_camera.value_or(Rigid3{});
-  frame.durations.capture = steady_clock::now() - begin;
   if (description_.has_color && !pair->same_instant) ++counters_.depth_without_color;
   return frame;
 }

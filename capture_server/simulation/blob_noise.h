@@ -3,6 +3,7 @@
 // Noise that neighbouring pixels share: normal values on a lattice, smoothly blended between. The image-sized
 // counterpart of hash_noise.h. Thread: a free function on values, safe anywhere.
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,13 +27,13 @@ class BlobRows {
  private:
   void lattice_row(std::uint32_t row, std::vector<float>& out);
 
-  int cell_;
-  std::uint32_t seed_;
+  std::size_t cell_, width_;
   float gain_ = 0;
-  int y_ = 0;
-  std::vector<float> weight_;         // of the left lattice point over one cell, shared by both directions
-  std::vector<float> values_;         // hashed, at a row of the lattice
-  std::vector<float> above_, below_;  // the lattice's rows around y_, blended along the row
+  std::size_t y_ = 0;
+  std::vector<float> weight_;           // of the left lattice point over one cell, shared by both directions
+  std::vector<std::uint32_t> columns_;  // of the lattice, hashed
+  std::vector<float> values_;           // at a row of the lattice
+  std::vector<float> above_, below_;    // the lattice's rows around y_, blended along the row
   std::vector<float> row_;
 };
 

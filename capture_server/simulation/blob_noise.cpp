@@ -21,8 +21,7 @@ BlobRows::BlobRows(int cell, std::uint32_t seed, int width)
       columns_(width_ / cell_ + 2),
       values_(columns_.size()),
       above_(width_ + weight_.size()),
-      below_(above_.size()),
-      row_(width_) {
+      below_(above_.size()) {
   assert(cell >= 2);
   // Blending four independent values shrinks their spread; the gain gives it back.
   float mean_square = 0;
@@ -40,33 +39,32 @@ void BlobRows::lattice_row(std::uint32_t row, std::vector<float>& out) {
   const std::uint32_t* __restrict columns = columns_.data();
   float* __restrict values = values_.data();
   for (std::size_t i = 0; i < values_.size(); ++i) values[i] = gain_ * normal(hash(columns[i], row));
-  const float* __restrict weight = weight_.data();
-  float* __restrict blended = out.data();
   for (std::size_t start = 0, i = 0; start < width_; start += cell_, ++i) {
     const float a = values[i], b = values[i + 1];
     for (std::size_t first = 0; first < weight_.size(); first += kTogether) {
-      for (std::size_t x = first; x < first + kTogether; ++x) blended[start + x] = b + (a - b) * weight[x];
+      const float* __restrict weight = weight_.data() + first;
+      float* __restrict blended = out.data() + start + first;
+      for (std::size_t x = 0; x < kTogether; ++x) blended[x] = b + (a - b) * weight[x];
     }
   }
 }
 
-std::span<const float> BlobRows::next() {
+BlobRow BlobRows::next() {
   if (y_ % cell_ == 0) {
     above_.swap(below_);
     lattice_row(static_cast<std::uint32_t>(y_ / cell_ + 1), below_);
   }
-  const float w = weight_[y_ % cell_];
-  const float* __restrict above = above_.data();
-  const float* __restrict below = below_.data();
-  float* __restrict row = row_.data();
-  for (std::size_t x = 0; x < width_; ++x) row[x] = below[x] + (above[x] - below[x]) * w;
-  ++y_;
-  return row_;
+  const float weight = weight_[y_++ % cell_];
+  return {above_.data(), below_.data(), weight};
 }
 
 void fill_blob_noise(int cell, std::uint32_t seed, Image<float>& noise) {
   BlobRows rows(cell, seed, noise.width());
-  for (int y = 0; y < noise.height(); ++y) std::ranges::copy(rows.next(), noise.row(y).data());
+  for (int y = 0; y < noise.height(); ++y) {
+    const BlobRow row = rows.next();
+    const std::span<float> out = noise.row(y);
+    for (std::size_t x = 0; x < out.size(); ++x) out[x] = row[x];
+  }
 }
 
 }  // namespace copresence::simulation

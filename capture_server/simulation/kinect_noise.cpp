@@ -75,22 +75,22 @@ void KinectNoise::expose(const DotImage& dots, std::uint64_t frame, std::span<st
       besides_y(4, hash(frame_seed, 3), width), lucks(5, hash(frame_seed, 4), width),
       all_rivals(7, hash(frame_seed, 5), width);
 
-  std::vector<std::int32_t> row_from(static_cast<std::size_t>(width));  // which pixel's dots each takes
-  std::vector<Dots> row_taken(row_from.size());                         // and these
-  std::int32_t* __restrict from = row_from.data();
+  std::vector<std::uint32_t> row_from(static_cast<std::size_t>(width));  // which pixel's dots each takes
+  std::vector<Dots> row_taken(row_from.size());                          // and these
+  std::uint32_t* __restrict from = row_from.data();
   Dots* __restrict taken = row_taken.data();
 
   const float per_metre = unit_ == DepthUnit::kMillimetre ? 1000.0f : 10000.0f;
   const int blind_from = width - kBlindColumns * width / 640;
   for (int y = 0; y < height; ++y) {
-    const float* __restrict beside_x = besides_x.next().data();
-    const float* __restrict beside_y = besides_y.next().data();
+    const BlobRow beside_x = besides_x.next();
+    const BlobRow beside_y = besides_y.next();
     for (int x = 0; x < width; ++x) {
       const int dx = static_cast<int>(std::floor(kBeside * beside_x[x] + 0.5f));
       const int dy = static_cast<int>(std::floor(kBeside * beside_y[x] + 0.5f));
       const int from_x = std::min(std::max(x + dx, 0), width - 1);
       const int from_y = std::min(std::max(y + dy, 0), height - 1);
-      from[x] = from_y * width + from_x;
+      from[x] = static_cast<std::uint32_t>(from_y * width + from_x);
     }
     // By itself: eight loads are quicker than one vector's gathering.
     const Dots* __restrict all = dots.data();
@@ -99,9 +99,9 @@ void KinectNoise::expose(const DotImage& dots, std::uint64_t frame, std::span<st
     const float* __restrict pattern = pattern_.row(y).data();
     const float* __restrict needed = strength_needed_.row(y).data();
     const float* __restrict drowning = drowning_.row(y).data();
-    const float* __restrict error = errors.next().data();
-    const float* __restrict luck = lucks.next().data();
-    const float* __restrict rivals = all_rivals.next().data();
+    const BlobRow error = errors.next();
+    const BlobRow luck = lucks.next();
+    const BlobRow rivals = all_rivals.next();
     std::uint16_t* __restrict out =
         depth.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     for (int x = 0; x < width; ++x) {

@@ -29,18 +29,26 @@ void pick(const Runs& runs, const Image<Pixel>& image, std::vector<Pixel>& into)
     into.insert(into.end(), image.data() + run.first, image.data() + run.first + run.count);
 }
 
+// From a picture that differs from `still` in the runs `before` to one that does in `after`, whose pixels are `pixels`. Most of the
+// figure stays where it was for a frame: those pixels are written once.
 template <class Runs, class Pixel>
-void put(const Runs& runs, const std::vector<Pixel>& from, Image<Pixel>& image) {
-  const Pixel* next = from.data();
-  for (const auto& run : runs) {
-    std::copy_n(next, run.count, image.data() + run.first);
+void change(const Runs& before, const Runs& after, const std::vector<Pixel>& pixels,
+            const Image<Pixel>& still, Image<Pixel>& shown) {
+  auto covering = after.begin();
+  for (const auto& run : before) {
+    const std::uint32_t end = run.first + run.count;
+    for (std::uint32_t first = run.first; first < end; first = covering->first + covering->count) {
+      while (covering != after.end() && covering->first + covering->count <= first) ++covering;
+      const std::uint32_t bare_end = covering == after.end() ? end : std::min(end, covering->first);
+      if (first < bare_end) std::copy(still.data() + first, still.data() + bare_end, shown.data() + first);
+      if (bare_end == end) break;
+    }
+  }
+  const Pixel* next = pixels.data();
+  for (const auto& run : after) {
+    std::copy_n(next, run.count, shown.data() + run.first);
     next += run.count;
   }
-}
-
-template <class Runs, class Pixel>
-void copy(const Runs& runs, const Image<Pixel>& from, Image<Pixel>& image) {
-  for (const auto& run : runs) std::copy_n(from.data() + run.first, run.count, image.data() + run.first);
 }
 
 }  // namespace
@@ -50,8 +58,8 @@ RememberedViews::RememberedViews(std::size_t count, SensedView still)
 
 void RememberedViews::remember(std::size_t index, const SensedView& view) {
   assert(same_shape(view.dots, still_.dots) && same_shape(view.colors, still_.colors));
-  put_back();
   Difference& made = views_[index];
+  if (last_ == &made) change_to(nullptr);
   made = {};
   find_runs(view.dots, still_.dots, made.dot_runs);
   find_runs(view.colors, still_.colors, made.color_runs);
@@ -60,21 +68,19 @@ void RememberedViews::remember(std::size_t index, const SensedView& view) {
   made.known = true;
 }
 
-void RememberedViews::put_back() {
-  if (!last_) return;
-  copy(last_->dot_runs, still_.dots, shown_.dots);
-  copy(last_->color_runs, still_.colors, shown_.colors);
-  last_ = nullptr;
+void RememberedViews::change_to(const Difference* view) {
+  if (view == last_) return;
+  static const Difference kNone;
+  const Difference& before = last_ ? *last_ : kNone;
+  const Difference& after = view ? *view : kNone;
+  change(before.dot_runs, after.dot_runs, after.dots, still_.dots, shown_.dots);
+  change(before.color_runs, after.color_runs, after.colors, still_.colors, shown_.colors);
+  last_ = view;
 }
 
 const SensedView& RememberedViews::show(std::size_t index) {
   assert(knows(index));
-  const Difference& view = views_[index];
-  if (last_ == &view) return shown_;
-  put_back();
-  put(view.dot_runs, view.dots, shown_.dots);
-  put(view.color_runs, view.colors, shown_.colors);
-  last_ = &view;
+  change_to(&views_[index]);
   return shown_;
 }
 

@@ -38,12 +38,12 @@ class RememberedViews {
     std::vector<SensedColor> colors;
   };
 
-  void put_back();
+  void change_to(const Difference* view);  // null: the still one
 
   std::vector<Difference> views_;
   const SensedView still_;
   SensedView shown_;
-  const Difference* last_ = nullptr;  // what shown_ has different from the still view
+  const Difference* last_ = nullptr;  // what shown_ has different from the still view, if anything
 };
 
 }  // namespace copresence::simulation

@@ -68,15 +68,32 @@ Eigen::Vector3f ColorResponse::respond(const Eigen::Vector3f& color) const {
 void ColorResponse::sense(const ColorImage& truth, SensedColors& sensed) const {
   assert(truth.pixels().size() == corner_.size());
   sensed.resize(truth.width(), truth.height());
-  const auto& m = mixing_fixed_;
-  for (std::size_t i = 0; i < corner_.size(); ++i) {
-    const Rgb8 in = truth.data()[i];
-    const std::int32_t r = curve_[in.r][0], g = curve_[in.g][1], b = curve_[in.b][2];
-    const auto channel = [&](std::size_t c) {
-      const std::int32_t mixed = (m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b) >> 12;
-      return static_cast<std::int16_t>((mixed * corner_[i] >> 12) + offset_fixed_[c] + 8);
-    };
-    sensed.data()[i] = {channel(0), channel(1), channel(2)};
+  const std::array<std::int32_t, 9> m = mixing_fixed_;
+  const std::array<std::int32_t, 3> offset = offset_fixed_;
+  const auto width = static_cast<std::size_t>(truth.width());
+  std::vector<std::int32_t> curved(3 * width);  // of a row, channel by channel: many pixels are mixed at once
+  std::int32_t* __restrict red = curved.data();
+  std::int32_t* __restrict green = red + width;
+  std::int32_t* __restrict blue = green + width;
+  for (int y = 0; y < truth.height(); ++y) {
+    const Rgb8* in = truth.row(y).data();
+    for (std::size_t x = 0; x < width; ++x) {
+      red[x] = curve_[in[x].r][0];
+      green[x] = curve_[in[x].g][1];
+      blue[x] = curve_[in[x].b][2];
+    }
+    const std::uint16_t* __restrict corner = corner_.data() + static_cast<std::size_t>(y) * width;
+    SensedColor* __restrict out = sensed.row(y).data();
+    for (std::size_t x = 0; x < width; ++x) {
+      const auto channel = [&](std::size_t c) {
+        const std::int32_t mixed =
+            (m[3 * c] * red[x] + m[3 * c + 1] * green[x] + m[3 * c + 2] * blue[x]) >> 12;
+        return static_cast<std::int16_t>((mixed * corner[x] >> 12) + offset[c] + 8);
+      };
+      out[x].r = channel(0);
+      out[x].g = channel(1);
+      out[x].b = channel(2);
+    }
   }
 }
 

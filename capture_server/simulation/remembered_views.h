@@ -1,7 +1,7 @@
 #pragma once
 
 // What a camera has of the views of one period of the figure's motion, each as what differs from the still room: a second time
-// nothing need be traced, nor found out what its projector and its colours make of it. About 0.7 MB a view of 640x480.
+// nothing need be traced, nor found out what its projector and its colours make of it. About 0.6 MB a view of 640x480.
 //
 // Thread: one thread per object.
 

@@ -7,14 +7,21 @@
 
 namespace copresence::simulation {
 
+namespace {
+
+constexpr std::size_t kTogether =
+    8;  // pixels of a cell blended at once; what lies beyond the cell the next one writes again
+
+}  // namespace
+
 BlobRows::BlobRows(int cell, std::uint32_t seed, int width)
-    : cell_(cell),
-      seed_(seed),
-      weight_(static_cast<std::size_t>(cell)),
-      values_(static_cast<std::size_t>(width / cell + 2)),
-      above_(static_cast<std::size_t>(width)),
-      below_(above_.size()),
-      row_(above_.size()) {
+    : cell_(static_cast<std::size_t>(cell)),
+      width_(static_cast<std::size_t>(width)),
+      weight_((cell_ + kTogether - 1) / kTogether * kTogether),
+      columns_(width_ / cell_ + 2),
+      values_(columns_.size()),
+      above_(width_ + weight_.size()),
+      below_(above_.size()) {
   assert(cell >= 2);
   // Blending four independent values shrinks their spread; the gain gives it back.
   float mean_square = 0;
@@ -24,36 +31,40 @@ BlobRows::BlobRows(int cell, std::uint32_t seed, int width)
     mean_square += (w * w + (1 - w) * (1 - w)) / static_cast<float>(cell);
   }
   gain_ = 1 / mean_square;  // the root of the mean of both directions' squares
+  for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i] = hash(seed, static_cast<std::uint32_t>(i));
   lattice_row(0, below_);
 }
 
 void BlobRows::lattice_row(std::uint32_t row, std::vector<float>& out) {
-  for (std::size_t i = 0; i < values_.size(); ++i)
-    values_[i] = gain_ * normal(hash(seed_, static_cast<std::uint32_t>(i), row));
-  for (std::size_t start = 0, i = 0; start < out.size(); start += weight_.size(), ++i) {
-    const float a = values_[i], b = values_[i + 1];
-    const std::size_t count = std::min(weight_.size(), out.size() - start);
-    for (std::size_t x = 0; x < count; ++x) out[start + x] = b + (a - b) * weight_[x];
+  const std::uint32_t* __restrict columns = columns_.data();
+  float* __restrict values = values_.data();
+  for (std::size_t i = 0; i < values_.size(); ++i) values[i] = gain_ * normal(hash(columns[i], row));
+  for (std::size_t start = 0, i = 0; start < width_; start += cell_, ++i) {
+    const float a = values[i], b = values[i + 1];
+    for (std::size_t first = 0; first < weight_.size(); first += kTogether) {
+      const float* __restrict weight = weight_.data() + first;
+      float* __restrict blended = out.data() + start + first;
+      for (std::size_t x = 0; x < kTogether; ++x) blended[x] = b + (a - b) * weight[x];
+    }
   }
 }
 
-std::span<const float> BlobRows::next() {
+BlobRow BlobRows::next() {
   if (y_ % cell_ == 0) {
     above_.swap(below_);
     lattice_row(static_cast<std::uint32_t>(y_ / cell_ + 1), below_);
   }
-  const float w = weight_[static_cast<std::size_t>(y_ % cell_)];
-  const float* __restrict above = above_.data();
-  const float* __restrict below = below_.data();
-  float* __restrict row = row_.data();
-  for (std::size_t x = 0; x < row_.size(); ++x) row[x] = below[x] + (above[x] - below[x]) * w;
-  ++y_;
-  return row_;
+  const float weight = weight_[y_++ % cell_];
+  return {above_.data(), below_.data(), weight};
 }
 
 void fill_blob_noise(int cell, std::uint32_t seed, Image<float>& noise) {
   BlobRows rows(cell, seed, noise.width());
-  for (int y = 0; y < noise.height(); ++y) std::ranges::copy(rows.next(), noise.row(y).data());
+  for (int y = 0; y < noise.height(); ++y) {
+    const BlobRow row = rows.next();
+    const std::span<float> out = noise.row(y);
+    for (std::size_t x = 0; x < out.size(); ++x) out[x] = row[x];
+  }
 }
 
 }  // namespace copresence::simulation

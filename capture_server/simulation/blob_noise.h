@@ -3,8 +3,8 @@
 // Noise that neighbouring pixels share: normal values on a lattice, smoothly blended between. The image-sized
 // counterpart of hash_noise.h. Thread: a free function on values, safe anywhere.
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "common/frame/image.h"
@@ -15,25 +15,32 @@ namespace copresence::simulation {
 /// a pure function of seed and pixel. Requires cell >= 2.
 void fill_blob_noise(int cell, std::uint32_t seed, Image<float>& noise);
 
+/// A row of it, blended where it is read: the rows of the lattice above and below.
+struct BlobRow {
+  const float* above;
+  const float* below;
+  float weight;  ///< of the one above
+  float operator[](std::size_t x) const { return below[x] + (above[x] - below[x]) * weight; }
+};
+
 /// The same row by row, from the top: a picture of it need not be kept.
 class BlobRows {
  public:
   BlobRows(int cell, std::uint32_t seed, int width);
 
   /// The next row; its own until the call after.
-  std::span<const float> next();
+  BlobRow next();
 
  private:
   void lattice_row(std::uint32_t row, std::vector<float>& out);
 
-  int cell_;
-  std::uint32_t seed_;
+  std::size_t cell_, width_;
   float gain_ = 0;
-  int y_ = 0;
-  std::vector<float> weight_;         // of the left lattice point over one cell, shared by both directions
-  std::vector<float> values_;         // hashed, at a row of the lattice
-  std::vector<float> above_, below_;  // the lattice's rows around y_, blended along the row
-  std::vector<float> row_;
+  std::size_t y_ = 0;
+  std::vector<float> weight_;           // of the left lattice point over one cell, shared by both directions
+  std::vector<std::uint32_t> columns_;  // of the lattice, hashed
+  std::vector<float> values_;           // at a row of the lattice
+  std::vector<float> above_, below_;    // the lattice's rows around y_, blended along the row
 };
 
 }  // namespace copresence::simulation

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 
 #include "capture_server/simulation/hash_noise.h"
 
@@ -66,42 +65,52 @@ Eigen::Vector3f ColorResponse::respond(const Eigen::Vector3f& color) const {
   return (mixing_ * curved + offset_).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
-void ColorResponse::expose(const ColorImage& truth, std::uint64_t frame, ColorImage& picture) {
+void ColorResponse::sense(const ColorImage& truth, SensedColors& sensed) const {
   assert(truth.pixels().size() == corner_.size());
-  const int width = truth.width(), height = truth.height();
-  const auto row_bytes = static_cast<std::size_t>(3 * width);
-  const bool fresh = truth_.empty();
-  if (fresh) {
-    truth_ = truth;
-    clean_.resize(3 * corner_.size());
+  sensed.resize(truth.width(), truth.height());
+  const std::array<std::int32_t, 9> m = mixing_fixed_;
+  const std::array<std::int32_t, 3> offset = offset_fixed_;
+  const auto width = static_cast<std::size_t>(truth.width());
+  std::vector<std::int32_t> curved(3 * width);  // of a row, channel by channel: many pixels are mixed at once
+  std::int32_t* __restrict red = curved.data();
+  std::int32_t* __restrict green = red + width;
+  std::int32_t* __restrict blue = green + width;
+  for (int y = 0; y < truth.height(); ++y) {
+    const Rgb8* in = truth.row(y).data();
+    for (std::size_t x = 0; x < width; ++x) {
+      red[x] = curve_[in[x].r][0];
+      green[x] = curve_[in[x].g][1];
+      blue[x] = curve_[in[x].b][2];
+    }
+    const std::uint16_t* __restrict corner = corner_.data() + static_cast<std::size_t>(y) * width;
+    SensedColor* __restrict out = sensed.row(y).data();
+    for (std::size_t x = 0; x < width; ++x) {
+      const auto channel = [&](std::size_t c) {
+        const std::int32_t mixed =
+            (m[3 * c] * red[x] + m[3 * c + 1] * green[x] + m[3 * c + 2] * blue[x]) >> 12;
+        return static_cast<std::int16_t>((mixed * corner[x] >> 12) + offset[c] + 8);
+      };
+      out[x].r = channel(0);
+      out[x].g = channel(1);
+      out[x].b = channel(2);
+    }
   }
-  picture.resize(width, height);
+}
+
+void ColorResponse::expose(const SensedColors& sensed, std::uint64_t frame, std::span<Rgb8> picture) const {
+  assert(sensed.pixels().size() == corner_.size() && picture.size() == corner_.size());
+  const auto row_values = static_cast<std::size_t>(3 * sensed.width());
   const std::uint32_t place =
       hash(seed_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32));
   const int tile_x = static_cast<int>(place % kTile), tile_y = static_cast<int>(place / kTile % kTile);
-  const auto& m = mixing_fixed_;
-  for (int y = 0; y < height; ++y) {
-    const Rgb8* in = truth.row(y).data();
-    Rgb8* before = truth_.row(y).data();
-    const std::size_t start = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-    if (fresh || std::memcmp(in, before, row_bytes) != 0) {
-      for (int x = 0; x < width; ++x) {
-        if (!fresh && in[x] == before[x]) continue;
-        before[x] = in[x];
-        const std::size_t i = start + static_cast<std::size_t>(x);
-        const std::int32_t r = curve_[in[x].r][0], g = curve_[in[x].g][1], b = curve_[in[x].b][2];
-        for (std::size_t c = 0; c < 3; ++c) {
-          const std::int32_t mixed = (m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b) >> 12;
-          clean_[3 * i + c] = static_cast<std::int16_t>((mixed * corner_[i] >> 12) + offset_fixed_[c] + 8);
-        }
-      }
-    }
-    const std::int16_t* __restrict clean = clean_.data() + 3 * start;
-    auto* __restrict out = reinterpret_cast<std::uint8_t*>(picture.row(y).data());
+  for (int y = 0; y < sensed.height(); ++y) {
+    const auto* __restrict clean = reinterpret_cast<const std::int16_t*>(sensed.row(y).data());
+    auto* __restrict out =
+        reinterpret_cast<std::uint8_t*>(picture.data()) + static_cast<std::size_t>(y) * row_values;
     const std::size_t grain_row = static_cast<std::size_t>((y + tile_y) % kTile) * 3 * kTile;
-    for (std::size_t at = 0; at < row_bytes;) {
+    for (std::size_t at = 0; at < row_values;) {
       const std::size_t in_tile = (at + static_cast<std::size_t>(3 * tile_x)) % (3 * kTile);
-      const std::size_t count = std::min<std::size_t>(3 * kTile - in_tile, row_bytes - at);
+      const std::size_t count = std::min<std::size_t>(3 * kTile - in_tile, row_values - at);
       const std::int8_t* __restrict grain = grain_.data() + grain_row + in_tile;
       for (std::size_t i = 0; i < count; ++i) {
         const int seen = (clean[at + i] + grain[i]) >> 4;

@@ -16,11 +16,11 @@ std::uint64_t with_frame(std::uint32_t number) {
 
 }  // namespace
 
-void draw_marker(std::uint32_t number, ColorImage& picture) {
-  assert(picture.width() >= kCell * kBits && picture.height() >= kCell);
+void draw_marker(std::uint32_t number, std::span<Rgb8> picture, int width) {
+  assert(width >= kCell * kBits && picture.size() >= static_cast<std::size_t>(kCell) * width);
   const std::uint64_t bits = with_frame(number);
   for (int y = 0; y < kCell; ++y) {
-    const auto row = picture.row(y);
+    const auto row = picture.subspan(static_cast<std::size_t>(y) * width);
     for (int bit = 0; bit < kBits; ++bit) {
       const std::uint8_t shade = bits >> (kBits - 1 - bit) & 1 ? 235 : 16;
       std::fill_n(row.begin() + bit * kCell, kCell, Rgb8{shade, shade, shade});

@@ -34,7 +34,7 @@ constexpr float unit(std::uint32_t hashed) {
 /// Approximately normal, mean 0, standard deviation 1, within +-3.5: the sum of the four bytes.
 constexpr float normal(std::uint32_t hashed) {
   const std::uint32_t sum = (hashed & 0xFF) + (hashed >> 8 & 0xFF) + (hashed >> 16 & 0xFF) + (hashed >> 24);
-  return (static_cast<float>(sum) - 510.0f) * (1.0f / 147.8f);
+  return (static_cast<float>(static_cast<std::int32_t>(sum)) - 510.0f) * (1.0f / 147.8f);
 }
 
 /// Smooth noise in the plane: hashed values at whole coordinates, between them cubic steps. 0 <= result < 1.

@@ -27,7 +27,6 @@ static_assert(kFirstLevel * kFarthestDepth >= kLevelConstant &&
               (kFirstLevel - 1) * kFarthestDepth < kLevelConstant);
 static_assert(kLastLevel * kNearestDepth <= kLevelConstant &&
               (kLastLevel + 1) * kNearestDepth > kLevelConstant);
-constexpr float kLeastDepth = 0.2f;  // metres; nearer surfaces throw no shadow
 
 }  // namespace
 
@@ -41,13 +40,9 @@ std::vector<std::uint16_t> kinect_levels(DepthUnit unit) {
 }
 
 KinectNoise::KinectNoise(const CameraModel& model, DepthUnit unit, std::uint32_t seed, std::uint32_t camera)
-    : model_(model), unit_(unit), seed_(hash(seed, camera, 0xD5)) {
+    : unit_(unit), seed_(hash(seed, camera, 0xD5)) {
   const int width = model.width, height = model.height;
-  pattern_ = Image<float>(width, height);
-  strength_needed_ = Image<float>(width, height);
-  for (Image<float>* image : {&rivals_fixed_, &signal_, &back_}) {
-    image->resize(width, height);
-  }
+  for (Image<float>* image : {&pattern_, &strength_needed_, &rivals_fixed_}) image->resize(width, height);
 
   // Fine bumps and a slow bend.
   Image<float> fine(width, height);
@@ -71,82 +66,49 @@ void KinectNoise::set_interference(const Image<float>& light) {
   }
 }
 
-// Along a row a surface at pixel u and depth z lies in the projector's column u - f b / z; what is farther
-// than the nearest surface of its column gets no dots. Between neighbouring pixels of one surface the columns
-// are filled. Leaves in signal_ the disparity in levels, 0 where nothing can come back, and in back_ the
-// light that comes back: it falls with distance, though automatic gain gives most of it back to what is far.
-void KinectNoise::cast_shadow(const TrueView& view) {
-  const auto shift = static_cast<float>(model_.fx * kProjectorBaseline);
-  const int margin = static_cast<int>(std::ceil(shift / kLeastDepth)) + 2;
-  const int width = model_.width, columns = width + margin;
-  constexpr float kFar = 1e9f;
-  exact_column_.resize(static_cast<std::size_t>(width));
-  column_.resize(static_cast<std::size_t>(width));
-  for (int y = 0; y < model_.height; ++y) {
-    const float* __restrict z = view.depth_m.row(y).data();
-    const float* __restrict infrared = view.infrared.row(y).data();
-    float* __restrict signal = signal_.row(y).data();
-    float* __restrict back = back_.row(y).data();
-    float* __restrict exact_column = exact_column_.data();
-    int* __restrict column = column_.data();
-#pragma GCC ivdep
-    for (int x = 0; x < width; ++x) {
-      const float inverse = 1 / std::max(z[x], kLeastDepth);
-      const float exact = static_cast<float>(x + margin) - shift * inverse;
-      exact_column[x] = exact;
-      column[x] = static_cast<int>(exact);
-      signal[x] = kLevels * inverse;
-      back[x] = infrared[x] * (1.25f - 0.09f * z[x]);
-    }
-    nearest_.assign(static_cast<std::size_t>(columns) + 2, kFar);
-    float* __restrict near = nearest_.data();
-    for (int x = 0; x < width; ++x) {
-      if (z[x] < kLeastDepth) continue;
-      const int last = column[x];
-      near[last] = std::min(near[last], z[x]);
-      if (x == 0 || last - column[x - 1] <= 1) continue;
-      if (exact_column[x] - exact_column[x - 1] <= 1 || std::abs(z[x] - z[x - 1]) >= 0.03f * z[x]) continue;
-      for (int c = column[x - 1] + 1; c < last; ++c) near[c] = std::min(near[c], z[x]);
-    }
-#pragma GCC ivdep
-    for (int x = 0; x < width; ++x) signal[x] = near[column[x]] < z[x] * 0.96f ? 0.0f : signal[x];
-  }
-}
-
-void KinectNoise::expose(const TrueView& view, std::uint64_t frame, DepthImage& depth) {
-  assert(view.depth_m.width() == model_.width && view.depth_m.height() == model_.height);
-  const int width = model_.width, height = model_.height;
-  depth.resize(width, height);
-  cast_shadow(view);
+void KinectNoise::expose(const DotImage& dots, std::uint64_t frame, std::span<std::uint16_t> depth) {
+  assert(same_shape(dots, pattern_) && depth.size() == dots.pixels().size());
+  const int width = dots.width(), height = dots.height();
   const std::uint32_t frame_seed =
       hash(seed_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32));
   BlobRows errors(3, hash(frame_seed, 1), width), besides_x(4, hash(frame_seed, 2), width),
       besides_y(4, hash(frame_seed, 3), width), lucks(5, hash(frame_seed, 4), width),
       all_rivals(7, hash(frame_seed, 5), width);
 
-  const float* __restrict signal = signal_.data();
-  const float* __restrict back = back_.data();
+  std::vector<std::uint32_t> row_from(static_cast<std::size_t>(width));  // which pixel's dots each takes
+  std::vector<Dots> row_taken(row_from.size());                          // and these
+  std::uint32_t* __restrict from = row_from.data();
+  Dots* __restrict taken = row_taken.data();
+
   const float per_metre = unit_ == DepthUnit::kMillimetre ? 1000.0f : 10000.0f;
   const int blind_from = width - kBlindColumns * width / 640;
   for (int y = 0; y < height; ++y) {
-    const float* __restrict pattern = pattern_.row(y).data();
-    const float* __restrict needed = strength_needed_.row(y).data();
-    const float* __restrict drowning = drowning_.row(y).data();
-    const float* __restrict error = errors.next().data();
-    const float* __restrict beside_x = besides_x.next().data();
-    const float* __restrict beside_y = besides_y.next().data();
-    const float* __restrict luck = lucks.next().data();
-    const float* __restrict rivals = all_rivals.next().data();
-    std::uint16_t* __restrict out = depth.row(y).data();
+    const BlobRow beside_x = besides_x.next();
+    const BlobRow beside_y = besides_y.next();
     for (int x = 0; x < width; ++x) {
       const int dx = static_cast<int>(std::floor(kBeside * beside_x[x] + 0.5f));
       const int dy = static_cast<int>(std::floor(kBeside * beside_y[x] + 0.5f));
       const int from_x = std::min(std::max(x + dx, 0), width - 1);
       const int from_y = std::min(std::max(y + dy, 0), height - 1);
-      const int from = from_y * width + from_x;
-      const float level = std::floor(signal[from] + pattern[x] + kFrameError * error[x] + 0.5f);
+      from[x] = static_cast<std::uint32_t>(from_y * width + from_x);
+    }
+    // By itself: eight loads are quicker than one vector's gathering.
+    const Dots* __restrict all = dots.data();
+    for (int x = 0; x < width; ++x) taken[x] = all[from[x]];
+
+    const float* __restrict pattern = pattern_.row(y).data();
+    const float* __restrict needed = strength_needed_.row(y).data();
+    const float* __restrict drowning = drowning_.row(y).data();
+    const BlobRow error = errors.next();
+    const BlobRow luck = lucks.next();
+    const BlobRow rivals = all_rivals.next();
+    std::uint16_t* __restrict out =
+        depth.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    for (int x = 0; x < width; ++x) {
+      const float level = std::floor(taken[x].level + pattern[x] + kFrameError * error[x] + 0.5f);
       const bool seen = (level >= kFirstLevel) & (level <= kLastLevel) &
-                        (back[from] > needed[x] * (1 + 0.12f * luck[x])) & (0.6f * rivals[x] <= drowning[x]);
+                        (taken[x].light > needed[x] * (1 + 0.12f * luck[x])) &
+                        (0.6f * rivals[x] <= drowning[x]);
       const float value = std::floor(kLevels * per_metre / std::max(level, 1.0f) + 0.5f);
       out[x] = static_cast<std::uint16_t>(static_cast<int>(seen ? value : 0.0f));
     }

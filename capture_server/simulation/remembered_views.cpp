@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace copresence::simulation {
 namespace {
 
-// Runs of pixels for which `differs` holds; short gaps belong to a run, which costs less than another one.
-template <class Runs, class Differs>
-void find_runs(std::size_t pixels, Differs&& differs, Runs& runs) {
+// Runs of pixels that differ; short gaps belong to a run, which costs less than another one.
+template <class Pixel, class Runs>
+void find_runs(const Image<Pixel>& a, const Image<Pixel>& b, Runs& runs) {
   constexpr std::uint32_t kGap = 8;
-  for (std::uint32_t i = 0; i < pixels; ++i) {
-    if (!differs(i)) continue;
+  const Pixel* in_a = a.data();
+  const Pixel* in_b = b.data();
+  for (std::uint32_t i = 0; i < a.pixels().size(); ++i) {
+    if (in_a[i] == in_b[i]) continue;
     if (!runs.empty() && i - (runs.back().first + runs.back().count) < kGap) {
       runs.back().count = i + 1 - runs.back().first;
     } else {
@@ -26,55 +29,58 @@ void pick(const Runs& runs, const Image<Pixel>& image, std::vector<Pixel>& into)
     into.insert(into.end(), image.data() + run.first, image.data() + run.first + run.count);
 }
 
+// From a picture that differs from `still` in the runs `before` to one that does in `after`, whose pixels are `pixels`. Most of the
+// figure stays where it was for a frame: those pixels are written once.
 template <class Runs, class Pixel>
-void put(const Runs& runs, const std::vector<Pixel>& from, Image<Pixel>& image) {
-  const Pixel* next = from.data();
-  for (const auto& run : runs) {
-    std::copy_n(next, run.count, image.data() + run.first);
+void change(const Runs& before, const Runs& after, const std::vector<Pixel>& pixels,
+            const Image<Pixel>& still, Image<Pixel>& shown) {
+  auto covering = after.begin();
+  for (const auto& run : before) {
+    const std::uint32_t end = run.first + run.count;
+    for (std::uint32_t first = run.first; first < end; first = covering->first + covering->count) {
+      while (covering != after.end() && covering->first + covering->count <= first) ++covering;
+      const std::uint32_t bare_end = covering == after.end() ? end : std::min(end, covering->first);
+      if (first < bare_end) std::copy(still.data() + first, still.data() + bare_end, shown.data() + first);
+      if (bare_end == end) break;
+    }
+  }
+  const Pixel* next = pixels.data();
+  for (const auto& run : after) {
+    std::copy_n(next, run.count, shown.data() + run.first);
     next += run.count;
   }
 }
 
-template <class Runs, class Pixel>
-void put_back(const Runs& runs, const Image<Pixel>& from, Image<Pixel>& image) {
-  for (const auto& run : runs) std::copy_n(from.data() + run.first, run.count, image.data() + run.first);
-}
-
 }  // namespace
 
-void RememberedViews::remember(std::size_t index, const TrueView& view, const TrueView& still) {
-  assert(same_shape(view.depth_m, still.depth_m));
+RememberedViews::RememberedViews(std::size_t count, SensedView still)
+    : views_(count), still_(std::move(still)), shown_(still_) {}
+
+void RememberedViews::remember(std::size_t index, const SensedView& view) {
+  assert(same_shape(view.dots, still_.dots) && same_shape(view.colors, still_.colors));
   Difference& made = views_[index];
-  if (last_ == &made) last_ = nullptr;
+  if (last_ == &made) change_to(nullptr);
   made = {};
-  const std::size_t pixels = view.depth_m.pixels().size();
-  const auto surface_differs = [&](std::size_t i) {
-    return view.depth_m.data()[i] != still.depth_m.data()[i] ||
-           view.infrared.data()[i] != still.infrared.data()[i];
-  };
-  const auto color_differs = [&](std::size_t i) { return view.color.data()[i] != still.color.data()[i]; };
-  find_runs(pixels, surface_differs, made.surface_runs);
-  find_runs(pixels, color_differs, made.color_runs);
-  pick(made.surface_runs, view.depth_m, made.depth_m);
-  pick(made.surface_runs, view.infrared, made.infrared);
-  pick(made.color_runs, view.color, made.color);
+  find_runs(view.dots, still_.dots, made.dot_runs);
+  find_runs(view.colors, still_.colors, made.color_runs);
+  pick(made.dot_runs, view.dots, made.dots);
+  pick(made.color_runs, view.colors, made.colors);
   made.known = true;
 }
 
-const TrueView& RememberedViews::show(std::size_t index, const TrueView& still) {
+void RememberedViews::change_to(const Difference* view) {
+  if (view == last_) return;
+  static const Difference kNone;
+  const Difference& before = last_ ? *last_ : kNone;
+  const Difference& after = view ? *view : kNone;
+  change(before.dot_runs, after.dot_runs, after.dots, still_.dots, shown_.dots);
+  change(before.color_runs, after.color_runs, after.colors, still_.colors, shown_.colors);
+  last_ = view;
+}
+
+const SensedView& RememberedViews::show(std::size_t index) {
   assert(knows(index));
-  if (!last_) {
-    shown_ = still;
-  } else {
-    put_back(last_->surface_runs, still.depth_m, shown_.depth_m);
-    put_back(last_->surface_runs, still.infrared, shown_.infrared);
-    put_back(last_->color_runs, still.color, shown_.color);
-  }
-  const Difference& view = views_[index];
-  put(view.surface_runs, view.depth_m, shown_.depth_m);
-  put(view.surface_runs, view.infrared, shown_.infrared);
-  put(view.color_runs, view.color, shown_.color);
-  last_ = &view;
+  change_to(&views_[index]);
   return shown_;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The views of one period of the figure's motion, each as what it has different from the still room: a second time
-// nothing need be traced. About 0.5 MB a view of 640x480.
+// What a camera has of the views of one period of the figure's motion, each as what differs from the still room: a second time
+// nothing need be traced, nor found out what its projector and its colours make of it. About 0.6 MB a view of 640x480.
 //
 // Thread: one thread per object.
 
@@ -9,22 +9,23 @@
 #include <cstdint>
 #include <vector>
 
-#include "capture_server/simulation/true_view.h"
+#include "capture_server/simulation/sensed_view.h"
 
 namespace copresence::simulation {
 
 class RememberedViews {
  public:
-  explicit RememberedViews(std::size_t count) : views_(count) {}
+  /// `still`: the view without the figure.
+  RememberedViews(std::size_t count, SensedView still);
 
   std::size_t count() const { return views_.size(); }
   bool knows(std::size_t index) const { return views_[index].known; }
 
-  /// `still`: the same view without the figure, the same at every call.
-  void remember(std::size_t index, const TrueView& view, const TrueView& still);
+  /// Requires a view of the still one's size.
+  void remember(std::size_t index, const SensedView& view);
 
   /// The view as it was remembered; its own until the next call. Requires knows(index).
-  const TrueView& show(std::size_t index, const TrueView& still);
+  const SensedView& show(std::size_t index);
 
  private:
   struct Run {
@@ -32,14 +33,17 @@ class RememberedViews {
   };
   struct Difference {
     bool known = false;
-    std::vector<Run> surface_runs, color_runs;
-    std::vector<float> depth_m, infrared;  // of the surface runs' pixels
-    std::vector<Rgb8> color;
+    std::vector<Run> dot_runs, color_runs;
+    std::vector<Dots> dots;  // of the runs' pixels
+    std::vector<SensedColor> colors;
   };
 
+  void change_to(const Difference* view);  // null: the still one
+
   std::vector<Difference> views_;
-  TrueView shown_;
-  const Difference* last_ = nullptr;
+  const SensedView still_;
+  SensedView shown_;
+  const Difference* last_ = nullptr;  // what shown_ has different from the still view, if anything
 };
 
 }  // namespace copresence::simulation

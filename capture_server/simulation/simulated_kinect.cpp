@@ -97,31 +97,51 @@ void SimulatedKinect::set_projectors(Projectors on) {
   noise_.set_interference(light);
 }
 
-void SimulatedKinect::expose_depth(std::uint64_t frame, DepthImage& depth) {
-  if (on_[index_]) return noise_.expose(*truth_, frame, depth);
-  depth.resize(model().width, model().height);
-  std::fill(depth.pixels().begin(), depth.pixels().end(), std::uint16_t{0});
+void SimulatedKinect::sense(const TrueView& truth, SensedView& sensed) const {
+  project_dots(model(), truth, sensed.dots);
+  response_.sense(truth.color, sensed.colors);
+}
+
+void SimulatedKinect::expose_dots(const DotImage& dots, std::uint64_t frame, std::span<std::uint16_t> depth) {
+  if (on_[index_]) {
+    noise_.expose(dots, frame, depth);
+  } else {
+    std::ranges::fill(depth, std::uint16_t{0});
+  }
 }
 
 void SimulatedKinect::expose(double phase, std::uint64_t frame, DepthImage& depth, ColorImage& color) {
   truth_ = &camera_.look(phase);
-  expose_depth(frame, depth);
-  response_.expose(truth_->color, frame, color);
+  sense(*truth_, sensed_);
+  depth.resize(model().width, model().height);
+  color.resize(model().width, model().height);
+  expose_dots(sensed_.dots, frame, depth.pixels());
+  response_.expose(sensed_.colors, frame, color.pixels());
 }
 
 void SimulatedKinect::foresee() {
   if (foreseen_) return;
+  SensedView sensed;
+  sense(camera_.still(), sensed);
   const std::size_t views = camera_.sees_motion() ? kPeriodFrames : 1;
-  foreseen_ = std::make_unique<RememberedViews>(views);
-  for (std::size_t i = 0; i < views; ++i)
-    foreseen_->remember(i, camera_.glance(phase_of_frame(i, kPeriodFrames)), camera_.still());
+  foreseen_ = std::make_unique<RememberedViews>(views, sensed);
+  for (std::size_t i = 0; i < views; ++i) {
+    sense(camera_.glance(phase_of_frame(i, kPeriodFrames)), sensed);
+    foreseen_->remember(i, sensed);
+  }
 }
 
-void SimulatedKinect::expose_live(std::uint64_t frame, DepthImage& depth, ColorImage& color) {
+const SensedView& SimulatedKinect::live_view(std::uint64_t frame) {
   assert(foreseen_);
-  truth_ = &foreseen_->show(static_cast<std::size_t>(frame % foreseen_->count()), camera_.still());
-  expose_depth(frame, depth);
-  response_.expose(truth_->color, frame, color);
+  return foreseen_->show(static_cast<std::size_t>(frame % foreseen_->count()));
+}
+
+void SimulatedKinect::expose_live_depth(std::uint64_t frame, std::span<std::uint16_t> depth) {
+  expose_dots(live_view(frame).dots, frame, depth);
+}
+
+void SimulatedKinect::expose_live_color(std::uint64_t frame, std::span<Rgb8> color) {
+  response_.expose(live_view(frame).colors, frame, color);
 }
 
 }  // namespace copresence::simulation

@@ -12,6 +12,7 @@
 #include "capture_server/simulation/color_response.h"
 #include "capture_server/simulation/kinect_noise.h"
 #include "capture_server/simulation/remembered_views.h"
+#include "capture_server/simulation/sensed_view.h"
 #include "capture_server/simulation/true_camera.h"
 #include "capture_server/simulation/world.h"
 #include "common/frame/camera_model.h"
@@ -53,22 +54,26 @@ class SimulatedKinect {
   /// frame number.
   void expose(double phase, std::uint64_t frame, DepthImage& depth, ColorImage& color);
 
-  /// Looks at one period of the figure's motion ahead, by triangles (TrueCamera::glance()), and remembers it: about 30 MB.
-  /// From then on a frame costs little more than its noise.
+  /// The truth behind the last expose(). Requires that there was one.
+  const TrueView& truth() const { return *truth_; }
+
+  /// Looks at one period of the figure's motion ahead, by triangles (TrueCamera::glance()), and remembers it: about 40 MB.
+  /// From then on a live frame costs little more than its noise.
   void foresee();
 
-  /// The same as expose() at the pace of a live camera: the world is at the phase of frame `frame` of an endless motion of
-  /// kPeriodFrames. Requires foresee().
-  void expose_live(std::uint64_t frame, DepthImage& depth, ColorImage& color);
+  /// The same as expose() at the pace of a live camera, each picture by itself: the world is at the phase of frame `frame` of an
+  /// endless motion of kPeriodFrames. Pictures are row by row. Requires foresee() and the model's size.
+  void expose_live_depth(std::uint64_t frame, std::span<std::uint16_t> depth);
+  void expose_live_color(std::uint64_t frame, std::span<Rgb8> color);
 
-  /// The truth behind the last exposure.
-  const TrueView& truth() const { return *truth_; }
   const CameraModel& model() const { return camera_.model(); }
   const Rigid3& world_from_camera() const { return camera_.world_from_camera(); }
 
  private:
   SimulatedKinect(TrueCamera camera, DepthUnit unit, std::uint32_t seed, std::uint32_t index);
-  void expose_depth(std::uint64_t frame, DepthImage& depth);
+  void sense(const TrueView& truth, SensedView& sensed) const;
+  const SensedView& live_view(std::uint64_t frame);
+  void expose_dots(const DotImage& dots, std::uint64_t frame, std::span<std::uint16_t> depth);
 
   TrueCamera camera_;
   std::size_t index_;
@@ -76,8 +81,9 @@ class SimulatedKinect {
   Projectors on_;
   KinectNoise noise_;
   ColorResponse response_;
-  std::unique_ptr<RememberedViews> foreseen_;  // one period, once foresee() was called
+  SensedView sensed_;  // by the last expose()
   const TrueView* truth_ = nullptr;
+  std::unique_ptr<RememberedViews> foreseen_;  // one period, once foresee() was called
 };
 
 }  // namespace copresence::simulation

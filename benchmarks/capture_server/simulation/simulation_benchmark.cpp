@@ -41,29 +41,44 @@ void glance_at_person(benchmark::State& state) {
 }
 BENCHMARK(glance_at_person)->Unit(benchmark::kMillisecond);
 
-void add_kinect_noise(benchmark::State& state) {
+void dots_of_a_view(benchmark::State& state) {
   TrueCamera eye = camera();
   const TrueView& view = eye.look(0);
+  DotImage dots;
+  for (auto _ : state) project_dots(eye.model(), view, dots);
+}
+BENCHMARK(dots_of_a_view)->Unit(benchmark::kMillisecond);
+
+void add_kinect_noise(benchmark::State& state) {
+  TrueCamera eye = camera();
+  DotImage dots;
+  project_dots(eye.model(), eye.look(0), dots);
   KinectNoise noise(eye.model(), DepthUnit::kMillimetre, 1, 0);
-  DepthImage depth;
+  DepthImage depth(640, 480);
   std::uint64_t frame = 0;
-  for (auto _ : state) noise.expose(view, frame++, depth);
+  for (auto _ : state) noise.expose(dots, frame++, depth.pixels());
 }
 BENCHMARK(add_kinect_noise)->Unit(benchmark::kMillisecond);
 
+void sense_colors(benchmark::State& state) {
+  TrueCamera eye = camera();
+  const ColorResponse response(640, 480, 1, 1);
+  const TrueView& view = eye.look(0);
+  SensedColors sensed;
+  for (auto _ : state) response.sense(view.color, sensed);
+}
+BENCHMARK(sense_colors)->Unit(benchmark::kMillisecond);
+
 void expose_colors(benchmark::State& state) {
   TrueCamera eye = camera();
-  ColorResponse response(640, 480, 1, 1);
-  ColorImage picture;
+  const ColorResponse response(640, 480, 1, 1);
+  SensedColors sensed;
+  response.sense(eye.look(0).color, sensed);
+  ColorImage picture(640, 480);
   std::uint64_t frame = 0;
-  for (auto _ : state) {
-    state.PauseTiming();
-    const TrueView& view = eye.look(phase_of_frame(frame, kPeriodFrames));
-    state.ResumeTiming();
-    response.expose(view.color, frame++, picture);
-  }
+  for (auto _ : state) response.expose(sensed, frame++, picture.pixels());
 }
-BENCHMARK(expose_colors)->Unit(benchmark::kMillisecond)->Iterations(60);
+BENCHMARK(expose_colors)->Unit(benchmark::kMillisecond);
 
 void whole_frame(benchmark::State& state) {
   auto kinect =
@@ -98,10 +113,14 @@ BENCHMARK(begin_live)->Unit(benchmark::kMillisecond);
 void live_frame(benchmark::State& state) {
   SimulatedKinect live = kinect();
   live.foresee();
-  DepthImage depth;
-  ColorImage color;
+  DepthImage depth(640, 480);
+  ColorImage color(640, 480);
   std::uint64_t frame = 0;
-  for (auto _ : state) live.expose_live(frame++, depth, color);
+  for (auto _ : state) {
+    live.expose_live_depth(frame, depth.pixels());
+    live.expose_live_color(frame, color.pixels());
+    ++frame;
+  }
 }
 BENCHMARK(live_frame)->Unit(benchmark::kMillisecond);
 

@@ -57,26 +57,29 @@ int PushStream::getRequiredFrameSize() {
   return row_bytes() * mode().resolutionY;
 }
 
-bool PushStream::push(const void* picture, int bytes, std::uint64_t timestamp_us, int index) {
-  const std::lock_guard lock(pushing_);
-  if (!running_ || bytes != getRequiredFrameSize()) return false;
+std::optional<PushStream::Picture> PushStream::next_picture() {
+  std::unique_lock running(pushing_);
+  if (!running_) return std::nullopt;
   OniFrame* frame = getServices().acquireFrame();
-  if (!frame) return false;
+  if (!frame) return std::nullopt;
   const OniVideoMode now = mode();
   frame->sensorType = type_;
-  frame->frameIndex = index;
-  frame->timestamp = timestamp_us;
   frame->videoMode = now;
   frame->width = now.resolutionX;
   frame->height = now.resolutionY;
   frame->stride = row_bytes();
-  frame->dataSize = bytes;
+  frame->dataSize = getRequiredFrameSize();
   frame->croppingEnabled = FALSE;
   frame->cropOriginX = frame->cropOriginY = 0;
-  std::memcpy(frame->data, picture, static_cast<std::size_t>(bytes));
-  raiseNewFrame(frame);
-  getServices().releaseFrame(frame);
-  return true;
+  return Picture(*this, std::move(running), frame);
+}
+
+void PushStream::Picture::send(std::uint64_t timestamp_us, int index) {
+  frame_->timestamp = timestamp_us;
+  frame_->frameIndex = index;
+  frame_.get_deleter().stream->raiseNewFrame(frame_.get());
+  frame_.reset();
+  running_.unlock();
 }
 
 OniStatus PushStream::start() {

@@ -1,15 +1,18 @@
 #pragma once
 
 // A stream of a driver that pushes whole pictures as its camera delivers them, and the properties that every such stream
-// answers in the same way.
+// answers in the same way. A picture is written where OpenNI2 keeps it: nothing is copied on the way.
 //
-// Thread: OpenNI2 calls properties, start() and stop() from its users' threads; push() comes from the camera's thread.
-// After stop() has returned, no push() of this stream reaches OpenNI2.
+// Thread: OpenNI2 calls properties, start() and stop() from its users' threads; pictures come from the camera's thread.
+// After stop() has returned, no picture of this stream reaches OpenNI2.
 
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "capture_server/drivers/contract/device_properties.h"
@@ -64,9 +67,34 @@ class PushStream : public oni::driver::StreamBase {
   OniVideoMode mode() const;
   void set_lens(const Lens& lens);
 
-  /// Hands one picture to whoever listens. `index` counts the camera's pictures from 1: a gap says that some were lost.
-  /// Returns false when the stream is stopped or `bytes` are not what its mode has.
-  bool push(const void* picture, int bytes, std::uint64_t timestamp_us, int index);
+  /// One picture on its way: to be written, then sent. What is not sent is given back. As long as there is one, stop() waits for it.
+  class Picture {
+   public:
+    /// All of it, row by row from the top, its values unspecified before they are written. Requires a `Pixel` of the mode's size.
+    template <class Pixel>
+    std::span<Pixel> pixels() {
+      return {static_cast<Pixel*>(frame_->data), static_cast<std::size_t>(frame_->dataSize) / sizeof(Pixel)};
+    }
+
+    /// Hands it to whoever listens; then it is no longer ours. `index` counts the camera's pictures from 1: a gap says that some
+    /// were lost.
+    void send(std::uint64_t timestamp_us, int index);
+
+   private:
+    friend class PushStream;
+    struct GiveBack {
+      PushStream* stream;
+      void operator()(OniFrame* frame) const { stream->getServices().releaseFrame(frame); }
+    };
+    Picture(PushStream& stream, std::unique_lock<std::mutex> running, OniFrame* frame)
+        : running_(std::move(running)), frame_(frame, GiveBack{&stream}) {}
+
+    std::unique_lock<std::mutex> running_;
+    std::unique_ptr<OniFrame, GiveBack> frame_;  // goes before the lock does
+  };
+
+  /// Nothing when the stream is stopped, or OpenNI2 has no memory for it. Requires that its thread has no other one of this stream.
+  std::optional<Picture> next_picture();
 
   OniStatus start() override;
   void stop() override;
@@ -85,7 +113,7 @@ class PushStream : public oni::driver::StreamBase {
   mutable std::mutex mutex_;  // of the mode and the lens
   OniVideoMode mode_;
   Lens lens_;
-  std::mutex pushing_;  // held while a picture is handed over, and to stop
+  std::mutex pushing_;  // held while there is a picture, and to stop
   bool running_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <optional>
 #include <vector>
 
@@ -73,8 +74,12 @@ void KinectDevice::deliver(bool is_depth, const void* picture, std::uint32_t tic
   const auto passed = running.index > 0 ? static_cast<std::int64_t>(now_us - running.last_us) : kPeriodUs;
   running.index += std::max(1, static_cast<int>((passed + kPeriodUs / 2) / kPeriodUs));
   running.last_us = now_us;
+  auto sent = running.stream->next_picture();
+  if (!sent) return;
   // An infrared picture has eight rows more than OpenNI2's mode: they stay behind.
-  running.stream->push(picture, running.stream->getRequiredFrameSize(), now_us, running.index);
+  const auto bytes = sent->pixels<std::byte>();
+  std::memcpy(bytes.data(), picture, bytes.size());
+  sent->send(now_us, running.index);
 }
 
 bool KinectDevice::start_depth() {

@@ -20,6 +20,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/drivers/contract/push_device.h"
@@ -169,8 +170,6 @@ class SimulatedDevice final : public PushDevice {
   void take_frames(const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "simulated");
     FrameClock clock;
-    DepthImage depth;
-    ColorImage color;
     std::mutex sleeping;
     std::condition_variable_any never;
     while (!stop.stop_requested()) {
@@ -186,22 +185,28 @@ class SimulatedDevice final : public PushDevice {
       while (control == Control::kHang) std::this_thread::sleep_for(std::chrono::hours(1));
       if (control != Control::kWork) continue;
       camera_->set_projectors(shining());
-      const auto number = static_cast<std::uint64_t>(frame);
-      camera_->expose_live(number, depth, color);
-      if (uri_.marker) simulation::draw_marker(static_cast<std::uint32_t>(number), color);
-      push_all(depth, color, static_cast<std::uint64_t>(instant_us), static_cast<int>(clock.index()));
+      push_all(static_cast<std::uint64_t>(frame), static_cast<std::uint64_t>(instant_us),
+               static_cast<int>(clock.index()));
     }
   }
 
-  void push_all(const DepthImage& depth, const ColorImage& color, std::uint64_t timestamp_us, int index) {
+  // Both pictures are made before one is sent: who waits for one soon has the other.
+  void push_all(std::uint64_t number, std::uint64_t timestamp_us, int index) {
     const std::lock_guard lock(mutex_);  // nobody leaves the list, and then memory, meanwhile
+    std::vector<PushStream::Picture> made;
     for (PushStream* stream : streams_) {
+      auto picture = stream->next_picture();
+      if (!picture) continue;
       if (stream->type() == ONI_SENSOR_DEPTH) {
-        stream->push(depth.data(), static_cast<int>(depth.pixels().size_bytes()), timestamp_us, index);
+        camera_->expose_live_depth(number, picture->pixels<std::uint16_t>());
       } else {
-        stream->push(color.data(), static_cast<int>(color.pixels().size_bytes()), timestamp_us, index);
+        const auto pixels = picture->pixels<Rgb8>();
+        camera_->expose_live_color(number, pixels);
+        if (uri_.marker) simulation::draw_marker(static_cast<std::uint32_t>(number), pixels, kWidth);
       }
+      made.push_back(std::move(*picture));
     }
+    for (PushStream::Picture& picture : made) picture.send(timestamp_us, index);
   }
 
   const SimulatedUri uri_;

@@ -1,12 +1,16 @@
 // The simulated camera as the server has it: through OpenNI2, from the private driver folder.
 
+#include <OpenNI.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <fstream>
 
+#include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/simulation/frame_marker.h"
 #include "capture_server/simulation/kinect_noise.h"
 #include "capture_server/simulation/simulated_kinect.h"
@@ -165,6 +169,87 @@ TEST(SimulatedCamera, HasNoDepthInTheDarkAndItsTurnsAreCounted) {
         640 * 480 / 2);
   }
   EXPECT_GT((*source)->counters().dark, 10u);
+}
+
+// OpenNI2 itself, for what no frame source shows.
+class SimulatedDriver : public ::testing::Test {
+ protected:
+  SimulatedDriver() {
+    ::setenv(drivers::kChoiceVariable, "simulated", 1);
+    EXPECT_EQ(openni::OpenNI::initialize(), openni::STATUS_OK);
+    EXPECT_EQ(device_.open("simulated:empty-room?camera=0&marker=on"), openni::STATUS_OK)
+        << openni::OpenNI::getExtendedError();
+    EXPECT_EQ(depth_.create(device_, openni::SENSOR_DEPTH), openni::STATUS_OK);
+    EXPECT_EQ(color_.create(device_, openni::SENSOR_COLOR), openni::STATUS_OK);
+    kinect_.foresee();
+  }
+  ~SimulatedDriver() override {
+    depth_.destroy();
+    color_.destroy();
+    device_.close();
+    openni::OpenNI::shutdown();
+  }
+
+  // Reads one picture and expects it to be what the simulated Kinect has at that instant. Returns when, in microseconds.
+  std::uint64_t expect_truth(openni::VideoStream& stream) {
+    openni::VideoStream* streams[] = {&stream};
+    int ready = 0;
+    openni::VideoFrameRef picture;
+    EXPECT_EQ(openni::OpenNI::waitForAnyStream(streams, 1, &ready, 2000), openni::STATUS_OK);
+    if (stream.readFrame(&picture) != openni::STATUS_OK) throw std::runtime_error("no picture");
+    const std::uint64_t frame = (picture.getTimestamp() * 30 + 500'000) / 1'000'000;
+    const auto expect = [&](auto& expected) {
+      ASSERT_EQ(static_cast<std::size_t>(picture.getDataSize()), expected.pixels().size_bytes());
+      EXPECT_EQ(std::memcmp(picture.getData(), expected.data(), expected.pixels().size_bytes()), 0) << frame;
+    };
+    if (&stream == &depth_) {
+      DepthImage expected(640, 480);
+      kinect_.expose_live_depth(frame, expected.pixels());
+      expect(expected);
+    } else {
+      ColorImage expected(640, 480);
+      kinect_.expose_live_color(frame, expected.pixels());
+      simulation::draw_marker(static_cast<std::uint32_t>(frame), expected.pixels(), 640);
+      expect(expected);
+    }
+    return picture.getTimestamp();
+  }
+
+  openni::Device device_;
+  openni::VideoStream depth_, color_;
+  simulation::SimulatedKinect kinect_ =
+      simulation::SimulatedKinect::make(
+          std::make_shared<const simulation::World>(simulation::World::make("empty-room").value()),
+          simulation::kinect_model(640, 480), simulation::kinect_poses(2), 0, DepthUnit::kMillimetre, 1)
+          .value();
+};
+
+TEST_F(SimulatedDriver, SendsWhatTheKinectHasAtThatInstant) {
+  ASSERT_EQ(depth_.start(), openni::STATUS_OK);
+  ASSERT_EQ(color_.start(), openni::STATUS_OK);
+  for (int i = 0; i < 5; ++i) {
+    expect_truth(depth_);
+    expect_truth(color_);
+  }
+}
+
+TEST_F(SimulatedDriver, SendsEitherPictureWhileTheOtherIsNotWanted) {
+  std::uint64_t last = 0;
+  const auto expect_news = [&](openni::VideoStream& stream) {
+    const std::uint64_t now = expect_truth(stream);
+    EXPECT_GE(now, last);
+    last = now;
+  };
+  for (int round = 0; round < 3; ++round) {
+    ASSERT_EQ(depth_.start(), openni::STATUS_OK);
+    expect_news(depth_);
+    ASSERT_EQ(color_.start(), openni::STATUS_OK);
+    expect_news(color_);
+    depth_.stop();
+    expect_news(color_);
+    expect_news(color_);
+    color_.stop();
+  }
 }
 
 TEST(SimulatedCamera, IsNoCameraWhereItCannotBe) {

@@ -12,12 +12,19 @@ namespace {
 
 constexpr DepthUnit kMm = DepthUnit::kMillimetre;
 
+DepthImage exposed(KinectNoise& noise, const TrueView& view, std::uint64_t frame) {
+  const int width = view.depth_m.width(), height = view.depth_m.height();
+  DotImage dots;
+  project_dots(kinect_model(width, height), view, dots);
+  DepthImage depth(width, height);
+  noise.expose(dots, frame, depth.pixels());
+  return depth;
+}
+
 DepthImage exposed(const TrueView& view, std::uint64_t frame = 0, std::uint32_t seed = 1,
                    std::uint32_t camera = 0, DepthUnit unit = kMm) {
   KinectNoise noise(kinect_model(view.depth_m.width(), view.depth_m.height()), unit, seed, camera);
-  DepthImage depth;
-  noise.expose(view, frame, depth);
-  return depth;
+  return exposed(noise, view, frame);
 }
 
 double hole_share(const DepthImage& depth) {
@@ -147,9 +154,7 @@ TEST(KinectNoise, LosesMoreWhereOtherProjectorsShine) {
   const TrueView view = view_of(world_of(wall_at(2.0f)), small_kinect());
   KinectNoise alone(small_kinect(), kMm, 1, 0), together(small_kinect(), kMm, 1, 0);
   together.set_interference(Image<float>(320, 240, 1.0f));
-  DepthImage a, b;
-  alone.expose(view, 0, a);
-  together.expose(view, 0, b);
+  const DepthImage a = exposed(alone, view, 0), b = exposed(together, view, 0);
   EXPECT_GT(hole_share(b) - hole_share(a), 0.01);
   EXPECT_LT(hole_share(b) - hole_share(a), 0.08);
 }

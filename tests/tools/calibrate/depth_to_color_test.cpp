@@ -53,9 +53,11 @@ class DepthToColorProgram : public ::testing::Test {
     auto writer = recording::OniWriter::create(recording_, content);
     ASSERT_TRUE(writer) << writer.error().what;
     simulation::KinectNoise noise(kDepthLens, DepthUnit::kMillimetre, 3, 0);
+    simulation::DotImage dots;
+    simulation::project_dots(kDepthLens, view, dots);
+    DepthImage depth(640, 480);
     for (int frame = 0; frame < 12; ++frame) {
-      DepthImage depth;
-      noise.expose(view, static_cast<std::uint64_t>(frame), depth);
+      noise.expose(dots, static_cast<std::uint64_t>(frame), depth.pixels());
       const std::chrono::milliseconds time(33 * frame);
       ASSERT_TRUE(writer->write_depth(time, depth));
       ASSERT_TRUE(writer->write_color(time, color));

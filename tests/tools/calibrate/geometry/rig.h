@@ -204,9 +204,11 @@ inline Measured measure(const Rig& rig, int frames) {
     const simulation::TrueView view = view_of(rig, c);
     simulation::KinectNoise noise(rig.model, DepthUnit::kMillimetre, rig.seed, static_cast<std::uint32_t>(c));
     DepthAverage average(DepthUnit::kMillimetre);
-    DepthImage depth;
+    simulation::DotImage dots;
+    simulation::project_dots(rig.model, view, dots);
+    DepthImage depth(rig.model.width, rig.model.height);
     for (int frame = 0; frame < frames; ++frame) {
-      noise.expose(view, static_cast<std::uint64_t>(frame), depth);
+      noise.expose(dots, static_cast<std::uint64_t>(frame), depth.pixels());
       average.add(depth);
     }
     for (std::size_t m = 0; m < rig.world_from_marker.size(); ++m) {

@@ -34,8 +34,7 @@ endfunction()
 # Compiling tests is half of all compiling: what all of them include is parsed once (tests/support), and they themselves need not
 # be fast.
 function(compile_as_test target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # g++ 12 at -O1 sees one inside std::string's own +
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_link_libraries(${target} PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected GTest::gmock)
 endfunction()
 

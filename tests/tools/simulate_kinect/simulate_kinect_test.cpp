@@ -1,5 +1,6 @@
 // The program as a person calls it.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -24,7 +25,7 @@ struct Outcome {
 
 Outcome run(const std::string& arguments) {
   Outcome outcome;
-  std::FILE* pipe = popen((std::string(SIMULATE_KINECT) + " " + arguments + " 2>&1").c_str(), "r");
+  std::FILE* pipe = popen(fmt::format("{} {} 2>&1", SIMULATE_KINECT, arguments).c_str(), "r");
   std::array<char, 4096> chunk;
   while (const std::size_t count = std::fread(chunk.data(), 1, chunk.size(), pipe))
     outcome.said.append(chunk.data(), count);

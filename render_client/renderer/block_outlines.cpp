@@ -21,7 +21,9 @@ class BlockOutlines::Level {
         drawn_(drawn.data()),
         bent_rays_(bent_rays ? bent_rays->data() : nullptr),
         corner_row_(planes_.width() + 1) {
-    corners.resize(planes_.width() + 1, planes_.height() + 1);
+    // They are zero whenever nothing is being drawn.
+    if (corners.width() != corner_row_ || corners.height() != planes_.height() + 1)
+      corners = Image<Corner>(corner_row_, planes_.height() + 1);
     corners_ = corners.data();
   }
 

@@ -177,8 +177,11 @@ void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth&
 void find_flat_blocks(const InverseDepth& inverse, float pixel_angle, FlatBlocks& blocks) {
   blocks.planes[1].resize(4 * inverse.patches_x(), 4 * inverse.patches_y());
   find_blocks_of_4(inverse, pixel_angle, blocks.planes[1]);
-  blocks.planes[0].resize(8 * inverse.patches_x(), 8 * inverse.patches_y());
-  find_blocks_of_2(inverse, pixel_angle, blocks.planes[1], blocks.planes[0]);
+  // Those in a flat or empty block of 4 are not looked for: they stay as they were, never empty.
+  Image<Plane>& blocks_of_2 = blocks.planes[0];
+  if (blocks_of_2.width() != 8 * inverse.patches_x() || blocks_of_2.height() != 8 * inverse.patches_y())
+    blocks_of_2 = Image<Plane>(8 * inverse.patches_x(), 8 * inverse.patches_y());
+  find_blocks_of_2(inverse, pixel_angle, blocks.planes[1], blocks_of_2);
   for (int level = 2; level < kLevels; ++level) {
     const Image<Plane>& quarters = blocks.planes[level - 1];
     Image<Plane>& wholes = blocks.planes[level];

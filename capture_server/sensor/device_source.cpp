@@ -312,7 +312,9 @@ Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
   if (!pair) return fail(pair.error());
   RgbdFrame frame = std::move(*pair->depth.copy);
   if (pair->color_again) {
+    const Instant begin = steady_clock::now();
     copy_color(pair->color->picture, description_.color, frame);
+    frame.durations.capture += steady_clock::now() - begin;
   } else if (pair->color) {
     frame.color = std::move(pair->color->copy->color);
     frame.durations.capture += pair->color->copy->durations.capture;

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -31,6 +30,7 @@
 #include "capture_server/simulation/frame_marker.h"
 #include "capture_server/simulation/kinect_noise.h"
 #include "capture_server/simulation/simulated_kinect.h"
+#include "common/frame/waiting.h"
 
 namespace copresence::drivers {
 namespace {
@@ -170,15 +170,10 @@ class SimulatedDevice final : public PushDevice {
   void take_frames(const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "simulated");
     FrameClock clock;
-    std::mutex sleeping;
-    std::condition_variable_any never;
     while (!stop.stop_requested()) {
       const std::int64_t frame = clock.next(now_us());
       const std::int64_t instant_us = FrameClock::instant_us(frame);
-      {
-        std::unique_lock lock(sleeping);
-        never.wait_for(lock, stop, microseconds(instant_us - now_us()), [] { return false; });
-      }
+      wait_for(microseconds(instant_us - now_us()), stop);
       if (stop.stop_requested()) return;
       const Control control = read_control(uri_.control);
       if (control == Control::kCrash) std::abort();

@@ -1,6 +1,7 @@
 #include "capture_server/drivers/contract/push_stream.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
 
 namespace copresence::drivers {
@@ -15,6 +16,10 @@ int bytes_per_pixel(OniPixelFormat format) {
     default:
       return 2;
   }
+}
+
+int row_bytes_of(const OniVideoMode& mode) {
+  return mode.resolutionX * bytes_per_pixel(mode.pixelFormat);
 }
 
 bool same(const OniVideoMode& a, const OniVideoMode& b) {
@@ -49,29 +54,49 @@ void PushStream::set_lens(const Lens& lens) {
 }
 
 int PushStream::row_bytes() const {
-  const OniVideoMode now = mode();
-  return now.resolutionX * bytes_per_pixel(now.pixelFormat);
+  return row_bytes_of(mode());
 }
 
 int PushStream::getRequiredFrameSize() {
-  return row_bytes() * mode().resolutionY;
+  const OniVideoMode now = mode();
+  return row_bytes_of(now) * now.resolutionY;
 }
 
 std::optional<PushStream::Picture> PushStream::next_picture() {
-  std::unique_lock running(pushing_);
-  if (!running_) return std::nullopt;
-  OniFrame* frame = getServices().acquireFrame();
-  if (!frame) return std::nullopt;
-  const OniVideoMode now = mode();
+  OniVideoMode now;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!running_) return std::nullopt;
+    assert(!on_its_way_);
+    on_its_way_ = true;
+    now = mode_;
+  }
+  Picture picture(*this, getServices().acquireFrame());
+  OniFrame* frame = picture.frame_.get();
+  if (!frame) {
+    no_picture();
+    return std::nullopt;
+  }
   frame->sensorType = type_;
   frame->videoMode = now;
   frame->width = now.resolutionX;
   frame->height = now.resolutionY;
-  frame->stride = row_bytes();
-  frame->dataSize = getRequiredFrameSize();
+  frame->stride = row_bytes_of(now);
+  frame->dataSize = frame->stride * now.resolutionY;
   frame->croppingEnabled = FALSE;
   frame->cropOriginX = frame->cropOriginY = 0;
-  return Picture(*this, std::move(running), frame);
+  return picture;
+}
+
+void PushStream::no_picture() {
+  const std::lock_guard lock(mutex_);
+  on_its_way_ = false;
+  given_back_.notify_all();  // with the lock held: who waited may end the stream
+}
+
+void PushStream::Picture::GiveBack::operator()(OniFrame* frame) const {
+  stream->getServices().releaseFrame(frame);
+  stream->no_picture();
 }
 
 void PushStream::Picture::send(std::uint64_t timestamp_us, int index) {
@@ -79,30 +104,29 @@ void PushStream::Picture::send(std::uint64_t timestamp_us, int index) {
   frame_->frameIndex = index;
   frame_.get_deleter().stream->raiseNewFrame(frame_.get());
   frame_.reset();
-  running_.unlock();
 }
 
 OniStatus PushStream::start() {
   {
-    const std::lock_guard lock(pushing_);
+    const std::lock_guard lock(mutex_);
     if (running_) return ONI_STATUS_OK;
     running_ = true;
   }
   const OniStatus begun = owner_.begin(*this);
-  if (begun != ONI_STATUS_OK) {
-    const std::lock_guard lock(pushing_);
-    running_ = false;
-  }
+  if (begun != ONI_STATUS_OK) end_pictures();
   return begun;
 }
 
 void PushStream::stop() {
-  {
-    const std::lock_guard lock(pushing_);
-    if (!running_) return;
-    running_ = false;
-  }
-  owner_.end(*this);
+  if (end_pictures()) owner_.end(*this);
+}
+
+bool PushStream::end_pictures() {
+  std::unique_lock lock(mutex_);
+  if (!running_) return false;
+  running_ = false;
+  given_back_.wait(lock, [this] { return !on_its_way_; });
+  return true;
 }
 
 OniBool PushStream::isPropertySupported(int property) {
@@ -160,9 +184,8 @@ OniStatus PushStream::setProperty(int property, const void* data, int size) {
                                    [&](const OniVideoMode& mode) { return same(mode, *wanted); });
   if (!offered) return ONI_STATUS_NOT_SUPPORTED;
   {
-    const std::lock_guard lock(pushing_);
+    const std::lock_guard lock(mutex_);
     if (running_) return ONI_STATUS_OUT_OF_FLOW;
-    const std::lock_guard mode_lock(mutex_);
     mode_ = *wanted;
   }
   return ONI_STATUS_OK;

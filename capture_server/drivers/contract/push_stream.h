@@ -6,6 +6,7 @@
 // Thread: OpenNI2 calls properties, start() and stop() from its users' threads; pictures come from the camera's thread.
 // After stop() has returned, no picture of this stream reaches OpenNI2.
 
+#include <condition_variable>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -67,7 +68,8 @@ class PushStream : public oni::driver::StreamBase {
   OniVideoMode mode() const;
   void set_lens(const Lens& lens);
 
-  /// One picture on its way: to be written, then sent. What is not sent is given back. As long as there is one, stop() waits for it.
+  /// One picture on its way: to be written, then sent. What is not sent is given back. As long as there is one, stop() waits
+  /// for it, so its stream stays; no lock is held meanwhile, since OpenNI2 calls stop() and properties under locks of its own.
   class Picture {
    public:
     /// All of it, row by row from the top, its values unspecified before they are written. Requires a `Pixel` of the mode's size.
@@ -84,13 +86,11 @@ class PushStream : public oni::driver::StreamBase {
     friend class PushStream;
     struct GiveBack {
       PushStream* stream;
-      void operator()(OniFrame* frame) const { stream->getServices().releaseFrame(frame); }
+      void operator()(OniFrame* frame) const;
     };
-    Picture(PushStream& stream, std::unique_lock<std::mutex> running, OniFrame* frame)
-        : running_(std::move(running)), frame_(frame, GiveBack{&stream}) {}
+    Picture(PushStream& stream, OniFrame* frame) : frame_(frame, GiveBack{&stream}) {}
 
-    std::unique_lock<std::mutex> running_;
-    std::unique_ptr<OniFrame, GiveBack> frame_;  // goes before the lock does
+    std::unique_ptr<OniFrame, GiveBack> frame_;
   };
 
   /// Nothing when the stream is stopped, or OpenNI2 has no memory for it. Requires that its thread has no other one of this stream.
@@ -105,16 +105,19 @@ class PushStream : public oni::driver::StreamBase {
 
  private:
   int row_bytes() const;
+  void no_picture();    // none is on its way
+  bool end_pictures();  // waits for the one on its way; false where the stream did not run
 
   StreamOwner& owner_;
   const OniSensorType type_;
   const std::vector<OniVideoMode> modes_;
   const int max_value_;
-  mutable std::mutex mutex_;  // of the mode and the lens
+  mutable std::mutex mutex_;  // of all below; never held while OpenNI2 or the owner is called
+  std::condition_variable given_back_;
   OniVideoMode mode_;
   Lens lens_;
-  std::mutex pushing_;  // held while there is a picture, and to stop
   bool running_ = false;
+  bool on_its_way_ = false;  // there is a picture
 };
 
 }  // namespace copresence::drivers

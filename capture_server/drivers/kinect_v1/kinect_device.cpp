@@ -67,19 +67,25 @@ Lens KinectDevice::depth_lens() const {
 }
 
 void KinectDevice::deliver(bool is_depth, const void* picture, std::uint32_t ticks) {
-  const std::lock_guard lock(running_mutex_);  // nobody leaves, and then memory, meanwhile
-  Running& running = is_depth ? depth_ : video_;
-  const std::uint64_t now_us = clock_.to_us(ticks, host_us());
-  if (!running.stream) return;
-  const auto passed = running.index > 0 ? static_cast<std::int64_t>(now_us - running.last_us) : kPeriodUs;
-  running.index += std::max(1, static_cast<int>((passed + kPeriodUs / 2) / kPeriodUs));
-  running.last_us = now_us;
-  auto sent = running.stream->next_picture();
+  std::optional<PushStream::Picture> sent;
+  std::uint64_t now_us;
+  int index;
+  {
+    const std::lock_guard lock(running_mutex_);  // who leaves waits for a picture
+    Running& running = is_depth ? depth_ : video_;
+    now_us = clock_.to_us(ticks, host_us());
+    if (!running.stream) return;
+    const auto passed = running.index > 0 ? static_cast<std::int64_t>(now_us - running.last_us) : kPeriodUs;
+    running.index += std::max(1, static_cast<int>((passed + kPeriodUs / 2) / kPeriodUs));
+    running.last_us = now_us;
+    index = running.index;
+    sent = running.stream->next_picture();
+  }
   if (!sent) return;
   // An infrared picture has eight rows more than OpenNI2's mode: they stay behind.
   const auto bytes = sent->pixels<std::byte>();
   std::memcpy(bytes.data(), picture, bytes.size());
-  sent->send(now_us, running.index);
+  sent->send(now_us, index);
 }
 
 bool KinectDevice::start_depth() {

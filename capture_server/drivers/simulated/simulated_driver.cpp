@@ -187,21 +187,26 @@ class SimulatedDevice final : public PushDevice {
 
   // Both pictures are made before one is sent: who waits for one soon has the other.
   void push_all(std::uint64_t number, std::uint64_t timestamp_us, int index) {
-    const std::lock_guard lock(mutex_);  // nobody leaves the list, and then memory, meanwhile
-    std::vector<PushStream::Picture> made;
-    for (PushStream* stream : streams_) {
-      auto picture = stream->next_picture();
-      if (!picture) continue;
-      if (stream->type() == ONI_SENSOR_DEPTH) {
-        camera_->expose_live_depth(number, picture->pixels<std::uint16_t>());
+    auto pictures = next_pictures();
+    for (auto& [type, picture] : pictures) {
+      if (type == ONI_SENSOR_DEPTH) {
+        camera_->expose_live_depth(number, picture.pixels<std::uint16_t>());
       } else {
-        const auto pixels = picture->pixels<Rgb8>();
+        const auto pixels = picture.pixels<Rgb8>();
         camera_->expose_live_color(number, pixels);
         if (uri_.marker) simulation::draw_marker(static_cast<std::uint32_t>(number), pixels, kWidth);
       }
-      made.push_back(std::move(*picture));
     }
-    for (PushStream::Picture& picture : made) picture.send(timestamp_us, index);
+    for (auto& [type, picture] : pictures) picture.send(timestamp_us, index);
+  }
+
+  // A stream of which there is a picture does not leave, so the lock ends here: OpenNI2 takes its own to be handed one.
+  std::vector<std::pair<OniSensorType, PushStream::Picture>> next_pictures() {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::pair<OniSensorType, PushStream::Picture>> pictures;
+    for (PushStream* stream : streams_)
+      if (auto picture = stream->next_picture()) pictures.emplace_back(stream->type(), std::move(*picture));
+    return pictures;
   }
 
   const SimulatedUri uri_;

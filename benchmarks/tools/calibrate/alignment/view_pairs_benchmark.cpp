@@ -1,6 +1,7 @@
-// Refining pairs of views that a real Kinect saw, one picture each: the shared office views, whose poses are known, and
-// pairs cut from a recording of a moving camera, whose poses are an own tracker's. Each pair starts from the pose that
-// is known and from COPRESENCE_STARTS (12) poses 10 cm and 5 degrees off it; generalised ICP does the same beside it.
+// Refining pairs of views, one picture each: the shared views of a real office, whose poses are known; pairs cut from a
+// recording of a camera moving through that office, whose poses are an own tracker's; and pairs of a simulated Kinect that is
+// carried through the simulated room, whose poses are true. Each pair starts from the pose that is known and from
+// COPRESENCE_STARTS (12) poses 10 cm and 5 degrees off it; generalised ICP does the same beside it.
 
 #include <benchmark/benchmark.h>
 
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "benchmarks/tools/calibrate/alignment/generalized_icp.h"
+#include "capture_server/simulation/simulated_kinect.h"
 #include "tests/support/real_recordings.h"
 #include "tools/calibrate/alignment/descent.h"
 #include "tools/calibrate/alignment/refinement.h"
@@ -26,6 +28,8 @@
 
 namespace copresence::alignment {
 namespace {
+
+constexpr int kSimulatedViews = 10;
 
 struct View {
   Surface surface;
@@ -105,7 +109,30 @@ std::vector<View> office_views() {
   return views;
 }
 
-enum Recording : int { kViews, kOffice };
+// A Kinect carried around the simulated room's figure, which stands still meanwhile: nearer and farther, higher and lower,
+// looking past it to both sides.
+std::vector<View> simulated_views() {
+  const auto world = std::make_shared<const simulation::World>(simulation::World::make("room").value());
+  const CameraModel model = simulation::kinect_model(640, 480);
+  std::vector<View> views;
+  for (int i = 0; i < kSimulatedViews; ++i) {
+    const double around = (-60.0 + 13 * i) * std::numbers::pi / 180, way = i;
+    const double distance = 1.65 + 0.12 * std::sin(1.3 * way);  // within walls and curtain
+    const Rigid3 pose = simulation::look_from(
+        {distance * std::sin(around), -1.4 + 0.25 * std::sin(2.1 * way), -distance * std::cos(around)},
+        {0.4 * std::cos(1.7 * way), -0.9, 0});
+    auto kinect = simulation::SimulatedKinect::make(world, model, std::vector{pose}, 0,
+                                                    DepthUnit::kMillimetre, static_cast<std::uint32_t>(i))
+                      .value();
+    DepthImage depth;
+    ColorImage color;
+    kinect.expose(0.3, 0, depth, color);
+    views.push_back({make_surface(static_depth(std::vector{depth}, DepthUnit::kMillimetre), model), pose});
+  }
+  return views;
+}
+
+enum Recording : int { kViews, kOffice, kSimulated };
 constexpr int kStep = 3;        // frames between the views that are followed
 constexpr int kGicpStarts = 2;  // it takes longer, and ends where it ends from all that are near enough
 
@@ -115,6 +142,8 @@ const std::vector<View>& views_of(int recording) {
   if (!fresh) return entry->second;
   if (recording == kViews) {
     entry->second = office_views();
+  } else if (recording == kSimulated) {
+    entry->second = simulated_views();
   } else if (const auto path = test::real_recording("office.oni")) {
     entry->second = track(surfaces_of(*path, kStep));
   }
@@ -138,8 +167,8 @@ Rigid3 pushed(const Rigid3& pose, std::mt19937& random) {
   return {turn * pose.rotation, pose.translation + 0.1 * direction()};
 }
 
-// range: recording, first view, second view (of the 50 that are followed).
-void refine_a_real_pair(benchmark::State& state) {
+// range: where from, first view, second view (of the 50 that are followed, or the simulated ones).
+void refine_a_pair(benchmark::State& state) {
   const std::vector<View>& views = views_of(static_cast<int>(state.range(0)));
   const auto i = static_cast<std::size_t>(state.range(1)), j = static_cast<std::size_t>(state.range(2));
   if (std::max(i, j) >= views.size()) {
@@ -163,7 +192,7 @@ void refine_a_real_pair(benchmark::State& state) {
   for (auto _ : state) {
     const Refinement untouched = refined(b.world_from_camera);
     const Rigid3 home = untouched.cameras[1].world_from_camera, gicp_home = gicp(b.world_from_camera);
-    double apart_mm = 0, apart_deg = 0, gicp_mm = 0, gicp_deg = 0;
+    double apart_mm = 0, apart_deg = 0, pushed_mm = 0, pushed_deg = 0, gicp_mm = 0, gicp_deg = 0;
     int elsewhere = 0, not_refined = 0, gicp_elsewhere = 0;
     for (int start = 0; start < starts; ++start) {
       const Rigid3 from = pushed(b.world_from_camera, random);
@@ -173,6 +202,8 @@ void refine_a_real_pair(benchmark::State& state) {
       elsewhere += millimetres(there, home) > 2 || degrees(there, home) > 0.1;
       apart_mm = std::max(apart_mm, millimetres(there, home));
       apart_deg = std::max(apart_deg, degrees(there, home));
+      pushed_mm = std::max(pushed_mm, millimetres(there, b.world_from_camera));
+      pushed_deg = std::max(pushed_deg, degrees(there, b.world_from_camera));
       if (start >= kGicpStarts) continue;
       const Rigid3 gicp_end = gicp(from);
       gicp_mm = std::max(gicp_mm, millimetres(gicp_end, b.world_from_camera));
@@ -184,6 +215,8 @@ void refine_a_real_pair(benchmark::State& state) {
     state.counters["overlap"] = untouched.pairs.empty() ? 0 : 100 * untouched.pairs.front().after.overlap;
     state.counters["mm"] = millimetres(home, b.world_from_camera);
     state.counters["deg"] = degrees(home, b.world_from_camera);
+    state.counters["pushed_mm"] = pushed_mm;
+    state.counters["pushed_deg"] = pushed_deg;
     state.counters["apart_mm"] = apart_mm;
     state.counters["apart_deg"] = apart_deg;
     state.counters["elsewhere"] = elsewhere;
@@ -203,8 +236,12 @@ void each_pair(benchmark::internal::Benchmark* all) {
   for (const int apart : {16, 26, 38}) {
     for (int first = 0; first + apart < 50; first += 10) all->Args({kOffice, first, first + apart});
   }
+  for (const int apart : {1, 2, 3}) {
+    for (int first = apart - 1; first + apart < kSimulatedViews; first += 2)
+      all->Args({kSimulated, first, first + apart});
+  }
 }
-BENCHMARK(refine_a_real_pair)->Apply(each_pair)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(refine_a_pair)->Apply(each_pair)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace copresence::alignment

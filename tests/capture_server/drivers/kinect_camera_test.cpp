@@ -12,6 +12,7 @@
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/frame_source.h"
 #include "tests/support/fake_freenect/fake_scene.h"
+#include "tests/support/open_ni.h"
 #include "tests/support/process.h"
 
 namespace copresence {
@@ -211,7 +212,7 @@ class KinectDriver : public KinectCamera {
   KinectDriver() {
     ::setenv(drivers::kChoiceVariable, "kinect_v1", 1);
     plug_in("A1");
-    EXPECT_EQ(openni::OpenNI::initialize(), openni::STATUS_OK);
+    EXPECT_EQ(testing::start_open_ni(), openni::STATUS_OK);
   }
   ~KinectDriver() override {
     device_.close();

@@ -16,6 +16,7 @@
 #include "capture_server/simulation/simulated_kinect.h"
 #include "capture_server/source.h"
 #include "common/flow/worker_pool.h"
+#include "tests/support/open_ni.h"
 #include "tests/support/process.h"
 
 namespace copresence {
@@ -136,6 +137,11 @@ TEST(SimulatedCamera, LosesNothingToOtherProjectorsWhenTheyTakeTurns) {
     return delivered;
   };
   const Delivered alone = watch(*lit_in_turns(uri(0), {}), in_a_moment());
+  if (alone.frames_per_second < 15)
+    GTEST_SKIP()
+        << "SKIPPED: a simulated camera makes " << alone.frames_per_second
+        << " frames a second here (under a sanitizer, or on a machine too busy): too few for turns of "
+           "0.3 s";
   const auto [disturbed, also] = both({}, {});
   constexpr milliseconds kTurn(300);
   const auto [first, second] = both(sensor::ProjectorSlot{0, 2, kTurn}, sensor::ProjectorSlot{1, 2, kTurn});
@@ -176,7 +182,7 @@ class SimulatedDriver : public ::testing::Test {
  protected:
   SimulatedDriver() {
     ::setenv(drivers::kChoiceVariable, "simulated", 1);
-    EXPECT_EQ(openni::OpenNI::initialize(), openni::STATUS_OK);
+    EXPECT_EQ(testing::start_open_ni(), openni::STATUS_OK);
     EXPECT_EQ(device_.open("simulated:empty-room?camera=0&marker=on"), openni::STATUS_OK)
         << openni::OpenNI::getExtendedError();
     EXPECT_EQ(depth_.create(device_, openni::SENSOR_DEPTH), openni::STATUS_OK);

@@ -1,7 +1,6 @@
 // OpenNI itself plays what OniWriter wrote.
 
 #include <OpenNI.h>
-#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 #include <thread>
 
 #include "capture_server/recording/oni_writer.h"
+#include "tests/support/open_ni.h"
 
 namespace copresence::recording {
 namespace {
@@ -47,13 +47,9 @@ struct Case {
   bool unfinished = false;  // its recorder died after a checkpoint and one more frame
 };
 
-class OniPlayback : public testing::TestWithParam<Case> {
+class OniPlayback : public ::testing::TestWithParam<Case> {
  protected:
-  static void SetUpTestSuite() {
-    ASSERT_EQ(openni::OpenNI::initialize(), openni::STATUS_OK);
-    // It stays loaded, so that reports of what it leaks know what to call it (tests/lsan_suppressions.txt).
-    ::dlopen("libOniFile.so.0", RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE);
-  }
+  static void SetUpTestSuite() { ASSERT_EQ(testing::start_open_ni(), openni::STATUS_OK); }
   static void TearDownTestSuite() { openni::OpenNI::shutdown(); }
 
   // One frame of a stream that plays by hand, or an invalid one after two seconds.
@@ -154,12 +150,12 @@ TEST_P(OniPlayback, DeliversEveryFrameAsItWasWritten) {
 
 INSTANTIATE_TEST_SUITE_P(
     Codings, OniPlayback,
-    testing::Values(Case{"CodedDepthAndJpeg", DepthCoding::k16z, ColorCoding::kJpeg, DepthUnit::kMillimetre},
-                    Case{"CodedDepthAndRawColor", DepthCoding::k16z, ColorCoding::kRaw,
-                         DepthUnit::k100Micrometres},
-                    Case{"RawDepthAndJpeg", DepthCoding::kNone, ColorCoding::kJpeg, DepthUnit::kMillimetre},
-                    Case{"Unfinished", DepthCoding::k16z, ColorCoding::kJpeg, DepthUnit::kMillimetre, true},
-                    Case{"DepthAlone", DepthCoding::k16z, std::nullopt, DepthUnit::kMillimetre}),
+    ::testing::Values(
+        Case{"CodedDepthAndJpeg", DepthCoding::k16z, ColorCoding::kJpeg, DepthUnit::kMillimetre},
+        Case{"CodedDepthAndRawColor", DepthCoding::k16z, ColorCoding::kRaw, DepthUnit::k100Micrometres},
+        Case{"RawDepthAndJpeg", DepthCoding::kNone, ColorCoding::kJpeg, DepthUnit::kMillimetre},
+        Case{"Unfinished", DepthCoding::k16z, ColorCoding::kJpeg, DepthUnit::kMillimetre, true},
+        Case{"DepthAlone", DepthCoding::k16z, std::nullopt, DepthUnit::kMillimetre}),
     [](const auto& with) { return std::string(with.param.name); });
 
 }  // namespace

@@ -18,8 +18,9 @@ std::uint64_t read_position_beside(int descriptor) {
     const std::string name = entry.path().filename();
     int number = -1;
     std::from_chars(name.data(), name.data() + name.size(), number);
+    // By its name: the descriptor itself is another thread's, which may open or close it at this moment.
     struct stat its {};
-    if (number == descriptor || ::fstat(number, &its) != 0) continue;
+    if (number == descriptor || ::stat(("/proc/self/fd/" + name).c_str(), &its) != 0) continue;
     if (its.st_dev != ours.st_dev || its.st_ino != ours.st_ino) continue;
     std::ifstream file(entry.path());
     std::string word;

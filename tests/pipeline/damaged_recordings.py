@@ -187,15 +187,18 @@ MORE_KINDS = {"swapped": 2, "missing": 2, "doubled": 2, "one_stream": 1, "lie": 
               "bytes_gone": 1, "bytes_more": 1, "no_recording": 1, "all_payloads": 2}
 
 
-def play(server, path, port):
+def play(server, path, port, sanitized):
     """What became of it: "played", "refused", or what is wrong; with seconds and CPU seconds."""
     begin = time.monotonic()
-    # 8 GB of address space: a recording that makes the player allocate without bounds is found, not swapped.
-    process = subprocess.Popen(["bash", "-c", 'ulimit -v 8000000; exec "$@"', "-", str(server), "--source", str(path),
+    patience = 20 if sanitized else 1
+    # 8 GB of address space: a recording that makes the player allocate without bounds is found, not swapped. A sanitizer
+    # takes more for itself.
+    limit = "" if sanitized else "ulimit -v 8000000; "
+    process = subprocess.Popen(["bash", "-c", limit + 'exec "$@"', "-", str(server), "--source", str(path),
                                 "--listen", f"127.0.0.1:{port}", "--pace", "fast"],
                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
     status = usage = None
-    while time.monotonic() - begin < GIVE_UP_S:
+    while time.monotonic() - begin < patience * GIVE_UP_S:
         pid, status, usage = os.wait4(process.pid, os.WNOHANG)
         if pid:
             break
@@ -212,7 +215,9 @@ def play(server, path, port):
     process.stderr.close()
     cpu = usage.ru_utime + usage.ru_stime
     sentences = [line for line in words.splitlines() if " info " not in line and " warn" not in line]
-    if process.returncode not in (0, 1):
+    if "Sanitizer" in words or "runtime error" in words:
+        verdict = "REPORTED BY THE SANITIZER"
+    elif process.returncode not in (0, 1):
         verdict = f"EXIT {process.returncode}"
     elif "crashed" in words:
         verdict = "CRASHED, and its parent said so"
@@ -220,9 +225,9 @@ def play(server, path, port):
         verdict = "HUNG, and its parent said so"
     elif process.returncode == 1 and len(sentences) != 1:
         verdict = "NO SENTENCE"
-    elif process.returncode == 1 and seconds > WITHIN_S:
+    elif process.returncode == 1 and seconds > patience * WITHIN_S:
         verdict = "TOO LONG"
-    elif cpu > WITHIN_S:
+    elif cpu > patience * WITHIN_S:
         verdict = "SPUN"
     else:
         verdict = "played" if process.returncode == 0 else "refused"
@@ -238,6 +243,8 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
     parser.add_argument("--recording", type=pathlib.Path, default=ROOT / "data/recordings/camera0.oni")
     parser.add_argument("--more", action="store_true", help="the other kinds")
+    parser.add_argument("--sanitized", action="store_true",
+                        help="the programs are built with a sanitizer: they may take more memory and twenty times as long")
     parser.add_argument("--keep", type=pathlib.Path, help="a folder for the files that something was wrong with")
     options = parser.parse_args()
 
@@ -259,7 +266,8 @@ def main():
             kind = plan[index % len(plan)]
             data = damage.make(kind, f"{options.seed}:{index}")
             path.write_bytes(data)
-            verdict, seconds, cpu, words = play(options.bin / "capture_server", path, options.port + index % 50)
+            verdict, seconds, cpu, words = play(options.bin / "capture_server", path, options.port + index % 50,
+                                                options.sanitized)
             if verdict in longest:
                 longest[verdict] = max(longest[verdict], seconds)
             if kind in ("payload", "all_payloads") and verdict == "refused":

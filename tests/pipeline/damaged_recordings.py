@@ -194,9 +194,11 @@ def play(server, path, port, sanitized):
     # 8 GB of address space: a recording that makes the player allocate without bounds is found, not swapped. A sanitizer
     # takes more for itself.
     limit = "" if sanitized else "ulimit -v 8000000; "
+    of_open_ni = f"suppressions={ROOT}/tests/lsan_suppressions.txt:print_suppressions=0"
     process = subprocess.Popen(["bash", "-c", limit + 'exec "$@"', "-", str(server), "--source", str(path),
                                 "--listen", f"127.0.0.1:{port}", "--pace", "fast"],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
+                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
+                               env={"LSAN_OPTIONS": of_open_ni, **os.environ})
     status = usage = None
     while time.monotonic() - begin < patience * GIVE_UP_S:
         pid, status, usage = os.wait4(process.pid, os.WNOHANG)

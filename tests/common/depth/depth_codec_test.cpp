@@ -9,45 +9,18 @@
 #include <random>
 #include <string>
 
-#include "common/depth/edge_repair.h"
 #include "tests/common/depth/scenes.h"
+#include "tests/common/depth/stream_without_video.h"
 
 namespace copresence::depth {
 namespace {
 
 using testing::flat_scene;
 using ::testing::HasSubstr;
+using testing::kinect_format;
 using testing::kinect_scene;
 using testing::Scene;
-
-DepthFormat kinect_format(int width = 160, int height = 120) {
-  return {width, height, DepthUnit::kMillimetre, {}};
-}
-
-// Both ends of a stream without video coding between them.
-class Stream {
- public:
-  explicit Stream(std::string_view codec, DepthFormat format = kinect_format())
-      : encoder(*Encoder::open(codec, format)), decoder(*Decoder::open(encoder.description(), format)) {
-    encoder.set_lossless(true);
-  }
-
-  PlanarDepth send(const Scene& scene, bool keyframe = false) {
-    auto planes = encoder.encode(scene.depth, scene.state, keyframe);
-    EXPECT_TRUE(planes) << planes.error().what;
-    return *std::move(planes);
-  }
-  Result<void> receive(const PlanarDepth& planes) { return decoder.decode(planes, depth, state); }
-  void carry(const Scene& scene, bool keyframe = false) {
-    const auto received = receive(send(scene, keyframe));
-    ASSERT_TRUE(received) << received.error().what;
-  }
-
-  Encoder encoder;
-  Decoder decoder;
-  DepthImage depth;
-  StateImage state;
-};
+using testing::StreamWithoutVideo;
 
 // The greatest error in millimetres that each codec promises at depth z, without video coding.
 double bound_mm(std::string_view codec, double z) {
@@ -80,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Codecs, EveryCodec, ::testing::ValuesIn(codec_names().b
                          });
 
 TEST_P(EveryCodec, BringsDepthBackWithinItsBoundAndStatesExactly) {
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   for (int time = 0; time < 6; ++time) {
     const Scene scene = kinect_scene(160, 120, time);
     stream.carry(scene, time == 3);
@@ -103,7 +76,7 @@ TEST_P(EveryCodec, BringsDepthBackWithinItsBoundAndStatesExactly) {
 }
 
 TEST_P(EveryCodec, KeepsHolesHolesAndDepthDepthWhateverVideoCodingDoesToThePicture) {
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   stream.encoder.set_lossless(false);
   std::minstd_rand random(1);
   for (int time = 0; time < 3; ++time) {
@@ -131,7 +104,7 @@ TEST_P(EveryCodec, CountsDepthOutsideTheRangeAsHoles) {
   const std::array<std::uint16_t, 6> values{1, 399, 400, 5000, 5001, 65535};
   for (std::size_t i = 0; i < values.size(); ++i) scene.depth(static_cast<int>(i) * 16, 60) = values[i];
   scene.depth(159, 119) = 0;  // measured nothing
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   for (int time = 0; time < 2; ++time) {
     stream.carry(scene);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -145,7 +118,7 @@ TEST_P(EveryCodec, CountsDepthOutsideTheRangeAsHoles) {
 }
 
 TEST_P(EveryCodec, TakesImagesOfNothingAndImagesWithoutHoles) {
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   for (const int depth : {0, 1000, 0, 0, 5000, 400}) {
     const Scene scene = flat_scene(160, 120, static_cast<std::uint16_t>(depth));
     stream.carry(scene);
@@ -163,7 +136,7 @@ TEST_P(EveryCodec, TakesEveryValueThatSixteenBitsHold) {
     scene.depth.data()[i] = static_cast<std::uint16_t>(i);
     if (i == 0) scene.state.data()[i] = DepthState::kHole;
   }
-  Stream stream(GetParam(), format);
+  StreamWithoutVideo stream(GetParam(), format);
   stream.encoder.set_lossless(false);
   stream.carry(scene);
   EXPECT_EQ(stream.state, scene.state);
@@ -173,7 +146,7 @@ TEST_P(EveryCodec, TakesEveryValueThatSixteenBitsHold) {
 
 TEST_P(EveryCodec, FindsEveryChangedAndEveryMissingByteOfMaskTableAndSamples) {
   const DepthFormat format = kinect_format(32, 16);
-  Stream stream(GetParam(), format);
+  StreamWithoutVideo stream(GetParam(), format);
   const PlanarDepth first = stream.send(kinect_scene(32, 16, 0));
   const PlanarDepth second = stream.send(kinect_scene(32, 16, 9));
   // Damage fails, and so does what follows it, until a keyframe.
@@ -204,7 +177,7 @@ TEST_P(EveryCodec, FindsEveryChangedAndEveryMissingByteOfMaskTableAndSamples) {
 }
 
 TEST_P(EveryCodec, FailsOnLostRepeatedAndReorderedFramesUpToTheNextKeyframe) {
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   std::vector<PlanarDepth> sent;
   for (int time = 0; time < 6; ++time) sent.push_back(stream.send(kinect_scene(160, 120, time), time == 5));
   EXPECT_FALSE(stream.receive(sent[1])) << "begins without a keyframe";
@@ -219,7 +192,7 @@ TEST_P(EveryCodec, FailsOnLostRepeatedAndReorderedFramesUpToTheNextKeyframe) {
 }
 
 TEST_P(EveryCodec, FailsOnAPictureOfAnotherShapeOrFormat) {
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   stream.encoder.set_lossless(false);
   const Scene scene = kinect_scene(160, 120);
   for (const Picture& wrong :
@@ -234,7 +207,7 @@ TEST_P(EveryCodec, FailsOnAPictureOfAnotherShapeOrFormat) {
 }
 
 TEST_P(EveryCodec, KeyframesNeedNothingOfEarlierFrames) {
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   for (int time = 0; time < 3; ++time) stream.send(kinect_scene(160, 120, time));
   const Scene scene = kinect_scene(160, 120, 3);
   const PlanarDepth key = stream.send(scene, true);
@@ -244,7 +217,7 @@ TEST_P(EveryCodec, KeyframesNeedNothingOfEarlierFrames) {
 }
 
 TEST_P(EveryCodec, GoesFromLossToNoneAndBackWithAKeyframe) {
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   const bool gray = stream.send(kinect_scene(160, 120), true).samples.size() > 0;
   for (int time = 0; time < 12; ++time) {
     const bool lossless = time / 3 % 2 == 0;
@@ -261,7 +234,7 @@ TEST_P(EveryCodec, GoesFromLossToNoneAndBackWithAKeyframe) {
 }
 
 TEST_P(EveryCodec, RefusesSamplesWhereThereIsAPictureAndAPictureWhereThereAreSamples) {
-  Stream stream(GetParam());
+  StreamWithoutVideo stream(GetParam());
   PlanarDepth planes = stream.send(kinect_scene(160, 120));
   const bool gray = !planes.samples.empty();
   if (gray) {
@@ -337,173 +310,6 @@ TEST(DepthCodec, RefusesDescriptionsThatMakeNoSense) {
       EXPECT_FALSE(Decoder::open(bad, kinect_format())) << name << " without " << good.parameters[i].first;
     }
   }
-}
-
-class CodedByLevels : public ::testing::TestWithParam<std::string_view> {};
-INSTANTIATE_TEST_SUITE_P(Codecs, CodedByLevels, ::testing::Values("quantized", "adaptive"),
-                         [](const auto& param) { return std::string(param.param); });
-
-TEST_P(CodedByLevels, IsExactWhileLevelsAppearAndFilledPixelsAddNone) {
-  Stream stream(GetParam());
-  for (int time = 0; time < 8; ++time) {
-    Scene scene = kinect_scene(160, 120, time);
-    for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
-      // Values between the levels, as hole filling makes them.
-      if (scene.state.data()[i] == DepthState::kFilled) scene.depth.data()[i] += 3;
-    }
-    const PlanarDepth planes = stream.send(scene);
-    if (time >= 6) {
-      EXPECT_LT(planes.table.size(), 40u);
-    }
-    ASSERT_TRUE(stream.receive(planes));
-    for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
-      if (scene.state.data()[i] == DepthState::kMeasured) {
-        ASSERT_EQ(stream.depth.data()[i], scene.depth.data()[i]);
-      } else if (scene.state.data()[i] == DepthState::kFilled) {
-        ASSERT_EQ(stream.depth.data()[i], testing::kinect_level(stream.depth.data()[i]));
-      }
-    }
-  }
-}
-
-// A ramp over more values than there are codes.
-Scene ramp(int width, int height) {
-  Scene scene = flat_scene(width, height, 400);
-  for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
-    const auto column = i % static_cast<std::size_t>(width), row = i / static_cast<std::size_t>(width);
-    scene.depth.data()[i] = static_cast<std::uint16_t>(2500 + column + 10 * row);
-  }
-  return scene;
-}
-
-TEST_P(CodedByLevels, RefusesMoreLevelsThanCodesOnlyWhereItMustBeExact) {
-  Stream stream(GetParam());
-  stream.encoder.set_lossless(true);
-  stream.carry(kinect_scene(160, 120));
-  const Scene scene = ramp(160, 120);
-  const auto refused = stream.encoder.encode(scene.depth, scene.state, false);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
-  EXPECT_THAT(refused.error().what, HasSubstr("1024"));
-
-  stream.encoder.set_lossless(false);
-  const PlanarDepth planes = stream.send(scene);
-  EXPECT_TRUE(planes.keyframe);
-  ASSERT_TRUE(stream.receive(planes));
-  for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
-    const double z = scene.depth.data()[i];
-    ASSERT_NEAR(stream.depth.data()[i], z, bound_mm("accuracy10", z) + 1);
-  }
-}
-
-std::vector<std::uint16_t> told_levels() {
-  std::vector<std::uint16_t> levels;
-  for (int z = 400; z <= 5000; ++z) levels.push_back(testing::kinect_level(z));
-  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
-  return levels;
-}
-
-TEST_P(CodedByLevels, LearnsNothingThatTheSensorHasTold) {
-  Stream stream(GetParam());
-  stream.encoder.set_sensor_levels(told_levels());
-  for (int time = 0; time < 6; ++time) {
-    const Scene scene = kinect_scene(160, 120, time);
-    const PlanarDepth planes = stream.send(scene);
-    EXPECT_EQ(planes.table.empty(), time > 0);
-    ASSERT_TRUE(stream.receive(planes));
-    for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
-      if (scene.state.data()[i] != DepthState::kMeasured) continue;
-      ASSERT_EQ(stream.depth.data()[i], scene.depth.data()[i]);
-    }
-  }
-}
-
-TEST_P(CodedByLevels, IsExactWhereTheSensorHasToldTooManyLevelsOrWrongOnes) {
-  for (const int step : {4, 9}) {  // 1150 levels, and 511 that leave no room for those of the scene
-    Stream stream(GetParam());
-    std::vector<std::uint16_t> told;
-    for (int z = 401; z <= 5000; z += step) told.push_back(static_cast<std::uint16_t>(z));
-    stream.encoder.set_sensor_levels(told);
-    for (int time = 0; time < 4; ++time) {
-      Scene scene = flat_scene(160, 120, 400);
-      for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i)
-        scene.depth.data()[i] =
-            static_cast<std::uint16_t>(1000 + (i + 100 * static_cast<std::size_t>(time)) % 900);
-      stream.carry(scene);
-      ASSERT_EQ(stream.depth, scene.depth);
-    }
-  }
-}
-
-TEST(Adaptive, GivesNoCodeToLevelsThatWereOnlyTold) {
-  Stream told("adaptive"), learnt("adaptive");
-  told.encoder.set_sensor_levels(told_levels());
-  told.encoder.set_lossless(false);
-  learnt.encoder.set_lossless(false);
-  const Scene scene = kinect_scene(160, 120);
-  EXPECT_EQ(told.send(scene).picture, learnt.send(scene).picture);
-}
-
-TEST(EdgeRepair, PutsAPixelThatHangsBetweenTwoSurfacesBackOnTheNearerOne) {
-  DepthImage depth(16, 8, 1000);
-  for (int y = 0; y < 8; ++y) {
-    for (int x = 8; x < 16; ++x) depth(x, y) = 2000;
-  }
-  const DepthImage whole = depth;
-  EdgeRepair repair(DepthUnit::kMillimetre);
-  repair.repair(depth);
-  EXPECT_EQ(depth, whole) << "a clean edge stays";
-  for (int y = 0; y < 8; ++y) {
-    depth(7, y) = 1100;
-    depth(8, y) = 1700;
-  }
-  repair.repair(depth);
-  EXPECT_EQ(depth, whole);
-  for (int y = 0; y < 8; ++y) depth(8, y) = 1333;  // half way in steps: either may be right
-  const DepthImage unsure = depth;
-  repair.repair(depth);
-  EXPECT_EQ(depth, unsure);
-}
-
-TEST(EdgeRepair, LeavesSlantedSurfacesAlone) {
-  DepthImage depth(64, 48);
-  for (int y = 0; y < 48; ++y) {
-    for (int x = 0; x < 64; ++x) depth(x, y) = static_cast<std::uint16_t>(1500 + 12 * x + 5 * y);
-  }
-  const DepthImage before = depth;
-  EdgeRepair(DepthUnit::kMillimetre).repair(depth);
-  EXPECT_EQ(depth, before);
-}
-
-TEST(Adaptive, IsQuantizedWhereNothingIsLost) {
-  Stream adaptive("adaptive"), quantized("quantized");
-  for (int time = 0; time < 4; ++time) {
-    const Scene scene = kinect_scene(160, 120, time);
-    EXPECT_EQ(adaptive.send(scene).samples, quantized.send(scene).samples);
-  }
-}
-
-TEST(Adaptive, LaysItsTableOutAnewWhereTheSceneHasLeftIt) {
-  Stream stream("adaptive");
-  stream.encoder.set_lossless(false);
-  const auto wall = [](int near, int far, int time) {
-    Scene scene = flat_scene(160, 120, 1000);
-    for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
-      const int z = near + static_cast<int>(i * 7919 + static_cast<std::size_t>(time) * 31) % (far - near);
-      scene.depth.data()[i] = testing::kinect_level(z);
-    }
-    return scene;
-  };
-  const auto carry = [&](const Scene& scene) {
-    const PlanarDepth planes = stream.send(scene);
-    EXPECT_TRUE(stream.receive(planes));
-    return planes.keyframe;
-  };
-  int keyframes = 0;
-  for (int time = 0; time < 200; ++time) keyframes += carry(wall(2500, 4000, time));
-  EXPECT_EQ(keyframes, 1) << "the first";
-  for (int time = 0; time < 200; ++time) keyframes += carry(wall(600, 1000, time));
-  EXPECT_EQ(keyframes, 2) << "and one after the scene has changed";
 }
 
 }  // namespace

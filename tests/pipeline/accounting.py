@@ -98,9 +98,10 @@ def main():
                                    *(["--sync"] if options.sync else [])], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for index, server in enumerate(servers):
             try:
-                code = server.wait(options.seconds + 30)
+                # A recording plays slower where there are fewer cores than it wants.
+                code = server.wait(3 * options.seconds + 30)
             except subprocess.TimeoutExpired:
-                code = f"none after {options.seconds + 30:.0f} s"
+                code = f"none after {3 * options.seconds + 30:.0f} s"
                 server.kill()
             if code != 0:
                 faults.append(f"server {index} ended with {code}: {logs[index].read_text()[-300:]}")

@@ -38,6 +38,10 @@ class KinectDriver : public testing::FakeKinects {
     plug_in("A1", faults);
     ASSERT_EQ(device_.open("freenect://A1"), openni::STATUS_OK) << openni::OpenNI::getExtendedError();
   }
+  void start(openni::VideoStream& stream, openni::SensorType type) {
+    ASSERT_EQ(stream.create(device_, type), openni::STATUS_OK);
+    ASSERT_EQ(stream.start(), openni::STATUS_OK);
+  }
 
   openni::Device device_;
 };
@@ -75,10 +79,8 @@ TEST_F(KinectDriver, MeasuresUnregisteredDepthAndSwitchesWhileItRuns) {
 TEST_F(KinectDriver, StampsDepthAndColourInMicrosecondsThatDoNotWrap) {
   open();
   openni::VideoStream depth, color;
-  ASSERT_EQ(depth.create(device_, openni::SENSOR_DEPTH), openni::STATUS_OK);
-  ASSERT_EQ(color.create(device_, openni::SENSOR_COLOR), openni::STATUS_OK);
-  ASSERT_EQ(depth.start(), openni::STATUS_OK);
-  ASSERT_EQ(color.start(), openni::STATUS_OK);
+  start(depth, openni::SENSOR_DEPTH);
+  start(color, openni::SENSOR_COLOR);
   openni::VideoStream* streams[] = {&depth, &color};
   std::uint64_t last[2] = {0, 0};
   for (int i = 0; i < 60; ++i) {  // a second: the fake's clock wraps in its middle
@@ -131,10 +133,8 @@ TEST_F(KinectDriver, TiltsShinesAndKnowsNoNearMode) {
 TEST_F(KinectDriver, SendsNoDepthWhileItsProjectorIsDarkAndColourGoesOn) {
   open();
   openni::VideoStream depth, color;
-  ASSERT_EQ(depth.create(device_, openni::SENSOR_DEPTH), openni::STATUS_OK);
-  ASSERT_EQ(color.create(device_, openni::SENSOR_COLOR), openni::STATUS_OK);
-  ASSERT_EQ(depth.start(), openni::STATUS_OK);
-  ASSERT_EQ(color.start(), openni::STATUS_OK);
+  start(depth, openni::SENSOR_DEPTH);
+  start(color, openni::SENSOR_COLOR);
   const auto sends = [](openni::VideoStream& stream) {
     openni::VideoStream* streams[] = {&stream};
     openni::VideoFrameRef old;
@@ -211,8 +211,7 @@ TEST_F(KinectDriver, TellsWhenKinectsComeAndGo) {
 TEST_F(KinectDriver, ComesBackByItselfAfterAFailedTransfer) {
   open();
   openni::VideoStream depth;
-  ASSERT_EQ(depth.create(device_, openni::SENSOR_DEPTH), openni::STATUS_OK);
-  ASSERT_EQ(depth.start(), openni::STATUS_OK);
+  start(depth, openni::SENSOR_DEPTH);
   Events events;
   plug_in("A1", "transfer_error");
   EXPECT_TRUE(Events::within(seconds(1), [&] { return events.went == 1; }));

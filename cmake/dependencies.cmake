@@ -11,10 +11,12 @@ find_package(tomlplusplus REQUIRED)                     # tomlplusplus::tomlplus
 find_package(glfw3 REQUIRED)                            # glfw
 find_package(embree 3 REQUIRED)                         # embree
 find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs calib3d aruco highgui)
+find_package(PNG REQUIRED)                              # PNG::PNG
 find_package(yaml-cpp REQUIRED)                         # yaml-cpp
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(OPENNI2 REQUIRED IMPORTED_TARGET libopenni2)
 pkg_check_modules(FREENECT REQUIRED IMPORTED_TARGET libfreenect)
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavcodec libavutil)
 
 find_path(ASIO_INCLUDE_DIR asio.hpp REQUIRED)

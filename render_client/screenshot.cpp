@@ -1,22 +1,30 @@
 #include "render_client/screenshot.h"
 
 #include <fmt/format.h>
+#include <png.h>
 
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 namespace copresence::client {
 
 Result<void> write_png(const std::string& path, const Image<Rgba8>& image) {
-  const cv::Mat rgba(image.height(), image.width(), CV_8UC4, const_cast<Rgba8*>(image.data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", bgr, png);
+  // Without alpha, which would say how to lay the view over something.
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(3 * image.pixels().size());
+  for (const Rgba8& pixel : image.pixels()) rgb.insert(rgb.end(), {pixel.r, pixel.g, pixel.b});
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(image.width());
+  header.height = static_cast<png_uint_32>(image.height());
+  header.format = PNG_FORMAT_RGB;
+  header.flags = PNG_IMAGE_FLAG_FAST;  // a viewer waits for it
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::vector<char> png(size);
+  if (!png_image_write_to_memory(&header, png.data(), &size, 0, rgb.data(), 0, nullptr))
+    return fail(ErrorCode::kUnavailable, fmt::format("{}: {}", path, header.message));
   std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  file.write(png.data(), static_cast<std::streamsize>(size));
   file.flush();
   if (!file)
     return fail(ErrorCode::kUnavailable, fmt::format("{}: the picture cannot be written there", path));

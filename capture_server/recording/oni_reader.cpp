@@ -4,10 +4,9 @@
 
 #include <cassert>
 #include <cstring>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "capture_server/recording/depth_16z.h"
+#include "capture_server/recording/jpeg.h"
 #include "capture_server/recording/record_walk.h"
 
 namespace copresence::recording {
@@ -67,14 +66,7 @@ Result<ColorImage> OniReader::color(std::size_t frame) const {
     return image;
   }
   if (stream.codec != "JPEG") return not_decoded(stream);
-  try {
-    const cv::Mat bgr = cv::imdecode(*bytes, cv::IMREAD_COLOR);
-    if (bgr.cols != stream.width || bgr.rows != stream.height) return damaged(stream, frame);
-    cv::Mat rgb(stream.height, stream.width, CV_8UC3, image.data());
-    cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
-  } catch (const cv::Exception&) {
-    return damaged(stream, frame);
-  }
+  if (!decode_jpeg(*bytes, image)) return damaged(stream, frame);
   return image;
 }
 

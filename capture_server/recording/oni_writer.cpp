@@ -6,8 +6,6 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "capture_server/recording/depth_16z.h"
 #include "capture_server/recording/oni_format.h"
@@ -127,18 +125,12 @@ Result<void> OniWriter::write_color(std::chrono::microseconds timestamp, const C
   if (color.width() != model.width || color.height() != model.height) {
     return fail(ErrorCode::kInvalid, path_ + ": a colour picture does not have the recording's size");
   }
-  const auto* first = reinterpret_cast<const std::uint8_t*>(color.data());
-  const std::size_t size = color.pixels().size_bytes();
-  if (content_.color == ColorCoding::kRaw) return append_frame(color_, timestamp, {first, size});
-
-  payload_.clear();
-  try {
-    const cv::Mat rgb(color.height(), color.width(), CV_8UC3, const_cast<std::uint8_t*>(first));
-    cv::Mat bgr;
-    cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-    cv::imencode(".jpg", bgr, payload_, {cv::IMWRITE_JPEG_QUALITY, content_.jpeg_quality});
-  } catch (const cv::Exception& failure) {
-    return fail(ErrorCode::kUnsupported, path_ + ": a colour picture cannot be coded: " + failure.what());
+  if (content_.color == ColorCoding::kRaw) {
+    const auto* first = reinterpret_cast<const std::uint8_t*>(color.data());
+    return append_frame(color_, timestamp, {first, color.pixels().size_bytes()});
+  }
+  if (auto coded = jpeg_.encode(color, content_.jpeg_quality, payload_); !coded) {
+    return fail(coded.error().code, path_ + ": a colour picture cannot be coded: " + coded.error().what);
   }
   return append_frame(color_, timestamp, payload_);
 }

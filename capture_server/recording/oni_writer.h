@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "capture_server/recording/camera_note.h"
+#include "capture_server/recording/jpeg.h"
 #include "capture_server/recording/output_file.h"
 #include "capture_server/recording/record_append.h"
 #include "capture_server/recording/record_end.h"
@@ -92,6 +93,7 @@ class OniWriter {
   OniContent content_;
   OutputFile file_;
   std::vector<std::uint8_t> payload_;
+  JpegEncoder jpeg_;
   std::vector<std::uint8_t> record_;
   Stream depth_{1, 0, 0, {}};
   Stream color_{2, 0, 0, {}};

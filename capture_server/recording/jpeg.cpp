@@ -5,13 +5,6 @@
 #include <cassert>
 
 namespace copresence::recording {
-namespace {
-
-const auto* bytes_of(const ColorImage& image) {
-  return reinterpret_cast<const std::uint8_t*>(image.data());
-}
-
-}  // namespace
 
 void JpegEncoder::Close::operator()(void* codec) const {
   tjDestroy(codec);
@@ -21,15 +14,15 @@ JpegEncoder::JpegEncoder() : codec_(tjInitCompress()) {}
 
 Result<void> JpegEncoder::encode(const ColorImage& image, int quality, std::vector<std::uint8_t>& bytes) {
   assert(quality >= 1 && quality <= 100);
-  // Asking for the size of nothing fails like coding it does, with a reason.
   const unsigned long most = tjBufSize(image.width(), image.height(), TJSAMP_420);
   if (!codec_ || most == static_cast<unsigned long>(-1))
     return fail(ErrorCode::kUnsupported, tjGetErrorStr2(nullptr));
+  const auto* const from = reinterpret_cast<const std::uint8_t*>(image.data());
   bytes.resize(most);
   unsigned char* to = bytes.data();
   unsigned long size = most;
-  if (tjCompress2(codec_.get(), bytes_of(image), image.width(), 0, image.height(), TJPF_RGB, &to, &size,
-                  TJSAMP_420, quality, TJFLAG_NOREALLOC | TJFLAG_ACCURATEDCT) != 0) {
+  if (tjCompress2(codec_.get(), from, image.width(), 0, image.height(), TJPF_RGB, &to, &size, TJSAMP_420,
+                  quality, TJFLAG_NOREALLOC | TJFLAG_ACCURATEDCT) != 0) {
     return fail(ErrorCode::kUnsupported, tjGetErrorStr2(codec_.get()));
   }
   bytes.resize(size);
@@ -45,8 +38,9 @@ bool decode_jpeg(std::span<const std::uint8_t> bytes, ColorImage& image) {
   }
   if (width != image.width() || height != image.height()) return false;
   auto* const to = reinterpret_cast<std::uint8_t*>(image.data());
+  // A small file may ask for any number of passes over the picture.
   return tjDecompress2(codec.get(), bytes.data(), bytes.size(), to, width, 0, height, TJPF_RGB,
-                       TJFLAG_ACCURATEDCT) == 0 ||
+                       TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS) == 0 ||
          tjGetErrorCode(codec.get()) == TJERR_WARNING;
 }
 

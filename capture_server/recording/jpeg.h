@@ -28,7 +28,8 @@ class JpegEncoder {
   std::unique_ptr<void, Close> codec_;
 };
 
-/// Decodes bytes that nobody has checked. False where they are no JPEG picture of exactly `image`'s size; what damage
+/// Decodes bytes that nobody has checked. False where they are no JPEG picture of exactly `image`'s size, or one of more
+/// than 500 scans; what damage
 /// leaves of a picture is shown, as players do. `image` then holds anything.
 bool decode_jpeg(std::span<const std::uint8_t> bytes, ColorImage& image);
 

@@ -41,7 +41,7 @@ HOMES = {
     r"OpenNI\.h|Oni.*\.h|PS1080\.h|PrimeSense\.h|Driver/": {"capture_server/sensor", "capture_server/drivers/contract"},
     r"libfreenect": {"capture_server/drivers/kinect_v1"},
     r"embree": {"capture_server/simulation"},
-    r"opencv": set(),  # the two programs start in a quarter of the time without it: docs/decisions/0003-libraries.md
+    r"opencv": set(),  # the two programs start in a sixth of the time without it: docs/decisions/0003-libraries.md
     r"turbojpeg": {"capture_server/recording"},
     r"png\.h": {"render_client"},
     r"CLI/": {"common/command_line", "capture_server", "render_client"},

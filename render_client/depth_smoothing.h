@@ -7,6 +7,7 @@
 // surface: within a few sensor steps. Holes stay holes, nothing is mixed across a discontinuity, states are kept.
 // Thread: one thread at a time per object.
 
+#include <cstdint>
 #include <vector>
 
 #include "common/frame/depth_unit.h"
@@ -24,9 +25,10 @@ class DepthSmoothing {
   void smooth(DepthImage& depth, DepthUnit unit);
 
  private:
-  std::vector<float> rows_;      // some of the rows, smoothed along themselves, with their neighbours
-  std::vector<float> padded_;    // one row with kRadius empty pixels on both sides
-  std::vector<float> smoothed_;  // one row, smoothed along the columns, too
+  std::vector<std::uint16_t> rows_;    // some of the rows, smoothed along themselves, with their neighbours
+  std::vector<std::uint16_t> padded_;  // one row with kRadius empty pixels on both sides
+  std::vector<std::uint16_t> tolerances_;  // of one row, in whole groups of pixels, like...
+  std::vector<std::int16_t> sums_, shares_;
 };
 
 }  // namespace copresence::client

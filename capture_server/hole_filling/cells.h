@@ -52,6 +52,11 @@ class Cells {
     std::vector<float> sum, nearest, farthest;
     std::vector<std::uint8_t> count, row_sum, wanted;
   };
+  struct CellRow {  // sums over a cell's pixels, as Strip has them by column
+    std::vector<float> sum, spread;
+    std::vector<std::uint8_t> column_sum, row_sum;
+  };
+  static constexpr int kLineMargin = 4;
   std::size_t pixel_at(int x, int y) const {
     return static_cast<std::size_t>(y + kMarginPx) * pixel_stride_ + static_cast<std::size_t>(x + kMarginPx);
   }
@@ -60,12 +65,15 @@ class Cells {
   void close_strip(int row);
   void split(int cell, int column, int row);
   void find_slopes();
+  void move_to_middles();
   void find_reach();
+  void find_reach_along(const std::uint8_t* has, int dx, std::uint8_t* out);
 
   int columns_, rows_, stride_, pixel_stride_;
   std::vector<float> steps_;
   Strip strip_;
-  void move_to_middles();
+  CellRow cells_;
+  std::array<std::vector<std::uint8_t>, 2> lines_;  // a row of cells with margins where nothing is
 
   std::vector<float> middle_x_, middle_y_;  // where a cell's depth was measured, pixels from its middle
   std::vector<float> smooth_;               // a cell's depth where it holds one surface, else kNoSurface

@@ -1,7 +1,10 @@
 #include "capture_server/hole_filling/surface_guess.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
 
 #include "capture_server/hole_filling/filling_rules.h"
 
@@ -16,22 +19,44 @@ struct Sighting {
   int direction;    // -1: in the cell itself
 };
 
+/// What was seen. What comes next can hardly be foretold, so little here asks.
 struct Sightings {
-  std::array<Sighting, 2 + 2 * 8> entries;
+  static constexpr int kMost = 2 + 2 * 8;
+  static constexpr int kLanes = 8;
+  static constexpr int kRoom = (kMost / kLanes + 1) * kLanes;
+  using Steps = float __attribute__((vector_size(kLanes * sizeof(float))));
+  using Numbers = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
+
+  std::array<Sighting, kMost + 1> entries;  // and one that turned out to be none
+  std::array<float, kRoom> steps;           // of the entries
+  std::array<std::uint8_t, kMost> order;    // of the entries, once it is found
   int count = 0;
   float farthest = 1e9f, nearest = 0;
 
-  void add(const Sighting& sighting) {
-    entries[count++] = sighting;
-    farthest = std::min(farthest, sighting.steps);
-    nearest = std::max(nearest, sighting.steps);
+  const Sighting& operator[](int i) const { return entries[order[i]]; }
+
+  void add(const Sighting& sighting, bool is_there) {
+    entries[count] = sighting;
+    steps[count] = sighting.steps;
+    count += is_there;
+    farthest = is_there ? std::min(farthest, sighting.steps) : farthest;
+    nearest = is_there ? std::max(nearest, sighting.steps) : nearest;
   }
 
   /// From far to near. Where everything belongs to one surface, the common case, the order does not matter.
-  void sort() {
+  void find_order() {
+    for (int i = 0; i < count; ++i) order[i] = static_cast<std::uint8_t>(i);
     if (nearest - farthest <= kLinked) return;
-    std::sort(entries.begin(), entries.begin() + count,
-              [](const Sighting& a, const Sighting& b) { return a.steps < b.steps; });
+    // An entry's place is how many come before it: found for eight entries at a time.
+    for (int first = 0; first < count; first += kLanes) {
+      Steps these;
+      std::memcpy(&these, &steps[first], sizeof these);
+      const Numbers numbers = first + Numbers{0, 1, 2, 3, 4, 5, 6, 7};
+      Numbers places{};
+      for (int i = 0; i < count; ++i) places -= (these > steps[i]) | ((these == steps[i]) & (numbers > i));
+      for (int lane = 0; lane < std::min(kLanes, count - first); ++lane)
+        order[places[lane]] = static_cast<std::uint8_t>(first + lane);
+    }
   }
 };
 
@@ -42,29 +67,39 @@ struct Group {
   int pixels = 0;
 };
 
+/// Weight of one measured pixel of a cell so many cells away, along rows and columns, and along diagonals.
+constexpr auto kShares = [] {
+  std::array<std::array<float, kReachCells + 1>, 2> shares{};
+  for (int reach = 1; reach <= kReachCells; ++reach) {
+    const float straight = static_cast<float>(reach), diagonal = straight * 1.41421356f;
+    shares[0][reach] = 1.0f / (16.0f * straight * straight);
+    shares[1][reach] = 1.0f / (16.0f * diagonal * diagonal);
+  }
+  return shares;
+}();
+constexpr float kShareOfItself = 1.0f / (16.0f * 0.6f * 0.6f);
+
 Sightings look_around(const Cells& cells, int column, int row) {
   Sightings seen;
-  const auto add = [&](int cell, int c, int r, float distance_cells, int direction) {
-    const float share = 1.0f / (16.0f * distance_cells * distance_cells);
+  const auto add = [&](int cell, int c, int r, float share, int direction) {
     const float dx = static_cast<float>((column - c) * kCellPx), dy = static_cast<float>((row - r) * kCellPx);
     const float sx = cells.slope_x[cell], sy = cells.slope_y[cell];
-    if (cells.far_count[cell] > 0) {
-      seen.add({cells.far[cell] + sx * dx + sy * dy, sx, sy, share * cells.far_count[cell],
-                cells.far_count[cell], c, r, direction});
-    }
-    if (cells.near_count[cell] > 0) {
-      seen.add({cells.near[cell] + sx * dx + sy * dy, sx, sy, share * cells.near_count[cell],
-                cells.near_count[cell], c, r, direction});
-    }
+    const int far_count = cells.far_count[cell], near_count = cells.near_count[cell];
+    seen.add({cells.far[cell] + sx * dx + sy * dy, sx, sy, share * static_cast<float>(far_count), far_count,
+              c, r, direction},
+             far_count > 0);
+    seen.add({cells.near[cell] + sx * dx + sy * dy, sx, sy, share * static_cast<float>(near_count),
+              near_count, c, r, direction},
+             near_count > 0);
   };
   const int cell = cells.at(column, row);
-  add(cell, column, row, 0.6f, -1);
+  add(cell, column, row, kShareOfItself, -1);
   for (int d = 0; d < 8; ++d) {
     const int reach = cells.reach[d][cell];
     if (reach == 0) continue;
     const auto [dx, dy] = Cells::kDirections[d];
-    const float distance = static_cast<float>(reach) * (dx != 0 && dy != 0 ? 1.41421356f : 1.0f);
-    add(cell + reach * cells.offset({dx, dy}), column + reach * dx, row + reach * dy, distance, d);
+    add(cell + reach * cells.offset({dx, dy}), column + reach * dx, row + reach * dy,
+        kShares[dx != 0 && dy != 0][reach], d);
   }
   return seen;
 }
@@ -72,7 +107,7 @@ Sightings look_around(const Cells& cells, int column, int row) {
 Plane mean_plane(const Sightings& seen, const Group& group) {
   Plane plane;
   for (int i = group.begin; i < group.end; ++i) {
-    const Sighting& s = seen.entries[i];
+    const Sighting& s = seen[i];
     plane.steps += s.weight * s.steps;
     plane.slope_x += s.weight * s.slope_x;
     plane.slope_y += s.weight * s.slope_y;
@@ -84,7 +119,7 @@ Plane mean_plane(const Sightings& seen, const Group& group) {
 std::array<float, 3> mean_color(const Sightings& seen, const Group& group, const ColorImage& color) {
   std::array<float, 3> mean{};
   for (int i = group.begin; i < group.end; ++i) {
-    const Sighting& s = seen.entries[i];
+    const Sighting& s = seen[i];
     const int x = std::min(s.column * kCellPx + 1, color.width() - 1),
               y = std::min(s.row * kCellPx + 1, color.height() - 1);
     const Rgb8 a = color(x, y),
@@ -101,7 +136,7 @@ std::array<float, 3> mean_color(const Sightings& seen, const Group& group, const
 int opposite_sides(const Sightings& seen, const Group& group) {
   unsigned directions = 0;
   for (int i = group.begin; i < group.end; ++i) {
-    if (seen.entries[i].direction >= 0) directions |= 1u << seen.entries[i].direction;
+    if (seen[i].direction >= 0) directions |= 1u << seen[i].direction;
   }
   int axes = 0;
   for (int axis = 0; axis < 4; ++axis) axes += (directions >> (2 * axis) & 3u) == 3u;
@@ -113,7 +148,7 @@ int opposite_sides(const Sightings& seen, const Group& group) {
 bool in_shadow(const Sightings& seen, const Group& near, float steps, int column, int row) {
   const float reach = kShadowPxPerStep * steps + kShadowSlackPx;
   for (int i = near.begin; i < near.end; ++i) {
-    const Sighting& s = seen.entries[i];
+    const Sighting& s = seen[i];
     if (s.row == row && static_cast<float>((std::abs(s.column - column) - 1) * kCellPx) <= reach) return true;
   }
   return false;
@@ -124,13 +159,13 @@ bool in_shadow(const Sightings& seen, const Group& near, float steps, int column
 SurfaceGuess guess_surfaces(const Cells& cells, int column, int row, const ColorImage* color) {
   Sightings seen = look_around(cells, column, row);
   if (seen.count == 0) return {};
-  seen.sort();
+  seen.find_order();
   Group far, near, group;
   for (int i = 0; i < seen.count; ++i) {
-    group.weight += seen.entries[i].weight;
-    group.pixels += seen.entries[i].pixels;
+    group.weight += seen[i].weight;
+    group.pixels += seen[i].pixels;
     group.end = i + 1;
-    if (i + 1 < seen.count && seen.entries[i + 1].steps - seen.entries[i].steps <= kLinked) continue;
+    if (i + 1 < seen.count && seen[i + 1].steps - seen[i].steps <= kLinked) continue;
     if (group.pixels >= kWorthPixels) {
       if (far.weight == 0) {
         far = group;

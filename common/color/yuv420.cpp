@@ -52,11 +52,15 @@ void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) 
   }
 }
 
-/// Sums over 2x2 pixels: 0 to 1020.
+constexpr int kChromaBits = 7;  // after the point: all of 0 to 256 has room in 16 bits
+
+/// Means over 2x2 pixels.
 void halve(const std::uint8_t* __restrict upper, const std::uint8_t* __restrict lower, int count,
-           std::uint16_t* __restrict sums) {
+           std::uint16_t* __restrict means) {
   for (int x = 0; x < count; ++x) {
-    sums[x] = static_cast<std::uint16_t>(upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
+    const auto sum =
+        static_cast<std::uint16_t>(upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
+    means[x] = static_cast<std::uint16_t>(sum << (kChromaBits - 2));
   }
 }
 
@@ -64,15 +68,14 @@ void halve(const std::uint8_t* __restrict upper, const std::uint8_t* __restrict 
 template <std::uint16_t kLess, std::uint16_t kLeast>
 void chroma(const std::uint16_t* __restrict more, const std::uint16_t* __restrict less,
             const std::uint16_t* __restrict least, int count, std::uint8_t* __restrict out) {
-  constexpr int kBits = 7;        // after the point: all of 0 to 256 has room in 16 bits
-  constexpr int kUp = kBits - 2;  // of sums of four
-  constexpr int kZero = (128 << kBits) + (1 << (kBits - 1));
+  constexpr int kZero = (128 << kChromaBits) + (1 << (kChromaBits - 1));
   constexpr std::uint16_t kMost = 255;
+  static_assert(kLess + kLeast == 1 << (kShift - 1));
   for (int x = 0; x < count; ++x) {
+    const auto half = static_cast<std::uint16_t>(more[x] >> 1);
     const auto sum =
-        static_cast<std::uint16_t>(kZero + share(more[x] << kUp, kLess + kLeast) -
-                                   share(less[x] << kUp, kLess) - share(least[x] << kUp, kLeast));
-    out[x] = static_cast<std::uint8_t>(std::min(static_cast<std::uint16_t>(sum >> kBits), kMost));
+        static_cast<std::uint16_t>(kZero + half - share(less[x], kLess) - share(least[x], kLeast));
+    out[x] = static_cast<std::uint8_t>(std::min(static_cast<std::uint16_t>(sum >> kChromaBits), kMost));
   }
 }
 

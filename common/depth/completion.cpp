@@ -19,7 +19,7 @@ constexpr double kCliffSteps = 10;
 // Pixels that changed by more than this many steps moved; where more than half of all did, nothing old is
 // worth keeping.
 constexpr double kMovedSteps = 2.5;
-constexpr std::size_t kSampling = 13;  // looks at every 13th pixel: odd, so that no column is favoured
+constexpr std::size_t kSampling = 37;  // looks at every 37th pixel: odd, so that no column is favoured
 
 }  // namespace
 

@@ -1,17 +1,24 @@
 #include <algorithm>
-#include <cassert>
+#include <array>
+#include <bit>
+#include <cstdint>
 
 #include "render_client/renderer/depth_mesh.h"
 
 namespace copresence::renderer {
 
+namespace {
+constexpr int kStripRows = 16;  // a row of patches: MeshBlocks lists blocks by these
+}
+
 // The outlines of one level's blocks. Unchecked addresses: these are the pixels that every frame has most of.
 class BlockOutlines::Level {
  public:
-  Level(const FlatBlocks& flat, int level, InverseDepth& inverse, Image<std::uint8_t>& drawn,
-        Image<Corner>& corners, std::vector<Eigen::Vector2f>* bent_rays)
+  Level(const FlatBlocks& flat, int level, const MeshBlocks& blocks, InverseDepth& inverse,
+        Image<std::uint8_t>& drawn, Image<Corner>& corners, std::vector<Eigen::Vector2f>* bent_rays)
       : planes_(flat.planes[level]),
         parents_(level == 0 ? &flat.planes[1] : nullptr),
+        blocks_(blocks.flat[level]),
         size_(kBlockSizes[level]),
         last_x_(inverse.width - 1),
         last_y_(inverse.height - 1),
@@ -20,50 +27,87 @@ class BlockOutlines::Level {
         w_(inverse.w.data()),
         drawn_(drawn.data()),
         bent_rays_(bent_rays ? bent_rays->data() : nullptr),
-        corner_row_(planes_.width() + 1) {
+        corner_row_(planes_.width() + 1),
+        corner_rows_(4 * kStripRows / size_) {
     // They are zero whenever nothing is being drawn.
-    if (corners.width() != corner_row_ || corners.height() != planes_.height() + 1)
-      corners = Image<Corner>(corner_row_, planes_.height() + 1);
+    if (corners.width() != corner_row_) corners = Image<Corner>(corner_row_, corner_rows_);
     corners_ = corners.data();
   }
 
-  void draw(const std::vector<MeshBlock>& blocks) {
-    for (const MeshBlock& block : blocks) add_corners(block);
-    for (const MeshBlock& block : blocks) {
+  // Call it for every strip, from the first on.
+  void draw(int strip) {
+    // The next strip's blocks have a say in the corners below this one's.
+    for (; added_ < blocks_.size() && lies_in(strip + 1, blocks_[added_].block); ++added_)
+      add_corners(blocks_[added_]);
+    for (; finished_ < blocks_.size() && lies_in(strip, blocks_[finished_].block); ++finished_) {
+      const MeshBlock& block = blocks_[finished_].block;
       for (int dj = 0; dj < 2; ++dj) {
         for (int di = 0; di < 2; ++di) draw_corner(block.i + di, block.j + dj);
       }
+      if (size_ == 2 && bent_rays_ == nullptr) {
+        draw_middles(block);
+      } else {
+        draw_lines(block);
+      }
     }
-    for (const MeshBlock& block : blocks) draw_lines(block);
   }
 
  private:
+  // In this strip, or one before.
+  bool lies_in(int strip, const MeshBlock& block) const { return block.j * size_ < (strip + 1) * kStripRows; }
+
   // The last blocks may reach beyond the image; their outline is its border.
   int x_of(int i) const { return std::min(i * size_, last_x_); }
   int y_of(int j) const { return std::min(j * size_, last_y_); }
 
-  void add_corners(const MeshBlock& block) {
-    const Plane& plane = planes_.data()[static_cast<std::ptrdiff_t>(block.j) * planes_.width() + block.i];
+  // Two strips' and the row below them are in use; the others' memory is used again, while the cache has it.
+  Corner& corner_at(int i, int j) { return corners_[(j & (corner_rows_ - 1)) * corner_row_ + i]; }
+
+  void add_corners(const MeshBlocks::Flat& flat) {
+    const auto& [block, plane] = flat;
     const float middle = 0.5F * static_cast<float>(size_);
     for (int dj = 0; dj < 2; ++dj) {
       const float dy = static_cast<float>(y_of(block.j + dj) - block.j * size_) - middle;
       for (int di = 0; di < 2; ++di) {
         const float dx = static_cast<float>(x_of(block.i + di) - block.i * size_) - middle;
-        Corner& corner = corners_[(block.j + dj) * corner_row_ + block.i + di];
+        Corner& corner = corner_at(block.i + di, block.j + dj);
         corner.sum += plane.w + dx * plane.dx + dy * plane.dy;
-        ++corner.count;
+        corner.count += 1;
       }
     }
   }
 
   void draw_corner(int i, int j) {
-    Corner& corner = corners_[j * corner_row_ + i];
-    const int at = y_of(j) * row_ + x_of(i);
-    if (corner.count > 0 && !drawn_[at]) {
-      w_[at] = corner.sum / static_cast<float>(corner.count);
-      drawn_[at] = 1;
-    }
+    Corner& corner = corner_at(i, j);
+    draw_pixel(y_of(j) * row_ + x_of(i), corner.sum / corner.count, corner.count > 0);
     corner = {};
+  }
+
+  // Where it is due and nothing has been drawn. Without a branch: nobody can foretell it.
+  void draw_pixel(int at, float w, bool is_due) {
+    const std::uint32_t draws = -static_cast<std::uint32_t>(is_due & (drawn_[at] == 0));
+    w_[at] = std::bit_cast<float>((std::bit_cast<std::uint32_t>(w) & draws) |
+                                  (std::bit_cast<std::uint32_t>(w_[at]) & ~draws));
+    drawn_[at] |= static_cast<std::uint8_t>(is_due);
+  }
+
+  // The lines of a block of 2, one pixel each. Those that no smaller block needs, too: it takes less time than to ask.
+  void draw_middles(const MeshBlock& block) {
+    const int x0 = x_of(block.i), x1 = x_of(block.i + 1), y0 = y_of(block.j), y1 = y_of(block.j + 1);
+    const int at = y0 * row_ + x0, below = y1 * row_ + x0;
+    if (x1 - x0 == 2) {
+      draw_middle(at, 1);
+      draw_middle(below, 1);
+    }
+    if (y1 - y0 == 2) {
+      draw_middle(at, row_);
+      draw_middle(at + (x1 - x0), row_);
+    }
+  }
+
+  void draw_middle(int begin, int step) {
+    const float first = w_[begin];
+    draw_pixel(begin + step, first + 0.5F * (w_[begin + 2 * step] - first), true);
   }
 
   // Whether a block of the same size is flat, or lies in a flat one. A line between two of these needs no pixels: no
@@ -104,11 +148,13 @@ class BlockOutlines::Level {
 
   const Image<Plane>& planes_;
   const Image<Plane>* parents_;  // of blocks of 2, which have a plane only where the parent's is not flat
+  const std::vector<MeshBlocks::Flat>& blocks_;
+  std::size_t added_ = 0, finished_ = 0;
   int size_, last_x_, last_y_, image_row_, row_;
   float* w_;
   std::uint8_t* drawn_;
   Eigen::Vector2f* bent_rays_;
-  int corner_row_;
+  int corner_row_, corner_rows_;
   Corner* corners_ = nullptr;
 };
 
@@ -116,9 +162,17 @@ void BlockOutlines::draw(const FlatBlocks& flat, const MeshBlocks& blocks, Inver
                          std::vector<Eigen::Vector2f>* bent_rays) {
   drawn_.resize(inverse.w.width(), inverse.w.height());
   std::fill(drawn_.pixels().begin(), drawn_.pixels().end(), std::uint8_t{0});
-  // Large before small: a small block on a large one's outline has to follow it.
-  for (int level = kLevels - 1; level >= 0; --level) {
-    Level(flat, level, inverse, drawn_, corners_[level], bent_rays).draw(blocks.flat[level]);
+  const auto level = [&](int number) {
+    return Level(flat, number, blocks, inverse, drawn_, corners_[number], bent_rays);
+  };
+  std::array<Level, kLevels> levels{level(0), level(1), level(2), level(3)};
+  // Large before small: a small block on a large one's outline has to follow it. So each level draws one strip behind the
+  // next larger one, and all of them work on what is in the cache.
+  for (int strip = 0; strip < inverse.patches_y() + kLevels - 1; ++strip) {
+    for (int number = kLevels - 1; number >= 0; --number) {
+      const int behind = kLevels - 1 - number;
+      if (strip >= behind) levels[number].draw(strip - behind);
+    }
   }
 }
 

@@ -36,10 +36,10 @@ class Source {
       if (model_.is_distorted()) {
         straightened_rays_ = rays_;
         outlines_.draw(flat_, blocks_, inverse_, &straightened_rays_);
-        build_mesh(inverse_, blocks_, straightened_rays_, pixel_angle, mesh);
+        build_mesh(inverse_, blocks_, {straightened_rays_, true}, pixel_angle, mesh);
       } else {
         outlines_.draw(flat_, blocks_, inverse_);
-        build_mesh(inverse_, blocks_, rays_, pixel_angle, mesh);
+        build_mesh(inverse_, blocks_, {rays_, false}, pixel_angle, mesh);
       }
     }
     if (new_frame || camera.color_matching != color_matching_) {

@@ -18,7 +18,9 @@ namespace copresence::renderer {
 struct DepthMesh {
   /// One number per vertex, and kSpare more. The point is (x, y, 1) / w, metres in the camera's frame; u, v
   /// are its pixel.
-  std::vector<float> x, y, w, u, v;
+  template <class T>
+  using Vector = std::vector<T, UnwrittenMemory<T>>;
+  Vector<float> x, y, w, u, v;
   static constexpr std::size_t kSpare = 8;  ///< so that vertices can be read in groups
   std::size_t vertices() const { return x.size() - kSpare; }
 
@@ -26,8 +28,8 @@ struct DepthMesh {
   /// split from its second corner to its fourth.
   using Quad = std::array<std::uint16_t, 4>;
   using Triangle = std::array<std::uint16_t, 3>;
-  std::vector<Quad> quads;
-  std::vector<Triangle> triangles;
+  Vector<Quad> quads;
+  Vector<Triangle> triangles;
 
   /// What lies in a block of 16 pixels a side; contiguous, and sharing no vertices with other patches.
   struct Patch {
@@ -50,19 +52,24 @@ class BlockOutlines {
 
  private:
   struct Corner {
-    float sum = 0;
-    int count = 0;
+    float sum = 0, count = 0;
   };
   class Level;
 
   Image<std::uint8_t> drawn_;  // pixels on a larger block's outline: smaller blocks take them as they are
-  std::array<Image<Corner>, kLevels> corners_;  // of the level's blocks; zero but while it is drawn
+  std::array<Image<Corner>, kLevels>
+      corners_;  // of some rows of the level's blocks; zero but while it is drawn
 };
 
-/// The mesh of an image whose outlines are drawn. `rays` are (x, y) at z = 1 by pixel
-/// (common/frame/camera_model.h), `pixel_angle` as in joined(). Requires rays.size() == inverse.width *
-/// inverse.height, and the `blocks` of `inverse`.
-void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks,
-                const std::vector<Eigen::Vector2f>& rays, float pixel_angle, DepthMesh& mesh);
+/// (x, y) at z = 1 by pixel (common/frame/camera_model.h).
+struct PixelRays {
+  const std::vector<Eigen::Vector2f>& of_pixels;
+  bool are_bent;  ///< by the lens: x is not the same all down a column, or y not along a row
+};
+
+/// The mesh of an image whose outlines are drawn. `pixel_angle` as in joined(). Requires as many rays as pixels of
+/// `inverse`, and its `blocks`.
+void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const PixelRays& rays,
+                float pixel_angle, DepthMesh& mesh);
 
 }  // namespace copresence::renderer

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <span>
 #include <vector>
 
+#include "render_client/renderer/lanes.h"
 #include "render_client/renderer/merge_rules.h"
 
 namespace copresence::renderer {
@@ -80,50 +83,70 @@ void find_blocks_of_4(const InverseDepth& inverse, float pixel_angle, Image<Plan
     for (int r = 0; r < 5; ++r) rows[r] = inverse.w.row(4 * j + r).data();
     fit_planes(rows, columns, c);
     measure_distances(rows, planes.width(), c);
+    const std::span<Plane> row = planes.row(j);
     for (int i = 0; i < planes.width(); ++i) {
       const int x = 4 * i;
       if (c.w[x] == 0) {
-        planes(i, j) = kEmpty;
+        row[i] = kEmpty;
         continue;
       }
       // A hole among depths is far off any plane.
       const Plane plane{c.w[x], c.dx[x], c.dy[x]};
       const float off = std::max(std::max(c.off[x], c.off[x + 1]), std::max(c.off[x + 2], c.off[x + 3]));
-      planes(i, j) = off <= kPixelTolerance && !too_steep(plane, pixel_angle) ? plane : Plane{};
+      row[i] = off <= kPixelTolerance && !too_steep(plane, pixel_angle) ? plane : Plane{};
     }
   }
 }
 
-// A plane through 3 x 3 pixels, where they lie in one.
-Plane fit_block_of_2(const InverseDepth& inverse, int x, int y, float pixel_angle) {
-  const std::array<const float*, 3> rows = {&inverse.w(x, y), &inverse.w(x, y + 1), &inverse.w(x, y + 2)};
-  Plane plane;
+// One number of each of the four blocks of 2 in a block of 4, row by row.
+using Four = float __attribute__((vector_size(16)));
+using FourBools = std::int32_t __attribute__((vector_size(16)));
+
+// Planes through 3 x 3 pixels, where they lie in one, for the four blocks of 2 from (x, y) on.
+void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, float pixel_angle, Image<Plane>& planes) {
+  std::array<std::array<Four, 3>, 3> pixels;  // row and column within each block
   for (int r = 0; r < 3; ++r) {
-    plane.w += rows[r][0] + rows[r][1] + rows[r][2];
-    plane.dx += rows[r][2] - rows[r][0];
+    const auto columns = [&](int row, int column) {
+      Four four;
+      std::memcpy(&four, inverse.w.row(row).data() + column, sizeof four);
+      return four;
+    };
+    const Four upper = columns(y + r, x), lower = columns(y + r + 2, x);
+    const Four upper_right = columns(y + r, x + 1), lower_right = columns(y + r + 2, x + 1);
+    pixels[r][0] = __builtin_shufflevector(upper, lower, 0, 2, 4, 6);
+    pixels[r][1] = __builtin_shufflevector(upper, lower, 1, 3, 5, 7);
+    pixels[r][2] = __builtin_shufflevector(upper_right, lower_right, 1, 3, 5, 7);
   }
-  for (int c = 0; c < 3; ++c) plane.dy += rows[2][c] - rows[0][c];
-  plane = {plane.w * (1.0F / 9), plane.dx * (1.0F / 6), plane.dy * (1.0F / 6)};
-  float off = 0;
+  Four w{}, dx{}, dy{};
+  for (const auto& [left, middle, right] : pixels) {
+    w += left + middle + right;
+    dx += right - left;
+  }
+  for (int c = 0; c < 3; ++c) dy += pixels[2][c] - pixels[0][c];
+  w *= 1.0F / 9;
+  dx *= 1.0F / 6;
+  dy *= 1.0F / 6;
+  const auto size_of = [](const Four& v) { return v < 0.0F ? -v : v; };
+  Four off{};
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) {
-      const float here =
-          plane.w + plane.dx * static_cast<float>(c - 1) + plane.dy * static_cast<float>(r - 1);
-      off = std::max(off, std::abs(rows[r][c] - here));
+      const Four here = w + dx * static_cast<float>(c - 1) + dy * static_cast<float>(r - 1);
+      off = larger(off, size_of(pixels[r][c] - here));
     }
   }
-  return off <= kPixelTolerance && !too_steep(plane, pixel_angle) ? plane : Plane{};
+  const Four steepest = kGapSteps * kStepInverse + kMaxSlope * pixel_angle * w;
+  const FourBools is_flat = (off <= kPixelTolerance) & (size_of(dx) + size_of(dy) <= steepest);
+  for (int i = 0; i < 4; ++i)
+    planes.row(y / 2 + i / 2)[x / 2 + i % 2] = is_flat[i] ? Plane{w[i], dx[i], dy[i]} : Plane{};
 }
 
 void find_blocks_of_2(const InverseDepth& inverse, float pixel_angle, const Image<Plane>& blocks_of_4,
                       Image<Plane>& planes) {
   for (int j = 0; j < blocks_of_4.height(); ++j) {
+    const std::span<const Plane> row = blocks_of_4.row(j);
     for (int i = 0; i < blocks_of_4.width(); ++i) {
-      if (blocks_of_4(i, j).w != 0) continue;  // flat or empty
-      for (int y = 2 * j; y < 2 * j + 2; ++y) {
-        for (int x = 2 * i; x < 2 * i + 2; ++x)
-          planes(x, y) = fit_block_of_2(inverse, 2 * x, 2 * y, pixel_angle);
-      }
+      const bool is_flat_or_empty = row[i].w != 0;
+      if (!is_flat_or_empty) fit_blocks_of_2(inverse, 4 * i, 4 * j, pixel_angle, planes);
     }
   }
 }
@@ -187,9 +210,11 @@ void find_flat_blocks(const InverseDepth& inverse, float pixel_angle, FlatBlocks
     Image<Plane>& wholes = blocks.planes[level];
     wholes.resize(quarters.width() / 2, quarters.height() / 2);
     for (int j = 0; j < wholes.height(); ++j) {
+      const std::span<const Plane> upper = quarters.row(2 * j), lower = quarters.row(2 * j + 1);
+      const std::span<Plane> row = wholes.row(j);
       for (int i = 0; i < wholes.width(); ++i) {
-        wholes(i, j) = join(quarters(2 * i, 2 * j), quarters(2 * i + 1, 2 * j), quarters(2 * i, 2 * j + 1),
-                            quarters(2 * i + 1, 2 * j + 1), static_cast<float>(kBlockSizes[level - 1]));
+        row[i] = join(upper[2 * i], upper[2 * i + 1], lower[2 * i], lower[2 * i + 1],
+                      static_cast<float>(kBlockSizes[level - 1]));
       }
     }
   }

@@ -26,7 +26,7 @@ class BlockLister {
     const MeshBlock block{static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j)};
     if (is_used_[kLevel] && plane.is_flat()) {
       blocks_.parts.push_back({block, kLevel, true});
-      blocks_.flat[kLevel].push_back(block);
+      blocks_.flat[kLevel].push_back({block, plane});
     } else if constexpr (kLevel > 0) {
       list<kLevel - 1>(2 * i, 2 * j);
       list<kLevel - 1>(2 * i + 1, 2 * j);

@@ -27,7 +27,11 @@ struct MeshBlocks {
   std::vector<Part> parts;
   std::vector<std::uint32_t> ends;  ///< of the patches' parts, patch by patch and row by row
 
-  std::array<std::vector<MeshBlock>, kLevels> flat;  ///< the flat ones again, by level
+  struct Flat {
+    MeshBlock block;
+    Plane plane;
+  };
+  std::array<std::vector<Flat>, kLevels> flat;  ///< the flat ones again, by level
 };
 
 /// Flat blocks larger than `largest_block` pixels a side are divided. Requires 1, for a mesh of pixels alone, 4, 8 or 16.

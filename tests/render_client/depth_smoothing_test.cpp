@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <random>
+#include <vector>
 
 namespace copresence::client {
 namespace {
@@ -57,6 +60,63 @@ TEST(DepthSmoothing, KnowsTheUnit) {
   far(8, 8) = 20600;  // 60 mm off: another one
   smoothing.smooth(far, DepthUnit::k100Micrometres);
   EXPECT_EQ(far(8, 8), 20600);
+}
+
+TEST(DepthSmoothing, IsNotPulledByTheFarEndOfTheNumbers) {
+  // What is behind everything and a hole beside it are one step apart where numbers wrap around.
+  for (const int beside : {0, 1, 500, 3000}) {
+    DepthImage depth(32, 32, 65000);
+    for (int y = 0; y < 32; ++y) {
+      for (int x = 16; x < 32; ++x) depth(x, y) = static_cast<std::uint16_t>(beside);
+    }
+    const DepthImage before = depth;
+    DepthSmoothing().smooth(depth, DepthUnit::k100Micrometres);
+    EXPECT_EQ(depth, before) << beside;
+  }
+}
+
+// The mean along one axis as the header defines it.
+std::vector<double> smoothed_along(const std::vector<double>& depth, double tolerance_per_square) {
+  std::vector<double> out = depth;
+  const int count = static_cast<int>(depth.size());
+  for (int i = 0; i < count; ++i) {
+    double sum = 0;
+    int taps = 0;
+    for (int k = std::max(i - DepthSmoothing::kRadius, 0);
+         k <= std::min(i + DepthSmoothing::kRadius, count - 1); ++k) {
+      if (std::abs(depth[k] - depth[i]) > tolerance_per_square * depth[i] * depth[i]) continue;
+      sum += depth[k];
+      ++taps;
+    }
+    out[i] = sum / taps;
+  }
+  return out;
+}
+
+TEST(DepthSmoothing, TakesTheMeanAlongRowsThenColumns) {
+  // Levels far enough from the tolerance that rounding after the rows does not decide what belongs to a surface.
+  const int width = 75, height = 41;
+  DepthImage depth(width, height);
+  std::minstd_rand random(3);
+  std::uniform_int_distribution<int> surface(0, 3), noise(-6, 6);
+  for (auto& z : depth.pixels()) {
+    const int which = surface(random);
+    z = static_cast<std::uint16_t>(which == 0 ? 0 : 1000 + 700 * which + noise(random));
+  }
+  const double tolerance_per_square =
+      DepthSmoothing::kSameSurface * sensor_step_m(1.0) * metres_per_unit(DepthUnit::kMillimetre);
+  std::vector<std::vector<double>> rows;
+  for (int y = 0; y < height; ++y) {
+    const auto row = depth.row(y);
+    rows.push_back(smoothed_along({row.begin(), row.end()}, tolerance_per_square));
+  }
+  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre);
+  for (int x = 0; x < width; ++x) {
+    std::vector<double> column;
+    for (int y = 0; y < height; ++y) column.push_back(rows[y][x]);
+    column = smoothed_along(column, tolerance_per_square);
+    for (int y = 0; y < height; ++y) EXPECT_NEAR(depth(x, y), column[y], 1.1) << x << ' ' << y;
+  }
 }
 
 TEST(DepthSmoothing, TakesImagesSmallerThanItself) {

@@ -103,7 +103,7 @@ void new_frame(benchmark::State& state) {
     make_texture(room.frames[0], cosines, Eigen::Matrix<float, 3, 4>::Identity(), texture);
     list_blocks(inverse, flat, 16, blocks);
     outlines.draw(flat, blocks, inverse);
-    build_mesh(inverse, blocks, ray, 1 / 585.0F, mesh);
+    build_mesh(inverse, blocks, {ray, false}, 1 / 585.0F, mesh);
     benchmark::DoNotOptimize(mesh);
   }
   state.counters["vertices"] = double(mesh.x.size());
@@ -142,7 +142,7 @@ void merge(benchmark::State& state) {
     make_texture(room.frames[i], cosines, Eigen::Matrix<float, 3, 4>::Identity(), d.texture);
     list_blocks(inverse, flat, 16, blocks);
     outlines.draw(flat, blocks, inverse);
-    build_mesh(inverse, blocks, ray, 1 / 585.0F, d.mesh);
+    build_mesh(inverse, blocks, {ray, false}, 1 / 585.0F, d.mesh);
     d.matrix = projection_matrix(eye, room.cameras[i].world_from_camera);
     d.vertices.resize(d.mesh.vertices());
     d.extents.resize(d.mesh.patches.size());

@@ -35,7 +35,7 @@ class TemporalFilter {
   static constexpr int kColorJump = 14;   ///< of 255; a colour that differs by more is another thing's
   static constexpr int kColorMotion = 5;  ///< of 255; likewise the mean of a block's differences
   static constexpr float kMovingShare = 0.4F;  ///< of the blocks that move when the camera does
-  static constexpr int kGlance = 4;  ///< only every so many rows of blocks are looked at while it does
+  static constexpr int kGlance = 8;  ///< only every so many rows of blocks are looked at while it does
 
   /// Replaces depth, state and colour by what is kept. Depth that is shown beyond its measurement keeps its state. The
   /// first frame, and one of another size or one with colour after others without, begin anew.

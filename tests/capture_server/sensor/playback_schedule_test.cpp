@@ -8,9 +8,17 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr Instant kStart{std::chrono::hours(1)};
+constexpr Instant kStart{std::chrono::hours(1)};  // a whole step
 
-TEST(PlaybackSchedule, BeginsAtOnceAndKeepsTheRecordingsDistances) {
+TEST(PlaybackSchedule, BeginsAtTheNextStepWheneverItIsAskedSoThatReplaysAreInStep) {
+  for (int late_us : {1, 16'000, 33'333, 199'999, 200'000}) {
+    PlaybackSchedule schedule;
+    EXPECT_EQ(schedule.due(7'000'000, kStart + microseconds(late_us)), kStart + milliseconds(200)) << late_us;
+    EXPECT_EQ(schedule.due(7'033'333, kStart + milliseconds(210)), kStart + microseconds(233'333)) << late_us;
+  }
+}
+
+TEST(PlaybackSchedule, KeepsTheRecordingsDistances) {
   PlaybackSchedule schedule;
   EXPECT_EQ(schedule.due(5'000'000, kStart), kStart);
   EXPECT_EQ(schedule.due(5'033'333, kStart + milliseconds(2)), kStart + microseconds(33'333));
@@ -23,9 +31,9 @@ TEST(PlaybackSchedule, BeginsAtTheInstantThatWasAskedFor) {
   EXPECT_EQ(schedule.due(5'033'333, kStart + milliseconds(701)), kStart + microseconds(733'333));
 }
 
-TEST(PlaybackSchedule, BeginsAtOnceWhereTheInstantHasPassed) {
+TEST(PlaybackSchedule, BeginsAtTheNextStepWhereTheInstantHasPassed) {
   PlaybackSchedule schedule(kStart - std::chrono::hours(1));
-  EXPECT_EQ(schedule.due(5'000'000, kStart), kStart);
+  EXPECT_EQ(schedule.due(5'000'000, kStart - milliseconds(90)), kStart);
   EXPECT_EQ(schedule.due(5'033'333, kStart), kStart + microseconds(33'333));
 }
 

@@ -4,6 +4,7 @@ Prints what docs/latency.md quotes. Numbers only, never a verdict.
 
   benchmarks/live.py                   two cameras at 1280x720, then four at 640x360, 20 s each
   benchmarks/live.py --seconds 600     for latency that grows with time, or memory that does
+  benchmarks/live.py --apart 16.7      cameras as far out of step as 30 frames a second can be
 """
 import argparse
 import json
@@ -63,11 +64,19 @@ class Memory(threading.Thread):
         return 0
 
 
-def run(count, size, seconds, port, extra):
+def run(count, size, seconds, port, extra, apart_ms):
     files = recordings(count)
+    first_begins = time.time() + 3
+
+    def beginning(index):
+        return [] if apart_ms is None else ["--start-at", f"{first_begins + index * apart_ms / 1000:.4f}"]
+
     servers = [subprocess.Popen([BIN / "capture_server", "--source", file, "--name", f"{file.stem}-{index}", "--loop",
-                                 "--listen", f"127.0.0.1:{port + index}"], stderr=subprocess.DEVNULL)
+                                 "--listen", f"127.0.0.1:{port + index}", *beginning(index)],
+                                stderr=subprocess.DEVNULL)
                for index, file in enumerate(files)]
+    if apart_ms is not None:
+        time.sleep(3)
     connect = [word for index in range(count) for word in ("--connect", f"127.0.0.1:{port + index}")]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begin = time.time()
@@ -111,12 +120,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=20)
     parser.add_argument("--only", choices=["two", "four"])
+    parser.add_argument("--apart", type=float, metavar="MS",
+                        help="each recording begins so long after the one before it, instead of in step")
     parser.add_argument("client", nargs="*", help="further arguments for render_client, after --")
     options = parser.parse_args()
     if options.only != "four":
-        run(2, "1280x720", options.seconds, 7501, options.client)
+        run(2, "1280x720", options.seconds, 7501, options.client, options.apart)
     if options.only != "two":
-        run(4, "640x360", options.seconds, 7511, options.client)
+        run(4, "640x360", options.seconds, 7511, options.client, options.apart)
 
 
 if __name__ == "__main__":

@@ -125,7 +125,7 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
       ->transform(one_of<Pace>({{"real", Pace::kReal}, {"fast", Pace::kFast}}));
   app.add_option("--start-at", settings.start_at,
                  "Unix time at which a recording begins, seconds: servers that are given the same play in "
-                 "step [at once]")
+                 "step [the machine's next fifth of a second]")
       ->check(number(0, kLatestStart));
   app.add_option("--frames", settings.frames, "end after N captured frames")
       ->check(whole_number<std::uint64_t>(1, 1'000'000'000));

@@ -100,11 +100,11 @@ void Cells::add_row(std::span<const std::uint16_t> depth, std::span<const std::u
   }
 }
 
-void Cells::close_strip(int row) {
+// Sixteen pixels to one cell, one kind of number a loop, so that compilers take many cells at a time.
+void Cells::add_up_cells(std::size_t first) {
   static_assert(kCellPx == 4);
-  const std::size_t first = static_cast<std::size_t>(at(0, row));
   const auto columns = static_cast<std::size_t>(columns_);
-  {  // Sixteen pixels to one cell, one kind of number a loop.
+  {
     const float* __restrict const from = strip_.sum.data();
     float* __restrict const to = cells_.sum.data();
     for (std::size_t i = 0; i < columns; ++i)
@@ -143,6 +143,11 @@ void Cells::close_strip(int row) {
       is_wanted[i] = wants[4 * i] | wants[4 * i + 1] | wants[4 * i + 2] | wants[4 * i + 3];
     }
   }
+}
+
+void Cells::close_strip(int row) {
+  const auto first = static_cast<std::size_t>(at(0, row)), columns = static_cast<std::size_t>(columns_);
+  add_up_cells(first);
   const std::uint8_t* __restrict const counts = &far_count[first];
   std::uint8_t* __restrict const has = &has_depth_[first];
   for (std::size_t i = 0; i < columns; ++i) has[i] = counts[i] >= kCellEnough;

@@ -62,6 +62,7 @@ class Cells {
   }
   void add_row(std::span<const std::uint16_t> depth, std::span<const std::uint8_t> fillable, int y,
                float steps_times_units);
+  void add_up_cells(std::size_t first);
   void close_strip(int row);
   void split(int cell, int column, int row);
   void find_slopes();

@@ -60,7 +60,7 @@ FrameEncoder::FrameEncoder(const VideoSettings& settings, PictureEncoder depth,
 void FrameEncoder::encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe) {
   assert(color_);
   color_keyframe_needed_ = color_keyframe_needed_ || keyframe;
-  color_ahead_ = {sequence, color_->encode(color, color_keyframe_needed_)};
+  color_ahead_ = {sequence, color_keyframe_needed_, color_->encode(color, color_keyframe_needed_)};
 }
 
 Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
@@ -68,7 +68,9 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   assert(keyframe || previous_ != 0);
   assert(frame.stamp.sequence > previous_ && (!frame.color || color_));
   color_keyframe_needed_ = color_keyframe_needed_ || keyframe;
-  if (frame.color && !(color_ahead_ && color_ahead_->sequence == frame.stamp.sequence)) {
+  const bool is_color_ready = color_ahead_ && color_ahead_->sequence == frame.stamp.sequence &&
+                              color_ahead_->is_keyframe == color_keyframe_needed_;
+  if (frame.color && !is_color_ready) {
     encode_color_ahead(frame.stamp.sequence, *frame.color, keyframe);
   }
   Result<AccessUnit> color = frame.color ? std::move(color_ahead_->color) : AccessUnit();

@@ -30,7 +30,8 @@ class FrameEncoder {
   Result<EncodedFrame> encode(const PlanarFrame& frame);
 
   /// Encodes the colour of the frame `sequence`, the coming one, so that encode() finds it done: colour does not have
-  /// to wait for depth. `keyframe` as the frame will have it. Where that frame comes to nothing, so does this.
+  /// to wait for depth. `keyframe` as far as it is known: where depth turns out to be one by itself, colour is encoded again. Where that
+  /// frame comes to nothing, so does this.
   /// Thread: beside whatever does not use this encoder.
   void encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe);
 
@@ -53,6 +54,7 @@ class FrameEncoder {
   std::optional<PictureEncoder> color_;
   struct Ahead {
     std::uint64_t sequence;
+    bool is_keyframe;
     Result<AccessUnit> color;
   };
   std::optional<Ahead> color_ahead_;

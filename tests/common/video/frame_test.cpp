@@ -119,6 +119,17 @@ TEST_F(Frames, AreTheSameWhenTheirColorWasEncodedAhead) {
   }
 }
 
+TEST_F(Frames, MayBecomeKeyframesAfterTheirColorWasEncodedAhead) {
+  // As where a depth codec finds that the scene has left its levels.
+  for (std::uint64_t sequence = 1; sequence <= 12; ++sequence) {
+    const PlanarFrame frame = moving_frame(stream, sequence, sequence % 4 == 1);
+    encoder.encode_color_ahead(sequence, *frame.color, false);
+    const auto back = decoder.decode(encoder.encode(frame).value());
+    ASSERT_TRUE(back) << sequence << ": " << back.error().what;
+    EXPECT_TRUE(back->color);
+  }
+}
+
 TEST_F(Frames, TakeTheirColorWithThemWhenTheyComeToNothing) {
   ASSERT_TRUE(decoder.decode(encoded(1, true)));
   encoder.encode_color_ahead(2, *moving_frame(stream, 2, false).color, false);  // and its depth fails

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "capture_server/hole_filling/hole_filler.h"
@@ -26,7 +27,7 @@ struct Content {
   std::vector<PlanarFrame> frames;  // the first one is a keyframe
 };
 
-Content load(const std::string& path, bool lossless) {
+Content load(const std::string& path, const std::string& codec, bool lossless) {
   Content content;
   auto source = open_source(path, {.pace = sensor::SourceSettings::Pace::kFast});
   if (!source) return content;
@@ -35,7 +36,7 @@ Content load(const std::string& path, bool lossless) {
   content.stream.unit = sensor.unit;
   content.stream.has_color = sensor.has_color;
   const depth::DepthFormat format{sensor.depth.width, sensor.depth.height, sensor.unit, content.stream.range};
-  auto encoder = depth::Encoder::open("quantized", format).value();
+  auto encoder = depth::Encoder::open(codec, format).value();
   encoder.set_lossless(lossless);
   content.stream.codec = encoder.description();
   auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
@@ -62,13 +63,14 @@ struct Case {
   std::string recording;
   VideoSettings settings;
   Part part = Part::kBoth;
+  std::string codec = "quantized";
 };
 
 const Content& content_of(const Case& which) {
-  static std::map<std::pair<std::string, bool>, Content> loaded;
+  static std::map<std::tuple<std::string, std::string, bool>, Content> loaded;
   const bool lossless = which.settings.depth_qp == 0;
-  const auto [place, is_new] = loaded.try_emplace({which.recording, lossless});
-  if (is_new) place->second = load(which.recording, lossless);
+  const auto [place, is_new] = loaded.try_emplace({which.recording, which.codec, lossless});
+  if (is_new) place->second = load(which.recording, which.codec, lossless);
   return place->second;
 }
 
@@ -125,6 +127,8 @@ const int kRegistered = [] {
   for (const std::string& recording : recordings()) {
     const std::string name = std::filesystem::path(recording).stem();
     const std::pair<const char*, Case> cases[] = {
+        // What capture_server sends unless told otherwise.
+        {"live", {recording, {.effort = Effort::kLive, .depth_qp = 20}, Part::kBoth, "adaptive"}},
         {"both", {recording, {}, Part::kBoth}},
         {"depth", {recording, {}, Part::kDepth}},
         {"depth_lossless", {recording, {.depth_qp = 0}, Part::kDepth}},

@@ -12,11 +12,9 @@
 namespace copresence::renderer {
 namespace {
 
-// The four quads of a block of 2, from its upper left one on: one number of each.
-using Four = float __attribute__((vector_size(16)));
-using FourBools = std::int32_t __attribute__((vector_size(16)));
-constexpr FourBools kBits{1, 2, 4, 8};
+constexpr FourInts kBits{1, 2, 4, 8};
 
+// A number of each of the four quads of a block of 2, from its upper left one on.
 Four pairs(const float* upper, const float* lower) {
   using Two = float __attribute__((vector_size(8)));
   Two first, second;
@@ -131,9 +129,9 @@ class PatchBuilder {
       const Four nearest = larger(larger(p, q), r), farthest = smaller(smaller(p, q), r);
       return (farthest > 0.0F) & (nearest - farthest <= kGapSteps * kStepInverse + slope_ * farthest);
     };
-    const FourBools abd = are_joined(a, b, d), bcd = are_joined(b, c, d), abc = are_joined(a, b, c),
-                    acd = are_joined(a, c, d);
-    const FourBools joined = (abd & kBits[0]) | (bcd & kBits[1]) | (abc & kBits[2]) | (acd & kBits[3]);
+    const FourInts abd = are_joined(a, b, d), bcd = are_joined(b, c, d), abc = are_joined(a, b, c),
+                   acd = are_joined(a, c, d);
+    const FourInts joined = (abd & kBits[0]) | (bcd & kBits[1]) | (abc & kBits[2]) | (acd & kBits[3]);
     add_shape(x, y, joined[0]);
     if (x + 1 < last_x_) add_shape(x + 1, y, joined[1]);
     if (y + 1 >= last_y_) return;

@@ -98,11 +98,7 @@ void find_blocks_of_4(const InverseDepth& inverse, float pixel_angle, Image<Plan
   }
 }
 
-// One number of each of the four blocks of 2 in a block of 4, row by row.
-using Four = float __attribute__((vector_size(16)));
-using FourBools = std::int32_t __attribute__((vector_size(16)));
-
-// Planes through 3 x 3 pixels, where they lie in one, for the four blocks of 2 from (x, y) on.
+// Planes through 3 x 3 pixels, where they lie in one, for the four blocks of 2 from (x, y) on: side by side, row by row.
 void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, float pixel_angle, Image<Plane>& planes) {
   std::array<std::array<Four, 3>, 3> pixels;  // row and column within each block
   for (int r = 0; r < 3; ++r) {
@@ -135,7 +131,7 @@ void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, float pixel_angl
     }
   }
   const Four steepest = kGapSteps * kStepInverse + kMaxSlope * pixel_angle * w;
-  const FourBools is_flat = (off <= kPixelTolerance) & (size_of(dx) + size_of(dy) <= steepest);
+  const FourInts is_flat = (off <= kPixelTolerance) & (size_of(dx) + size_of(dy) <= steepest);
   for (int i = 0; i < 4; ++i)
     planes.row(y / 2 + i / 2)[x / 2 + i % 2] = is_flat[i] ? Plane{w[i], dx[i], dy[i]} : Plane{};
 }

@@ -25,6 +25,10 @@ using Ints = std::int32_t __attribute__((vector_size(kLanes * 4)));
 using UnsignedInts = std::uint32_t __attribute__((vector_size(kLanes * 4)));
 using Words = std::uint16_t __attribute__((vector_size(kLanes * 4)));  // two to a lane
 
+/// Half as many, for what comes in fours.
+using Four = float __attribute__((vector_size(16)));
+using FourInts = std::int32_t __attribute__((vector_size(16)));
+
 inline Floats all(float value) {
   return Floats{} + value;
 }

@@ -7,9 +7,19 @@
 namespace copresence {
 namespace {
 
-double radial_part(const std::array<double, 8>& k, double r2) {
+// The radial distortion is a quotient of two polynomials in r2, the squared distance from the axis.
+struct Quotient {
+  double above, below;
+};
+
+Quotient radial_quotient(const std::array<double, 8>& k, double r2) {
   const double r4 = r2 * r2, r6 = r4 * r2;
-  return (1 + k[0] * r2 + k[1] * r4 + k[4] * r6) / (1 + k[5] * r2 + k[6] * r4 + k[7] * r6);
+  return {1 + k[0] * r2 + k[1] * r4 + k[4] * r6, 1 + k[5] * r2 + k[6] * r4 + k[7] * r6};
+}
+
+double radial_part(const std::array<double, 8>& k, double r2) {
+  const Quotient quotient = radial_quotient(k, r2);
+  return quotient.above / quotient.below;
 }
 
 Eigen::Vector2d distort(const std::array<double, 8>& k, const Eigen::Vector2d& p) {
@@ -19,32 +29,116 @@ Eigen::Vector2d distort(const std::array<double, 8>& k, const Eigen::Vector2d& p
           y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y};
 }
 
+// The derivatives of distort(); the matrix is symmetric. `is_regular`: the distortion is one-to-one around the point.
+struct Jacobian {
+  double xx, xy, yy;
+  bool is_regular;
+
+  Jacobian(const std::array<double, 8>& k, const Eigen::Vector2d& p) {
+    const double x = p.x(), y = p.y(), r2 = x * x + y * y, r4 = r2 * r2;
+    const Quotient quotient = radial_quotient(k, r2);
+    const double radial = quotient.above / quotient.below;
+    const double by_r2 =
+        (k[0] + 2 * k[1] * r2 + 3 * k[4] * r4 - radial * (k[5] + 2 * k[6] * r2 + 3 * k[7] * r4)) /
+        quotient.below;
+    xx = radial + 2 * by_r2 * x * x + 2 * k[2] * y + 6 * k[3] * x;
+    yy = radial + 2 * by_r2 * y * y + 6 * k[2] * y + 2 * k[3] * x;
+    xy = 2 * by_r2 * x * y + 2 * k[2] * x + 2 * k[3] * y;
+    is_regular = quotient.below > 0 && determinant() > 0;
+  }
+  double determinant() const { return xx * yy - xy * xy; }
+  Eigen::Vector2d solve(const Eigen::Vector2d& b) const {
+    return Eigen::Vector2d(yy * b.x() - xy * b.y(), xx * b.y() - xy * b.x()) / determinant();
+  }
+};
+
+// Inverts distort() by Newton's method, from the optical axis outwards. Each step is halved until it reduces the error
+// and stays where the distortion is one-to-one: beyond a fold lies another ray that leads to the same pixel.
+// Returns the best point found where no ray leads there.
 Eigen::Vector2d undistort(const std::array<double, 8>& k, const Eigen::Vector2d& distorted) {
-  Eigen::Vector2d p = distorted;
-  for (int i = 0; i < 40; ++i) {
-    const Eigen::Vector2d error = distort(k, p) - distorted;
-    p -= error;
-    if (error.squaredNorm() < 1e-20) break;
+  constexpr int kSteps = 50, kHalvings = 20;
+  constexpr double kExact = 1e-24;  // squared error; 1e-9 px at a focal length of 1000 px
+  Eigen::Vector2d p(0, 0), error = -distorted;
+  for (int i = 0; i < kSteps && error.squaredNorm() > kExact; ++i) {
+    Eigen::Vector2d step = Jacobian(k, p).solve(error);
+    bool accepted = false;
+    for (int halving = 0; halving < kHalvings && !accepted; ++halving, step *= 0.5) {
+      const Eigen::Vector2d next = p - step, error_there = distort(k, next) - distorted;
+      accepted = error_there.squaredNorm() < error.squaredNorm() && Jacobian(k, next).is_regular;
+      if (!accepted) continue;
+      p = next;
+      error = error_there;
+    }
+    if (!accepted) break;
   }
   return p;
 }
 
-// Polynomials fitted to few corners turn around, or have a pole, where no corner was.
+// True if sum of c[i] x^i is above 0 everywhere in [0, end]. Exact up to rounding: with only positive Bernstein
+// coefficients a polynomial is positive; else the interval is cut in half, and each half is looked at.
+template <std::size_t kSize>
+bool is_positive(const std::array<double, kSize>& c, double end) {
+  const auto bernstein_positive = [](const std::array<double, kSize>& b, int depth,
+                                     const auto& self) -> bool {
+    if (!(b.front() > 0) || !(b.back() > 0)) return false;
+    if (std::all_of(b.begin(), b.end(), [](double value) { return value > 0; })) return true;
+    if (depth == 0) return false;
+    std::array<double, kSize> left{}, right = b;  // de Casteljau
+    for (std::size_t i = 0; i < kSize; ++i) {
+      left[i] = right[0];
+      for (std::size_t j = 0; j + i + 1 < kSize; ++j) right[j] = 0.5 * (right[j] + right[j + 1]);
+    }
+    return self(left, depth - 1, self) && self(right, depth - 1, self);
+  };
+  std::array<double, kSize> b{}, scaled = c;
+  for (std::size_t i = 1; i < kSize; ++i) {
+    for (std::size_t j = i; j < kSize; ++j) scaled[j] *= end;
+  }
+  for (std::size_t i = 0; i < kSize; ++i) {
+    // b[i] = sum over j <= i of (i choose j) / (degree choose j) * scaled[j]
+    double ratio = 1;
+    for (std::size_t j = 0; j <= i; ++j) {
+      b[i] += ratio * scaled[j];
+      if (j < i) ratio *= static_cast<double>(i - j) / static_cast<double>(kSize - 1 - j);
+    }
+  }
+  constexpr int kDepth = 40;
+  return bernstein_positive(b, kDepth, bernstein_positive);
+}
+
+// Up to distance r from the axis the radial distortion has no pole, and its derivative lies between 0 and kMostStretch.
+// With x = r^2, the derivative of r A(x) / B(x) is (A B + 2 x (A' B - A B')) / B^2.
+bool grows_smoothly(const std::array<double, 8>& k, double r) {
+  constexpr double kMostStretch =
+      4;  // real lenses magnify their rim at most about twice as much as their middle
+  const std::array<double, 4> a{1, k[0], k[1], k[4]}, b{1, k[5], k[6], k[7]};
+  std::array<double, 7> growth{}, room{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      const double term = a[i] * b[j] * (1 + 2 * (static_cast<double>(i) - static_cast<double>(j)));
+      growth[i + j] += term;
+      room[i + j] += kMostStretch * b[i] * b[j] - term;
+    }
+  }
+  const double end = r * r;
+  return is_positive(b, end) && is_positive(growth, end) && is_positive(room, end);
+}
+
+// Polynomials fitted to few corners fold, or have a pole, where no corner was.
 bool is_one_to_one(const CameraModel& camera) {
   const double reach_x = std::max(std::abs(camera.cx), std::abs(camera.width - 1 - camera.cx)) / camera.fx,
                reach_y = std::max(std::abs(camera.cy), std::abs(camera.height - 1 - camera.cy)) / camera.fy;
+  // The ray of the picture's farthest corner, as if distortion were radial only.
   const double corner = std::hypot(reach_x, reach_y);
-  constexpr int kSteps = 400;
-  double before = 0;
-  for (int step = 1; before < corner; ++step) {
-    const double r = corner * step / kSteps, r2 = r * r;
-    const double pole =
-        1 + camera.distortion[5] * r2 + camera.distortion[6] * r2 * r2 + camera.distortion[7] * r2 * r2 * r2;
-    const double appears = r * radial_part(camera.distortion, r2);
-    if (!(pole > 0) || !(appears > before) || step > 10 * kSteps) return false;
-    before = appears;
-  }
-  // And unproject() finds the way back, all along the rim.
+  constexpr int kSteps = 100, kFarthest = 10 * kSteps;
+  int step = 1;
+  const auto appears = [&](int at) {
+    const double r = corner * at / kSteps;
+    return r * radial_part(camera.distortion, r * r);
+  };
+  while (step < kFarthest && !(appears(step) >= corner)) ++step;
+  if (step == kFarthest || !grows_smoothly(camera.distortion, corner * step / kSteps)) return false;
+  // Tangential distortion can fold the picture, too: unproject() must find the way back all along the rim.
   constexpr int kSides = 8;
   for (int i = 0; i <= kSides; ++i) {
     const double x = (camera.width - 1.0) * i / kSides, y = (camera.height - 1.0) * i / kSides;
@@ -89,9 +183,10 @@ Result<void> check(const CameraModel& camera) {
                 "a camera's intrinsics must be finite numbers with positive focal lengths");
   }
   if (camera.is_distorted() && !is_one_to_one(camera)) {
-    return fail(
-        ErrorCode::kInvalid,
-        "a camera's distortion sends several rays to one pixel of its picture, or none: no lens does");
+    return fail(ErrorCode::kInvalid,
+                "a camera's distortion sends several rays to one pixel of its picture, or none: are the "
+                "coefficients in "
+                "OpenCV's order, k1 k2 p1 p2 k3 k4 k5 k6?");
   }
   return {};
 }

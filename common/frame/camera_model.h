@@ -32,7 +32,8 @@ Result<void> check(const CameraModel& camera);
 Eigen::Vector2d project(const CameraModel& camera, const Eigen::Vector3d& point_in_camera);
 
 /// Point of the camera frame at depth `z_m` along the optical axis that appears at `pixel`.
-/// The distortion is inverted by fixed-point iteration, to below 1e-6 px for lenses a Kinect has.
+/// The distortion is inverted by Newton's method, to below 1e-6 px anywhere in the picture of a model that check()
+/// accepts.
 Eigen::Vector3d unproject(const CameraModel& camera, const Eigen::Vector2d& pixel, double z_m);
 
 /// (x, y) at z = 1 for every pixel, row by row: what a renderer multiplies with depth. width * height

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "common/frame/depth_unit.h"
 
@@ -37,6 +39,45 @@ TEST(CameraModel, UnprojectUndoesProjectAlsoWithDistortion) {
         EXPECT_TRUE(unproject(camera, project(camera, point), 2.5).isApprox(point, 1e-6)) << x << ' ' << y;
       }
     }
+  }
+}
+
+// Largest error of project(unproject()) over the picture, its rim and corners included; pixels.
+double worst_round_trip(const CameraModel& camera) {
+  double worst = 0;
+  for (int j = 0; j <= 24; ++j) {
+    for (int i = 0; i <= 32; ++i) {
+      const Eigen::Vector2d pixel((camera.width - 1.0) * i / 32, (camera.height - 1.0) * j / 24);
+      worst = std::max(worst, (project(camera, unproject(camera, pixel, 1)) - pixel).norm());
+    }
+  }
+  return worst;
+}
+
+TEST(CameraModel, TakesWideLensesAndUnprojectsThemAllOverThePicture) {
+  const std::vector<CameraModel> lenses{
+      {1280, 960, 550, 550, 640, 480, {-0.28, 0.06, 0, 0, 0, 0, 0, 0}},
+      {640, 480, 275, 275, 320, 240, {-0.28, 0.06, 0, 0, 0, 0, 0, 0}},
+      {640, 480, 270, 272, 331, 228, {-0.3, 0.09, 0.001, -0.0015, -0.008, 0, 0, 0}},
+      {1920, 1080, 1000, 1000, 960, 540, {-0.33, 0.12, 0, 0, -0.015, 0, 0, 0}},
+      {320, 240, 200, 200, 160, 120, {0.9, 0.1, 0.0008, -0.0005, 0, 1.1, 0.2, 0.01}},
+      // Azure Kinect's colour camera, wide: large coefficients above and below the line
+      {1280, 720, 605, 605, 638, 366, {0.55, -2.5, 0.0007, -0.0001, 1.43, 0.43, -2.32, 1.36}},
+      {640, 480, 500, 500, 320, 240, {0.9, 0.8, 0, 0, 0.4, 0, 0, 0}},  // a strong pincushion
+  };
+  for (const CameraModel& lens : lenses) {
+    const auto checked = check(lens);
+    EXPECT_TRUE(checked) << lens.fx << ": " << checked.error().what;
+    EXPECT_LT(worst_round_trip(lens), 1e-6) << lens.fx;
+  }
+}
+
+TEST(CameraModel, UnprojectsToTheRayOnThisSideOfAFold) {
+  // r (1 - 0.28 r2 + 0.02 r4) turns at r = 1.20 and comes back from r = 2.64 on: three rays lead to one pixel.
+  CameraModel camera{640, 480, 400, 400, 320, 240, {-0.28, 0.02, 0, 0, 0, 0, 0, 0}};
+  for (double r = 0.05; r < 1.17; r += 0.05) {
+    const Eigen::Vector3d ray(0.8 * r, -0.6 * r, 1);
+    EXPECT_TRUE(unproject(camera, project(camera, ray), 1).isApprox(ray, 1e-7)) << r;
   }
 }
 

@@ -133,10 +133,9 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
                "allow --listen beyond this machine: anyone who reaches the port sees the room, unencrypted");
   app.add_option("--scene", settings.scene, "scene file with this camera's pose and intrinsics, by --name")
       ->check(file_name());
-  app.add_option(
-         "--record", settings.record,
-         "also record what the sensor gives to this .oni file, lossless in depth; a file that is there "
-         "is not overwritten: FILE-2.oni is taken then")
+  app.add_option("--record", settings.record,
+                 "also record what the sensor gives to this .oni file, lossless in depth; where it exists, "
+                 "FILE-2.oni is created instead, then FILE-3.oni and so on")
       ->check(file_name());
   auto* list = app.add_flag("--list", settings.list, "list the devices that can be opened, and end")
                    ->configurable(false);

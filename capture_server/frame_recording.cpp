@@ -1,10 +1,7 @@
 #include "capture_server/frame_recording.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 namespace copresence::server {
 namespace {
@@ -13,21 +10,6 @@ using std::chrono::microseconds;
 
 constexpr microseconds kLatestTime{std::int64_t{1} << 55};  // of a recording
 constexpr microseconds kLongestPause{std::chrono::hours(24)};
-constexpr int kMostNames = 10'000;
-
-bool is_taken(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored) && std::filesystem::file_size(path, ignored) > 0;
-}
-
-std::string free_name(const std::string& wanted) {
-  const std::filesystem::path path(wanted);
-  std::filesystem::path free = path;
-  for (int i = 2; is_taken(free) && i < kMostNames; ++i) {
-    free = path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), i, path.extension().string());
-  }
-  return free.string();
-}
 
 }  // namespace
 
@@ -55,10 +37,9 @@ Result<FrameRecording> FrameRecording::open(const std::string& path, const senso
   content.color = sensor.has_color ? std::optional(recording::ColorCoding::kJpeg) : std::nullopt;
   content.frames_per_second = std::clamp(static_cast<int>(std::lround(sensor.frames_per_second)), 1, 1000);
   content.max_depth = 65535;  // whatever the sensor gives
-  const std::string file = free_name(path);
-  auto writer = recording::OniWriter::create(file, content);
+  auto writer = recording::OniWriter::create_numbered(path, content);
   if (!writer) return fail(writer.error());
-  return FrameRecording(file, std::move(*writer), sensor.has_color);
+  return FrameRecording(std::move(*writer), sensor.has_color);
 }
 
 Result<void> FrameRecording::write(const RgbdFrame& frame) {

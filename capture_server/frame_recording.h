@@ -3,8 +3,9 @@
 // What the sensor gave, as a recording: every frame's depth bit by bit, every colour picture once, both with the
 // sensor's own times. Before registration, range and hole filling, so that a replay goes the whole way again.
 //
-// The file is named as asked; where a file of that name is there and not empty, `name-2.oni` and so on is taken: a
-// recording never overwrites another, also not when a crashed capture begins anew.
+// The file is named as asked. Where a file of that name exists, the first free one of `name-2.oni`, `name-3.oni` and so
+// on is created: a recording never overwrites a file, also when a crashed capture begins anew or when several servers
+// begin at once.
 //
 // Thread: one thread at a time.
 
@@ -39,7 +40,7 @@ class FrameRecording {
   static Result<FrameRecording> open(const std::string& path, const sensor::SensorDescription& sensor,
                                      const std::string& camera_name);
 
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return writer_.path(); }
 
   /// Fails  kInvalid, kUnsupported: this frame is left out; kUnavailable: no more can be written, finish().
   Result<void> write(const RgbdFrame& frame);
@@ -54,10 +55,9 @@ class FrameRecording {
   std::uint64_t bytes() const { return writer_.bytes(); }
 
  private:
-  FrameRecording(std::string path, recording::OniWriter writer, bool has_color)
-      : path_(std::move(path)), writer_(std::move(writer)), has_color_(has_color) {}
+  FrameRecording(recording::OniWriter writer, bool has_color)
+      : writer_(std::move(writer)), has_color_(has_color) {}
 
-  std::string path_;
   recording::OniWriter writer_;
   bool has_color_;
   RecordingClock clock_;

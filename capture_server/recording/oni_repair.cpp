@@ -179,7 +179,7 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, con
     if (const auto plays = check(path); !plays) return fail(plays.error());
   } else {
     if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());
-    auto copy = OutputFile::create(out);
+    auto copy = OutputFile::create(out, Existing::kReplace);
     if (!copy) return fail(copy.error());
     const std::uint64_t end = report.was_whole ? input->size() : found->whole_until;
     auto done = copy_bytes(*input, 0, end, *copy, path, progress);
@@ -231,7 +231,7 @@ Result<CutReport> cut(const std::string& path, double from_s, double to_s, const
                             from_s, to_s, static_cast<double>(whole->duration.count()) * 1e-6));
   }
 
-  auto file = OutputFile::create(out);
+  auto file = OutputFile::create(out, Existing::kReplace);
   if (!file) return fail(file.error());
   if (auto written = write_part(*input, *found, wanted, *file, path, progress); !written) {
     file->discard();

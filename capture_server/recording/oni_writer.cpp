@@ -15,9 +15,7 @@ namespace {
 
 using Bytes = RecordBytesOut;
 
-}  // namespace
-
-Result<OniWriter> OniWriter::create(const std::string& path, const OniContent& content) {
+Result<void> check_content(const OniContent& content) {
   if (auto usable = check(content.camera.model); !usable) return fail(usable.error());
   if (content.jpeg_quality < 1 || content.jpeg_quality > 100) {
     return fail(ErrorCode::kInvalid, "the JPEG quality of a recording must be from 1 to 100");
@@ -28,8 +26,24 @@ Result<OniWriter> OniWriter::create(const std::string& path, const OniContent& c
   if (content.camera.color) {
     if (auto usable = check(content.camera.color->model); !usable) return fail(usable.error());
   }
-  auto file = OutputFile::create(path);
+  return {};
+}
+
+}  // namespace
+
+Result<OniWriter> OniWriter::create(const std::string& path, const OniContent& content, Existing existing) {
+  if (auto sensible = check_content(content); !sensible) return fail(sensible.error());
+  return begin(content, OutputFile::create(path, existing));
+}
+
+Result<OniWriter> OniWriter::create_numbered(const std::string& path, const OniContent& content) {
+  if (auto sensible = check_content(content); !sensible) return fail(sensible.error());
+  return begin(content, OutputFile::create_numbered(path));
+}
+
+Result<OniWriter> OniWriter::begin(const OniContent& content, Result<OutputFile> file) {
   if (!file) return fail(file.error());
+  const std::string path = file->path();
   OniWriter writer(path, content, std::move(*file));
   Bytes bytes = file_header(0, content.color ? 2 : 1);
   std::vector<Stream*> streams{&writer.depth_};

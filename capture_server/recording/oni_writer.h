@@ -41,9 +41,15 @@ struct OniContent {
 
 class OniWriter {
  public:
-  /// Makes (or empties) the file and writes what comes before the first frame.
-  /// Fails  kInvalid for a content that cannot be, kUnavailable when the file cannot be written.
-  static Result<OniWriter> create(const std::string& path, const OniContent& content);
+  /// Creates the file and writes what comes before the first frame.
+  /// Fails  kInvalid for a content that cannot be or, with kKeep, a file that exists; kUnavailable when the
+  ///        file cannot be written.
+  static Result<OniWriter> create(const std::string& path, const OniContent& content,
+                                  Existing existing = Existing::kKeep);
+  /// The same under the first free name, see OutputFile::create_numbered().
+  static Result<OniWriter> create_numbered(const std::string& path, const OniContent& content);
+
+  const std::string& path() const { return path_; }
 
   /// One depth picture, in the note's unit, of its size. `timestamp` is on the device's clock, at least 0 and
   /// not before that of the stream's last frame.
@@ -82,6 +88,7 @@ class OniWriter {
   OniWriter(std::string path, OniContent content, OutputFile file)
       : path_(std::move(path)), content_(std::move(content)), file_(std::move(file)) {}
 
+  static Result<OniWriter> begin(const OniContent& content, Result<OutputFile> file);
   const CameraModel& camera_of(const Stream& stream) const;
   std::uint16_t largest_depth() const;
   void append_definition(RecordBytesOut& bytes, Stream& stream);

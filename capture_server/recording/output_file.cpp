@@ -13,14 +13,53 @@
 
 namespace copresence::recording {
 
-Result<OutputFile> OutputFile::create(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) {
-    return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be written: {}; give a path in a folder "
-                                                     "that you may write to",
-                                                     path, std::strerror(errno)));
+namespace {
+
+constexpr int kMostNames = 10'000;
+
+tl::unexpected<Error> not_created(const std::string& path) {
+  return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be written: {}; give a path in a folder that "
+                                                   "you may write to",
+                                                   path, std::strerror(errno)));
+}
+
+bool is_regular(int descriptor) {
+  struct stat status {};
+  return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+std::string numbered(const std::filesystem::path& path, int number) {
+  const std::string name = fmt::format("{}-{}{}", path.stem().string(), number, path.extension().string());
+  return (path.parent_path() / name).string();
+}
+
+}  // namespace
+
+Result<OutputFile> OutputFile::create(const std::string& path, Existing existing) {
+  constexpr int kWrite = O_WRONLY | O_CLOEXEC;
+  const int how = existing == Existing::kReplace ? O_CREAT | O_TRUNC : O_CREAT | O_EXCL;
+  int descriptor = ::open(path.c_str(), kWrite | how, 0666);
+  if (descriptor < 0 && errno == EEXIST) {
+    descriptor = ::open(path.c_str(), kWrite | O_NONBLOCK);
+    // A link that leads nowhere is a name that is taken, too.
+    if (descriptor < 0 ? errno == ENOENT || errno == EACCES : is_regular(descriptor)) {
+      if (descriptor >= 0) ::close(descriptor);
+      return fail(ErrorCode::kInvalid,
+                  fmt::format("{}: exists already and is kept; give another name or --overwrite", path));
+    }
   }
+  if (descriptor < 0) return not_created(path);
   return OutputFile(path, descriptor, 0);
+}
+
+Result<OutputFile> OutputFile::create_numbered(const std::string& path) {
+  for (int number = 1; number <= kMostNames; ++number) {
+    auto file = create(number == 1 ? path : numbered(path, number), Existing::kKeep);
+    if (file || file.error().code != ErrorCode::kInvalid) return file;
+  }
+  return fail(ErrorCode::kInvalid,
+              fmt::format("{}: this name and all up to {} exist already; move them away or give another name",
+                          path, numbered(path, kMostNames)));
 }
 
 Result<OutputFile> OutputFile::open(const std::string& path) {

@@ -13,10 +13,21 @@
 
 namespace copresence::recording {
 
+/// What happens to a file that is already there. Nothing is overwritten unless the user asked for it.
+enum class Existing {
+  kKeep,     ///< creating fails
+  kReplace,  ///< the file is emptied
+};
+
 class OutputFile {
  public:
-  /// Makes the file, or empties it. Fails (kUnavailable) where it cannot be written.
-  static Result<OutputFile> create(const std::string& path);
+  /// Creates the file. With kKeep exactly one of several processes that create the same name succeeds.
+  /// What is no regular file (/dev/full, a named pipe that is being read) is opened as it is.
+  /// Fails  kInvalid (kKeep: a file of this name exists), kUnavailable (it cannot be written).
+  static Result<OutputFile> create(const std::string& path, Existing existing = Existing::kKeep);
+  /// Creates `path`, or the first of `name-2.ext`, `name-3.ext` and so on that does not exist yet.
+  /// Fails  kInvalid (10 000 names are taken), kUnavailable (it cannot be written).
+  static Result<OutputFile> create_numbered(const std::string& path);
   /// Opens a file that is there, to be changed in place. Fails (kNotFound, kUnavailable).
   static Result<OutputFile> open(const std::string& path);
 
@@ -24,6 +35,7 @@ class OutputFile {
   OutputFile& operator=(OutputFile&& other) noexcept;
   ~OutputFile();
 
+  const std::string& path() const { return path_; }
   std::uint64_t size() const { return size_; }
 
   /// Writes at the end. A failure leaves the file as it was.

@@ -97,7 +97,7 @@ class Making {
   Result<FromImagesReport> run(const recording::ProgressReport& progress) {
     auto content = describe();
     if (!content) return fail(content.error());
-    auto writer = recording::OniWriter::create(settings_.out, *content);
+    auto writer = recording::OniWriter::create(settings_.out, *content, recording::Existing::kReplace);
     if (!writer) return fail(writer.error());
     if (auto written = write(*writer, progress); !written) {
       writer->discard();

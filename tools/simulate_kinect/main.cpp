@@ -36,7 +36,9 @@ Result<void> record(const Settings& settings, const std::shared_ptr<const simula
   recording::OniContent content;
   content.camera = {name, model, true, settings.unit, poses[index]};
   content.jpeg_quality = settings.jpeg_quality;
-  auto writer = recording::OniWriter::create((settings.folder / (name + ".oni")).string(), content);
+  auto writer = recording::OniWriter::create(
+      (settings.folder / (name + ".oni")).string(), content,
+      settings.overwrite ? recording::Existing::kReplace : recording::Existing::kKeep);
   if (!writer) return fail(writer.error());
   std::filesystem::path truth;
   if (settings.truth) {
@@ -81,8 +83,27 @@ Result<void> show_truth(const Settings& settings, const std::shared_ptr<const si
   return {};
 }
 
+// Fails before anything is rendered where one of the files to be written exists.
+Result<void> keep_existing(const Settings& settings) {
+  std::vector<std::filesystem::path> files{settings.folder / "scene.toml"};
+  for (int i = 0; i < settings.cameras; ++i)
+    files.push_back(settings.folder / fmt::format("camera{}.oni", i));
+  for (const auto& file : files) {
+    std::error_code ignored;
+    if (std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) {
+      return fail(
+          ErrorCode::kInvalid,
+          fmt::format("{}: exists already and is kept; give another folder or --overwrite", file.string()));
+    }
+  }
+  return {};
+}
+
 Result<void> simulate(const Settings& settings) {
   if (auto folder = make_folder(settings.folder); !folder) return fail(folder.error());
+  if (!settings.overwrite) {
+    if (auto free = keep_existing(settings); !free) return free;
+  }
   auto made = simulation::World::make(settings.world);
   if (!made) return fail(made.error());
   const auto world = std::make_shared<const simulation::World>(std::move(*made));

@@ -35,6 +35,8 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   app.add_option("--out", settings.folder, "folder to write to; made when it is not there")
       ->required()
       ->check(some("a folder's name"));
+  app.add_flag("--overwrite", settings.overwrite,
+               "replace recordings and a scene.toml that the folder holds");
   app.add_option("--seed", settings.seed,
                  "whole number that decides all noise; the same seed gives the same bytes")
       ->check(whole_number(std::numeric_limits<decltype(settings.seed)>::min(),

@@ -17,6 +17,7 @@ struct Settings {
   int cameras = 2;
   int frames = 60;
   std::filesystem::path folder;
+  bool overwrite = false;  ///< replace files of the names to be written
   std::uint32_t seed = 1;
   int width = 640, height = 480;
   DepthUnit unit = DepthUnit::kMillimetre;

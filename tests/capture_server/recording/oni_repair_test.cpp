@@ -37,7 +37,7 @@ class OniRepair : public testing::Test {
     OniContent content;
     content.camera.model = {scene.width, scene.height, 58, 58, 31.5, 23.5, {}};
     content.color = ColorCoding::kRaw;
-    auto writer = OniWriter::create(file(name), content);
+    auto writer = OniWriter::create(file(name), content, Existing::kReplace);
     EXPECT_TRUE(writer);
     for (int i = 0; i < frames; ++i) {
       EXPECT_TRUE(writer->write_depth(microseconds(1000 + 33'333 * i), scene.depth_of(i)));

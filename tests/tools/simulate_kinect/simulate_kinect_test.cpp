@@ -113,6 +113,23 @@ TEST_F(SimulateKinect, SaysWhyItCannotWriteAndLeavesWithOne) {
   EXPECT_NE(outcome.said.find("/dev/null/folder"), std::string::npos) << outcome.said;
 }
 
+TEST_F(SimulateKinect, KeepsFilesThatExistUnlessToldToOverwriteThem) {
+  fs::create_directories(folder_);
+  for (const char* name : {"camera0.oni", "scene.toml"}) {
+    std::ofstream(folder_ / name) << "old";
+    const std::string arguments = "empty-room --cameras 1 --frames 1 --size 32x32 --out " + folder_.string();
+    const Outcome kept = run(arguments);
+    EXPECT_EQ(kept.exit_code, 1);
+    EXPECT_NE(kept.said.find((folder_ / name).string() + ": exists already"), std::string::npos) << kept.said;
+    EXPECT_EQ(bytes_of(folder_ / name), "old");
+    const Outcome replaced = run(arguments + " --overwrite");
+    EXPECT_EQ(replaced.exit_code, 0) << replaced.said;
+    EXPECT_NE(bytes_of(folder_ / name), "old");
+    fs::remove(folder_ / "camera0.oni");
+    fs::remove(folder_ / "scene.toml");
+  }
+}
+
 TEST_F(SimulateKinect, ExplainsItself) {
   const Outcome help = run("--help");
   EXPECT_EQ(help.exit_code, 0);

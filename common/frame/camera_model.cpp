@@ -167,6 +167,12 @@ CameraModel camera_from_field_of_view(int width, int height, double horizontal, 
   return camera;
 }
 
+CameraModel camera_from_field_of_view(int width, int height, double vertical) {
+  CameraModel camera = camera_from_field_of_view(width, height, vertical, vertical);
+  camera.fx = camera.fy;
+  return camera;
+}
+
 Result<void> check(const CameraModel& camera) {
   const auto fits = [](int size) { return size >= 2 && size <= 4096 && size % 2 == 0; };
   if (!fits(camera.width) || !fits(camera.height)) {

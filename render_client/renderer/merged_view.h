@@ -18,7 +18,8 @@ struct VirtualCamera {
   double far_m = 10.0;
 };
 
-/// `fov_degrees` is vertical, in (0, 180).
+/// The lens of a view of this size. `fov_degrees` is vertical, in (0, 180). The principal point follows the rule of
+/// common/frame/camera_model.h, as a sensor's does.
 CameraModel lens_from_fov(int width, int height, double fov_degrees);
 
 inline constexpr std::uint8_t kNoCamera = 255;  ///< in MergedView::camera where nothing is shown

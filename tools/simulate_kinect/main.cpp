@@ -68,10 +68,8 @@ Result<void> show_truth(const Settings& settings, const std::shared_ptr<const si
   if (!path) return fail(path.error());
   const auto folder = make_folder(settings.folder / "truth" / path_file.stem());
   if (!folder) return fail(folder.error());
-  const double focal =
-      0.5 * settings.truth_height / std::tan(settings.truth_fov_deg * std::numbers::pi / 360);
-  const CameraModel model{settings.truth_width,       settings.truth_height,       focal, focal,
-                          0.5 * settings.truth_width, 0.5 * settings.truth_height, {}};
+  const CameraModel model = camera_from_field_of_view(settings.truth_width, settings.truth_height,
+                                                      settings.truth_fov_deg * std::numbers::pi / 180);
   for (int frame = 0; frame < settings.frames; ++frame) {
     const auto stop = path->at(frame);
     auto camera = simulation::TrueCamera::make(world, model, simulation::look_from(stop.eye, stop.look));

@@ -96,6 +96,31 @@ TEST(CameraModel, FieldOfViewGivesTheFocalLength) {
   EXPECT_NEAR(project(camera, {0, std::tan(0.4), 1}).y(), 480, 1e-9);
 }
 
+// What OpenNI2's convertDepthToWorld() computes from the field of view alone, for any pixel.
+TEST(CameraModel, FieldOfViewMeansWhatItMeansToOpenNi) {
+  constexpr int kWidth = 640, kHeight = 480;
+  constexpr double kHorizontal = 1.0144, kVertical = 0.7898;  // a Kinect's, as OpenNI2 gives them
+  const CameraModel camera = camera_from_field_of_view(kWidth, kHeight, kHorizontal, kVertical);
+  EXPECT_EQ(camera.cx, 320);
+  EXPECT_EQ(camera.cy, 240);
+  for (const auto& [column, row] : {std::pair{0, 0}, {320, 240}, {17, 401}, {639, 479}}) {
+    const double z = 2.5;
+    const double x = (double(column) / kWidth - 0.5) * z * 2 * std::tan(kHorizontal / 2);
+    const double y = (double(row) / kHeight - 0.5) * z * 2 * std::tan(kVertical / 2);  // OpenNI's own y points up
+    const Eigen::Vector3d point = unproject(camera, {double(column), double(row)}, z);
+    EXPECT_NEAR(point.x(), x, 1e-12);
+    EXPECT_NEAR(point.y(), y, 1e-12);
+  }
+}
+
+TEST(CameraModel, SquarePixelsHaveOneFocalLength) {
+  const CameraModel camera = camera_from_field_of_view(1280, 720, 0.9);
+  EXPECT_EQ(camera.fx, camera.fy);
+  EXPECT_NEAR(camera.fy, 360 / std::tan(0.45), 1e-9);
+  EXPECT_EQ(camera.cx, 640);
+  EXPECT_EQ(camera.cy, 360);
+}
+
 TEST(CameraModel, RefusesSizesAndNumbersThatCannotBe) {
   EXPECT_TRUE(check(kinect()));
   for (auto spoil : std::initializer_list<void (*)(CameraModel&)>{

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Reads every Markdown page: a relative link must lead somewhere, a path in backticks that begins with a folder of the
-project must exist, and a test named as Suite.Name must be there. So a page cannot name what was moved or renamed."""
+"""Reads every Markdown page. A relative link must lead somewhere. A path in backticks that begins with a folder of the
+project must exist, and so must a test named as Suite.Name. So a page cannot name what was moved or renamed."""
 import pathlib
 import re
 import subprocess

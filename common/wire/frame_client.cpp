@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <asio.hpp>
 #include <optional>
 #include <utility>
@@ -9,7 +10,9 @@
 
 #include "common/wire/host_port.h"
 #include "common/wire/message_codec.h"
+#include "common/wire/name_lookup.h"
 #include "common/wire/tcp.h"
+#include "common/wire/timed_reader.h"
 
 namespace copresence::wire {
 namespace {
@@ -21,6 +24,8 @@ constexpr std::chrono::milliseconds kFirstPings{100}, kPings{1000};
 constexpr int kFirst = 8;  // pings that come quickly, so that the clock is known soon
 constexpr std::chrono::seconds kSilence{5};
 constexpr std::size_t kMaxUnsent = 64 * 1024;
+// Between two frames. A camera that is plugged in and out by hand causes a few.
+constexpr int kMostNotices = 100;
 
 }  // namespace
 
@@ -31,13 +36,14 @@ class FrameClient::Connection {
   Result<void> open(std::chrono::milliseconds timeout, const std::stop_token& stop) {
     const auto target = parse_host_port(address_);
     if (!target) return fail(target.error());
-    reach(*target);
+    if (const auto found = find(*target, stop); !found) return found;
+    connect();
     return run_until([this] { return welcomed_; }, stop, Clock::now() + timeout,
                      " does not answer: is a capture_server running there?");
   }
 
   Result<ReceivedFrame> receive(const std::stop_token& stop, std::optional<Instant> latest) {
-    last_heard_ = Clock::now();  // what lies in the socket since the last call is no silence
+    listening_since_ = Clock::now();
     if (!reading_ && !failure_) read_message();
     const auto arrived =
         run_until([this] { return arrived_.has_value(); }, stop, latest, " sends no pictures");
@@ -53,7 +59,7 @@ class FrameClient::Connection {
 
   ClockOffset clock() const { return same_clock_ ? ClockOffset{} : estimate_.at(Clock::now()); }
   const StreamDescription& description() const { return description_; }
-  std::uint64_t bytes_received() const { return bytes_received_; }
+  std::uint64_t bytes_received() const { return reader_.bytes_read(); }
 
  private:
   /// Runs the loop until `done` says so, the connection fails, or waiting is over, which is said as `too_late`.
@@ -68,34 +74,39 @@ class FrameClient::Connection {
         return fail(ErrorCode::kUnavailable, address_ + ": stopped waiting, as asked");
       if (!deadline) {
         io_.run_one();
-      } else if (io_.run_one_until(*deadline) == 0 && Clock::now() >= *deadline) {
-        return fail(ErrorCode::kTimeout, address_ + too_late);
+        continue;
       }
+      io_.run_one_until(*deadline);
+      if (!done() && Clock::now() >= *deadline) return fail(ErrorCode::kTimeout, address_ + too_late);
     }
     return {};
   }
 
-  void reach(const HostPort& target) {
+  Result<void> find(const HostPort& target, const std::stop_token& stop) {
     asio::error_code not_numeric;
     const auto numeric = asio::ip::make_address(target.host, not_numeric);
-    if (!not_numeric) return connect({tcp::endpoint(numeric, target.port)});
-    resolver_.async_resolve(target.host, std::to_string(target.port), tcp::resolver::numeric_service,
-                            [this](const asio::error_code& error, const tcp::resolver::results_type& found) {
-                              if (error) {
-                                return fail_with(ErrorCode::kNotFound,
-                                                 fmt::format("no host has this name ({})", error.message()));
-                              }
-                              connect({found.begin(), found.end()});
-                            });
+    if (!not_numeric) {
+      endpoints_ = {tcp::endpoint(numeric, target.port)};
+      return {};
+    }
+    const NameLookup lookup(
+        io_, target.host, target.port,
+        [this](const asio::error_code& error, std::vector<tcp::endpoint> found) {
+          endpoints_ = std::move(found);
+          if (endpoints_.empty())
+            fail_with(ErrorCode::kNotFound, fmt::format("no host has this name ({})", error.message()));
+        });
+    return run_until([this] { return !endpoints_.empty(); }, stop, {}, "");
   }
 
-  void connect(std::vector<tcp::endpoint> endpoints) {
-    asio::async_connect(socket_, endpoints, [this](const asio::error_code& error, const tcp::endpoint&) {
+  void connect() {
+    asio::async_connect(socket_, endpoints_, [this](const asio::error_code& error, const tcp::endpoint&) {
       if (error == asio::error::connection_refused) {
         return fail_with(ErrorCode::kUnavailable, "nothing listens there: start a capture_server");
       }
       if (error) return lost(error);
       tune(socket_);
+      reader_.start();
       hello_at_ = Clock::now();
       say(encode(Hello{}));
       read_message();
@@ -104,30 +115,27 @@ class FrameClient::Connection {
 
   void read_message() {
     reading_ = true;
-    asio::async_read(
-        socket_, asio::buffer(header_), kWhole, [this](const asio::error_code& error, std::size_t bytes) {
-          if (!heard(error, bytes)) return;
-          const auto header = decode_header(header_);
-          if (!header) return fail_with(header.error());
-          if (header->type == MessageType::kFrame)
-            return welcomed_ ? read_frame(header->body_bytes) : confused();
-          body_.resize(header->body_bytes);
-          asio::async_read(
-              socket_, asio::buffer(body_), kWhole,
-              [this, type = header->type](const asio::error_code& body_error, std::size_t body_bytes) {
-                if (heard(body_error, body_bytes)) take(type);
-              });
-        });
+    reader_.read({asio::buffer(header_)}, [this](const asio::error_code& error) {
+      if (error) return lost(error);
+      const auto header = decode_header(header_);
+      if (!header) return fail_with(header.error());
+      if (header->type == MessageType::kFrame)
+        return welcomed_ ? read_frame(header->body_bytes) : confused();
+      body_.resize(header->body_bytes);
+      reader_.read({asio::buffer(body_)}, [this, type = header->type](const asio::error_code& body_error) {
+        if (body_error) return lost(body_error);
+        take(type);
+      });
+    });
   }
 
   void read_frame(std::uint32_t body_bytes) {
-    asio::async_read(socket_, asio::buffer(frame_head_), kWhole,
-                     [this, body_bytes](const asio::error_code& error, std::size_t bytes) {
-                       if (!heard(error, bytes)) return;
-                       const auto head = decode_frame_head(frame_head_, body_bytes);
-                       if (!head) return fail_with(head.error());
-                       read_access_units(*head);
-                     });
+    reader_.read({asio::buffer(frame_head_)}, [this, body_bytes](const asio::error_code& error) {
+      if (error) return lost(error);
+      const auto head = decode_frame_head(frame_head_, body_bytes);
+      if (!head) return fail_with(head.error());
+      read_access_units(*head);
+    });
   }
 
   void read_access_units(const FrameHead& head) {
@@ -139,15 +147,15 @@ class FrameClient::Connection {
     frame.frame.color.resize(head.color_bytes);
     frame.counters = head.counters;
     frame.sent_at = head.sent_at;
-    const std::array<asio::mutable_buffer, 2> buffers = {asio::buffer(frame.frame.depth),
-                                                         asio::buffer(frame.frame.color)};
-    asio::async_read(socket_, buffers, kWhole, [this](const asio::error_code& error, std::size_t bytes) {
-      if (!heard(error, bytes)) return;
-      incoming_.received_at = last_heard_;
-      say(encode(FrameAck{incoming_.frame.sequence}));
-      arrived_ = std::exchange(incoming_, {});
-      reading_ = false;  // the next one when it is asked for
-    });
+    reader_.read({asio::buffer(frame.frame.depth), asio::buffer(frame.frame.color)},
+                 [this](const asio::error_code& error) {
+                   if (error) return lost(error);
+                   incoming_.received_at = reader_.last_arrival();
+                   say(encode(FrameAck{incoming_.frame.sequence}));
+                   arrived_ = std::exchange(incoming_, {});
+                   reading_ = false;  // the next one when it is asked for
+                   notices_ = 0;
+                 });
   }
 
   void take(MessageType type) {
@@ -165,6 +173,7 @@ class FrameClient::Connection {
         const auto notice = decode_notice(body_);
         if (!notice) return fail_with(notice.error());
         if (!welcomed_) return confused();
+        if (++notices_ > kMostNotices) return fail_with(ErrorCode::kCorrupt, "notices and no frames");
         if (on_notice_) on_notice_(notice->text);
         return read_message();
       }
@@ -172,8 +181,7 @@ class FrameClient::Connection {
         const auto pong = decode_pong(body_);
         if (!pong) return fail_with(pong.error());
         if (pong->client_time != ping_at_) return confused();
-        estimate_.add(ping_at_, pong->server_time, last_heard_);
-        ping_at_ = {};
+        learn_clock(*std::exchange(ping_at_, std::nullopt), pong->server_time);
         return read_message();
       }
       default:
@@ -193,23 +201,30 @@ class FrameClient::Connection {
     if (!welcome) return fail_with(welcome.error());
     description_ = std::move(welcome->description);
     same_clock_ = welcome->clock_id != 0 && welcome->clock_id == monotonic_clock_id();
-    estimate_.add(hello_at_, welcome->server_time, last_heard_);
+    learn_clock(hello_at_, welcome->server_time);
     welcomed_ = true;
     reading_ = false;
     ping_later();
+  }
+
+  /// Takes the answer that was just read. It cannot have come before it was asked for.
+  void learn_clock(Instant asked, Instant server_time) {
+    estimate_.add(asked, server_time, std::max(asked, reader_.last_arrival()));
   }
 
   void ping_later() {
     timer_.expires_after(pings_ < kFirst ? kFirstPings : kPings);
     timer_.async_wait([this](const asio::error_code& error) {
       if (error) return;
-      if (Clock::now() - last_heard_ > kSilence) {
+      // Any byte is a sign of life: on a slow path a frame takes longer than this. What waits in the socket because
+      // receive() was not called is no silence either.
+      if (Clock::now() - std::max(reader_.last_arrival(), listening_since_) > kSilence) {
         return fail_with(ErrorCode::kTimeout, fmt::format("silent for {} s", kSilence.count()));
       }
-      if (ping_at_ == Instant{}) {  // one at a time
+      if (!ping_at_) {  // one at a time
         ++pings_;
         ping_at_ = Clock::now();
-        say(encode(Ping{ping_at_}));
+        say(encode(Ping{*ping_at_}));
       }
       ping_later();
     });
@@ -232,13 +247,6 @@ class FrameClient::Connection {
     });
   }
 
-  bool heard(const asio::error_code& error, std::size_t bytes) {
-    bytes_received_ += bytes;
-    last_heard_ = Clock::now();
-    if (error) lost(error);
-    return !error;
-  }
-
   void lost(const asio::error_code& error) {
     const bool hung_up = error == asio::error::eof || error == asio::error::connection_reset ||
                          error == asio::error::broken_pipe;
@@ -258,16 +266,18 @@ class FrameClient::Connection {
   std::string address_;
   std::function<void(const std::string&)> on_notice_;
   asio::io_context io_{1};
-  tcp::resolver resolver_{io_};
   tcp::socket socket_{io_};
+  TimedReader reader_{socket_};
   asio::steady_timer timer_{io_};
   std::optional<Error> failure_;
 
+  std::vector<tcp::endpoint> endpoints_;
   bool welcomed_ = false, same_clock_ = false;
   StreamDescription description_;
   ClockEstimate estimate_;
-  Instant hello_at_{}, ping_at_{}, last_heard_{};
-  int pings_ = 0;
+  Instant hello_at_{}, listening_since_{};
+  std::optional<Instant> ping_at_;  // of the ping that has no answer yet
+  int pings_ = 0, notices_ = 0;
 
   bool reading_ = false;  // a read is on its way; it survives a receive() that was stopped
   std::array<std::uint8_t, kHeaderBytes> header_;
@@ -275,7 +285,6 @@ class FrameClient::Connection {
   Bytes body_;
   ReceivedFrame incoming_;
   std::optional<ReceivedFrame> arrived_;
-  std::uint64_t bytes_received_ = 0;
 
   Bytes unsent_, sending_;
 };

@@ -27,13 +27,13 @@ struct ReceivedFrame {
   EncodedFrame frame;
   FrameCounters counters;
   Instant sent_at{};      ///< server's clock; FrameClient::clock() maps it
-  Instant received_at{};  ///< this process's clock, when the last byte was there
+  Instant received_at{};  ///< this process's clock: when the last byte arrived, however late it was read
 };
 
 class FrameClient {
  public:
-  /// Connects and shakes hands within `timeout`. When asked to stop it returns at once, unless a host's name
-  /// is being looked up.
+  /// Connects and shakes hands within `timeout`. Looking a host's name up comes before that and takes as long as the
+  /// system's resolver does. Returns kUnavailable at once when asked to stop.
   static Result<FrameClient> connect(const std::string& host_port, std::chrono::milliseconds timeout,
                                      std::stop_token stop);
   FrameClient(FrameClient&&) noexcept;
@@ -47,8 +47,8 @@ class FrameClient {
   void on_notice(std::function<void(const std::string&)> heard);
 
   /// Waits for the next frame and acknowledges it: call again when ready for one more, that is what keeps the
-  /// latency bounded. Returns kUnavailable when asked to stop, kTimeout when the server has been silent for 5
-  /// s, or when no frame has come until `latest`: the connection is then not over, and the camera what keeps it waiting.
+  /// latency bounded. Returns kUnavailable when asked to stop, and kTimeout when no byte has come for 5 s. Returns
+  /// kTimeout, too, when no frame has come until `latest`; the connection then goes on.
   Result<ReceivedFrame> receive(std::stop_token stop, std::optional<Instant> latest = {});
 
   /// What comes cannot be decoded: asks for a keyframe. Sent at once, or from within the next receive().

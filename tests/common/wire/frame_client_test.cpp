@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <future>
 #include <thread>
 
 #include "tests/common/wire/raw_peer.h"
@@ -170,6 +171,96 @@ TEST(FrameClient, AcknowledgesEachFrameAsItArrives) {
   }
   ASSERT_TRUE(ack);
   EXPECT_EQ(*ack, encode(FrameAck{300}));
+}
+
+TEST(FrameClient, SaysWhenAFrameArrivedHoweverLateItIsRead) {
+  std::promise<void> sent;
+  FakeServer server([&](RawPeer& peer) {
+    peer.hear();
+    peer.say(encode(sample_welcome()));
+    peer.say(frame_message());
+    sent.set_value();
+    peer.hear_out();
+  });
+  auto client = server.client();
+  ASSERT_TRUE(client);
+  sent.get_future().wait();
+  std::this_thread::sleep_for(100ms);  // the client is busy with another frame
+  const auto read_from = std::chrono::steady_clock::now();
+  const auto received = client->receive({});
+  ASSERT_TRUE(received);
+  EXPECT_LT(received->received_at, read_from - 20ms);
+}
+
+TEST(FrameClient, DoesNotCountItsOwnPausesAsRoundTrips) {
+  constexpr auto kPause = 200ms;
+  FakeServer server([&](RawPeer& peer) {
+    peer.hear();
+    std::this_thread::sleep_for(2 * kPause);  // the handshake alone tells little about the clock
+    peer.say(encode(sample_welcome()));
+    while (const auto message = peer.hear()) {
+      if (type_of(*message) != MessageType::kPing) continue;
+      peer.say(frame_message());  // the client turns to this and reads the answer later
+      peer.say(encode(Pong{decode_ping(body_of(*message))->client_time, std::chrono::steady_clock::now()}));
+    }
+  });
+  auto client = server.client();
+  ASSERT_TRUE(client);
+  EXPECT_GE(client->clock().uncertainty, kPause);
+  for (int frames = 0; frames < 4; ++frames) {
+    ASSERT_TRUE(client->receive({}));
+    std::this_thread::sleep_for(kPause);
+  }
+  EXPECT_LT(client->clock().uncertainty, kPause / 4);
+}
+
+TEST(FrameClient, TakesNoFloodOfNoticesForACamera) {
+  Bytes flood;
+  for (int i = 0; i < 1000; ++i) {
+    const Bytes notice = encode(Notice{"unplugged"});
+    flood.insert(flood.end(), notice.begin(), notice.end());
+  }
+  FakeServer server(welcomes_and_says(flood));
+  auto client = server.client();
+  ASSERT_TRUE(client);
+  int heard = 0;
+  client->on_notice([&](const std::string&) { ++heard; });
+  const auto received = client->receive({});
+  ASSERT_FALSE(received);
+  EXPECT_EQ(received.error().code, ErrorCode::kCorrupt);
+  EXPECT_LE(heard, 100);
+}
+
+TEST(FrameClient, GivesUpInTimeThoughTheServerNeverStopsTalking) {
+  FakeServer server([](RawPeer& peer) {
+    peer.hear();
+    peer.say(encode(sample_welcome()));
+    for (int i = 0; i < 50; ++i) {
+      peer.say(encode(Notice{"still unplugged"}));
+      std::this_thread::sleep_for(10ms);
+    }
+    peer.hear_out();
+  });
+  auto client = server.client();
+  ASSERT_TRUE(client);
+  const auto received = client->receive({}, std::chrono::steady_clock::now() + 100ms);
+  ASSERT_FALSE(received);
+  EXPECT_EQ(received.error().code, ErrorCode::kTimeout);
+}
+
+TEST(FrameClient, NamesAHostThatNobodyKnows) {
+  const auto client = FrameClient::connect("no-such-host.invalid:7001", 2s, {});
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(client.error().what, HasSubstr("no-such-host.invalid:7001: no host has this name"));
+}
+
+TEST(FrameClient, ConnectsToAHostByName) {
+  FakeServer server(welcomes_and_says(frame_message()));
+  const std::string port = server.address().substr(server.address().find(':'));
+  auto client = FrameClient::connect("localhost" + port, 2s, {});
+  ASSERT_TRUE(client) << client.error().what;
+  EXPECT_TRUE(client->receive({}));
 }
 
 TEST(FrameClient, FollowsTheClockOfAnotherMachine) {

@@ -4,7 +4,14 @@
 
 #include <cstdio>
 
+#include "common/text/excerpt.h"
+
 namespace copresence::command_line {
+namespace {
+
+constexpr std::size_t kMostOfASentence = 1000;
+
+}  // namespace
 
 std::string sentence_of(const CLI::ParseError& error) {
   std::string text = error.what();
@@ -16,7 +23,7 @@ std::string sentence_of(const CLI::ParseError& error) {
   for (char& c : text) {
     if (c == '\n') c = ' ';
   }
-  return text;
+  return text::excerpt(text, kMostOfASentence);
 }
 
 int explain(const CLI::App& app, const CLI::ParseError& error) {

@@ -8,8 +8,12 @@
 #include <optional>
 #include <system_error>
 
+#include "common/text/excerpt.h"
+
 namespace copresence::command_line {
 namespace {
+
+constexpr std::size_t kMostOfAValue = 300;
 
 template <class Number>
 std::optional<Number> parse(const std::string& text) {
@@ -60,7 +64,8 @@ std::string unwritable(const std::string& text, bool is_replaced) {
   } else if ((is_replaced || !fs::exists(file, none)) && access(folder.c_str(), W_OK) != 0) {
     why = fmt::format("you may not write in the folder {}", folder.string());
   }
-  return why.empty() ? why : fmt::format("\"{}\" is not a file that can be written: {}", text, why);
+  return why.empty() ? why : fmt::format("\"{}\" is not a file that can be written: {}",
+                                         text::excerpt(text, kMostOfAValue), text::excerpt(why, kMostOfAValue));
 }
 
 }  // namespace
@@ -68,7 +73,8 @@ std::string unwritable(const std::string& text, bool is_replaced) {
 CLI::Validator must_be(std::string what, std::function<bool(const std::string&)> is_one,
                        std::string in_help) {
   return {[what = std::move(what), is_one = std::move(is_one)](const std::string& text) {
-            return is_one(text) ? std::string() : fmt::format("\"{}\" is not {}", text, what);
+            if (is_one(text)) return std::string();
+            return fmt::format("\"{}\" is not {}", text::excerpt(text, kMostOfAValue), what);
           },
           std::move(in_help)};
 }

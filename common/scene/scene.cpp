@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -10,10 +9,15 @@
 #include <cstdint>
 #include <initializer_list>
 
-#include "common/scene/text_file.h"
+#include "common/scene/toml_text.h"
+#include "common/text/excerpt.h"
+#include "common/text/text_file.h"
 
 namespace copresence::scene {
 namespace {
+
+// Bytes. A name is as long as capture_server's --name, an address as a host's name and a port, a source as a path.
+constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 4096;
 
 // Reads one file's tables; the first thing that is wrong stays in error() and everything after it is skipped.
 class Reader {
@@ -31,7 +35,7 @@ class Reader {
   void only_keys(const toml::table& table, std::initializer_list<std::string_view> known) {
     for (const auto& [key, value] : table) {
       if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
-        wrong(value, fmt::format("unknown key \"{}\"; known here are {}", key.str(), fmt::join(known, ", ")));
+        wrong(value, fmt::format("unknown key \"{}\"; known here are {}", text::excerpt(key.str()), fmt::join(known, ", ")));
       }
     }
   }
@@ -47,11 +51,15 @@ class Reader {
     return node ? number(*node, key).value_or(0) : 0;
   }
 
-  std::string text(const toml::table& table, std::string_view key) {
+  std::string text(const toml::table& table, std::string_view key, std::size_t most_bytes) {
     const toml::node* node = table.get(key);
     if (!node) return {};
     const auto value = node->value_exact<std::string>();
     if (!value) wrong(*node, fmt::format("\"{}\" must be a text in quotes", key));
+    if (value && value->size() > most_bytes) {
+      wrong(*node, fmt::format("\"{}\" has {} bytes; {} are allowed", key, value->size(), most_bytes));
+      return {};
+    }
     return value.value_or("");
   }
 
@@ -160,12 +168,12 @@ Camera read_camera(Reader& reader, const toml::table& table, const std::filesyst
   reader.only_keys(table, {"name", "address", "width", "height", "fx", "fy", "cx", "cy", "distortion",
                            "world_from_camera", "source", "color", "color_matching", "calibration_error_mm"});
   Camera camera;
-  camera.name = reader.text(table, "name");
+  camera.name = reader.text(table, "name", kMostOfAName);
   if (camera.name.empty()) reader.wrong(table, "a [[camera]] needs a \"name\"");
-  camera.address = reader.text(table, "address");
+  camera.address = reader.text(table, "address", kMostOfAnAddress);
   camera.model = reader.model(table);
   camera.world_from_camera = reader.pose(table, "world_from_camera");
-  camera.source = reader.text(table, "source");
+  camera.source = reader.text(table, "source", kMostOfASource);
   if (is_recording(camera.source)) camera.source = (folder / camera.source).lexically_normal().string();
   if (const toml::node* node = table.get("color")) {
     const toml::table* color = node->as_table();
@@ -241,23 +249,19 @@ bool is_recording(std::string_view source) {
 }
 
 Result<Scene> parse(std::string_view text, const std::filesystem::path& path) {
-  try {
-    const toml::table root = toml::parse(text, path.string());
-    Reader reader(path);
-    Scene scene = read_scene(reader, root, path.parent_path());
-    if (reader.error()) return fail(*reader.error());
-    if (scene.cameras.empty()) {
-      return fail(ErrorCode::kInvalid, fmt::format("{}: no [[camera]] in it", path.string()));
-    }
-    return scene;
-  } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}:{}: {}", path.string(), error.source().begin.line, error.description()));
+  const auto root = parse_toml(text, path);
+  if (!root) return fail(root.error());
+  Reader reader(path);
+  Scene scene = read_scene(reader, *root, path.parent_path());
+  if (reader.error()) return fail(*reader.error());
+  if (scene.cameras.empty()) {
+    return fail(ErrorCode::kInvalid, fmt::format("{}: no [[camera]] in it", path.string()));
   }
+  return scene;
 }
 
 Result<Scene> load(const std::filesystem::path& path) {
-  const auto text = read_text_file(path, "a scene file");
+  const auto text = text::read_text_file(path, "a scene file");
   if (!text) return fail(text.error());
   return parse(*text, path);
 }

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <optional>
 
-#include "common/scene/text_file.h"
+#include "common/scene/toml_text.h"
+#include "common/text/excerpt.h"
+#include "common/text/text_file.h"
 
 namespace copresence::scene {
 namespace {
@@ -22,29 +23,25 @@ std::optional<std::string> plain_text(const toml::node& node) {
 }  // namespace
 
 Result<std::vector<Setting>> parse_settings(std::string_view text, const std::filesystem::path& path) {
-  try {
-    const toml::table root = toml::parse(text, path.string());
-    std::vector<Setting> settings;
-    for (const auto& [key, node] : root) {
-      const int line = static_cast<int>(key.source().begin.line);
-      auto value = plain_text(node);
-      if (!value) {
-        return fail(ErrorCode::kInvalid, fmt::format("{}:{}: \"{}\" must be a text, a number, true or false",
-                                                     path.string(), line, key.str()));
-      }
-      settings.push_back({std::string(key.str()), std::move(*value), line});
+  const auto root = parse_toml(text, path);
+  if (!root) return fail(root.error());
+  std::vector<Setting> settings;
+  for (const auto& [key, node] : *root) {
+    const int line = static_cast<int>(key.source().begin.line);
+    auto value = plain_text(node);
+    if (!value) {
+      return fail(ErrorCode::kInvalid, fmt::format("{}:{}: \"{}\" must be a text, a number, true or false",
+                                                   path.string(), line, text::excerpt(key.str())));
     }
-    std::sort(settings.begin(), settings.end(),
-              [](const Setting& a, const Setting& b) { return a.line < b.line; });
-    return settings;
-  } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}:{}: {}", path.string(), error.source().begin.line, error.description()));
+    settings.push_back({std::string(key.str()), std::move(*value), line});
   }
+  std::sort(settings.begin(), settings.end(),
+            [](const Setting& a, const Setting& b) { return a.line < b.line; });
+  return settings;
 }
 
 Result<std::vector<Setting>> load_settings(const std::filesystem::path& path) {
-  const auto text = read_text_file(path, "a settings file");
+  const auto text = text::read_text_file(path, "a settings file");
   if (!text) return fail(text.error());
   return parse_settings(*text, path);
 }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 
+#include "common/scene/toml_text.h"
 #include "common/scene/toml_values.h"
+#include "common/text/text_file.h"
 
 namespace copresence::scene {
 namespace {
@@ -186,12 +186,13 @@ std::string to_toml(const Scene& scene, const fs::path& path) {
 Result<std::string> rewrite(std::string_view text, const Scene& scene, const fs::path& path) {
   const auto before = parse(text, path);
   if (!before) return fail(before.error());
-  const toml::table root = toml::parse(text, std::string_view());  // parse() has found it good
+  const auto root = parse_toml(text, path);
+  if (!root) return fail(root.error());
   const fs::path folder = path.parent_path();
 
   EditedText edited(text);
-  rewrite_up(edited, root, *before, scene);
-  for (const auto& entry : *root.get_as<toml::array>("camera")) {
+  rewrite_up(edited, *root, *before, scene);
+  for (const auto& entry : *root->get_as<toml::array>("camera")) {
     const toml::table& table = *entry.as_table();
     const Camera& from = *before->find(table["name"].ref<std::string>());
     if (const Camera* to = scene.find(from.name)) {
@@ -203,7 +204,7 @@ Result<std::string> rewrite(std::string_view text, const Scene& scene, const fs:
   for (const Camera& camera : scene.cameras) {
     if (!before->find(camera.name)) edited.append(camera_block(camera, folder));
   }
-  rewrite_clip(edited, root, *before, scene);
+  rewrite_clip(edited, *root, *before, scene);
 
   const std::string in_place = edited.apply();
   const auto after = parse(in_place, path);
@@ -212,9 +213,10 @@ Result<std::string> rewrite(std::string_view text, const Scene& scene, const fs:
 
 Result<void> save(const Scene& scene, const fs::path& path, const fs::path& layout) {
   std::string text;
-  std::ifstream old(layout, std::ios::binary);
-  if (std::error_code ignored; fs::is_regular_file(layout, ignored) && old) {
-    auto rewritten = rewrite(std::string{std::istreambuf_iterator<char>(old), {}}, scene, path);
+  if (std::error_code ignored; fs::exists(layout, ignored)) {
+    const auto old = text::read_text_file(layout, "a scene file");
+    if (!old) return fail(old.error());
+    auto rewritten = rewrite(*old, scene, path);
     if (!rewritten) return fail(rewritten.error());
     text = std::move(*rewritten);
   } else {

@@ -9,10 +9,11 @@ import sys
 ROOT = pathlib.Path(sys.argv[1])
 
 # room -> rooms it may include (itself always)
-EDGE_TYPES = {"common/frame", "common"}
+EDGE_TYPES = {"common/frame", "common", "common/text"}
 ROOMS = {
     "common": set(),  # result.h
     "common/frame": {"common"},
+    "common/text": {"common"},
     **{f"common/{room}": EDGE_TYPES for room in ("flow", "scene", "command_line", "depth", "color", "video", "wire", "gl")},
     "capture_server/recording": EDGE_TYPES,
     "capture_server/simulation": EDGE_TYPES,

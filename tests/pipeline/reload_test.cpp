@@ -145,7 +145,7 @@ TEST_F(Reload, GoesOnAsBeforeWhereTheFileIsWrong) {
           "camera.toml:3: there is no setting \"speed\": see --help, without its dashes; everything goes on");
   EXPECT_NEAR(mean_kbps(viewer.watch(2 * kFramesASecond)), 4000, 400);
   std::filesystem::remove(file_);
-  hang_up(room_.server(0), viewer, "cannot be read as a settings file; everything goes on as before");
+  hang_up(room_.server(0), viewer, "a settings file was expected there; everything goes on as before");
   EXPECT_NEAR(mean_kbps(viewer.watch(2 * kFramesASecond)), 4000, 400);
 }
 

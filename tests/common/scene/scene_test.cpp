@@ -121,8 +121,51 @@ TEST(Scene, RefusesCamerasThatCannotBe) {
   EXPECT_THAT(error_of(replaced("name = \"left\"", "name = 3")), HasSubstr("text in quotes"));
 }
 
-TEST(Scene, SaysThatAMissingFileCannotBeRead) {
-  EXPECT_THAT(load("/nowhere/scene.toml").error().what, HasSubstr("/nowhere/scene.toml: cannot be read"));
+std::string repeated(const std::string& text, int times) {
+  std::string out;
+  for (int i = 0; i < times; ++i) out += text;
+  return out;
+}
+
+// Each overflowed the stack of the program that read it, or would where a string's end is misjudged.
+TEST(Scene, RefusesTextsThatNestWithoutEndByTheirLine) {
+  constexpr int kTimes = 100'000;
+  const std::string deep = repeated("a.", kTimes) + "a";
+  for (const std::string& text :
+       {"[" + deep + "]\n", "[[" + deep + "]]\n", deep + " = 1\n", repeated("\"a\" . ", kTimes) + "a = 1\n",
+        repeated("'a'.", kTimes) + "a = 1\n", "up = { " + deep + " = 1 }\n",
+        "up = " + repeated("[", kTimes) + "\n", "up = " + repeated("{a=", kTimes) + "\n",
+        "up = {b = \"\"\"x\"\"\"\"\", " + deep + " = 1}\n", "up = {b = '''x''''', " + deep + " = 1}\n",
+        "up = {b = \"\\\"\", " + deep + " = 1}\n"}) {
+    const std::string what = error_of("# lines before it\n\n" + text);
+    EXPECT_THAT(what, StartsWith("room/scene.toml:3: ")) << text.substr(0, 40);
+    EXPECT_THAT(what, HasSubstr("16 levels")) << text.substr(0, 40);
+  }
+}
+
+TEST(Scene, IsNotTooDeepForWhatStandsInStringsAndComments) {
+  const std::string dots = repeated("a.[{", 100);
+  for (const std::string& quoted :
+       {"\"" + dots + "\"", "'" + dots + "'", "\"\"\"" + dots + "\n\"" + dots + "\"\"\""}) {
+    const auto scene = parsed("# " + dots + "\n" + left_with("source = " + quoted));
+    EXPECT_TRUE(scene) << scene.error().what;
+  }
+}
+
+TEST(Scene, SaysWhatIsWrongInAShortSentence) {
+  const std::string huge(400'000, 'h');
+  for (const std::string& text :
+       {huge + " = 1\n", "[" + huge + "]\n", huge + huge.substr(1), "a = \"" + huge + "\" b\n",
+        left_with("source = \"" + huge + "\""), left_with(huge + " = 1"), "[clip]\n" + huge + " = [1]\n",
+        "[[camera]]\nname = \"" + huge + "\"\n", left_with("address = \"" + huge + "\"")}) {
+    EXPECT_LT(error_of(text).size(), 600u);
+    EXPECT_THAT(error_of(text), StartsWith("room/scene.toml:"));
+  }
+  EXPECT_THAT(error_of(std::string(2'000'000, '\n')), HasSubstr("larger than 1024 kB"));
+}
+
+TEST(Scene, SaysThatAFileIsMissing) {
+  EXPECT_THAT(load("/nowhere/scene.toml").error().what, HasSubstr("there is no file /nowhere/scene.toml"));
   EXPECT_FALSE(load("/"));
 }
 

@@ -14,6 +14,12 @@ std::string error_of(const std::string& text) {
   return settings ? "" : settings.error().what;
 }
 
+std::string repeated(const std::string& text, int times) {
+  std::string out;
+  for (int i = 0; i < times; ++i) out += text;
+  return out;
+}
+
 TEST(SettingsFile, GivesKeysAndValuesInTheOrderOfTheirLines) {
   const auto settings = parse_settings(
       "# the desk\nsource = \"desk #2.oni\"   # a path\n\ndepth-kbps = 1500\nloop = true\nscale = 0.5\n",
@@ -37,7 +43,19 @@ TEST(SettingsFile, NamesTheLineOfWhatIsWrong) {
 TEST(SettingsFile, ThatIsNotThereIsNamed) {
   const auto settings = load_settings("/nowhere/desk.toml");
   ASSERT_FALSE(settings);
-  EXPECT_THAT(settings.error().what, HasSubstr("/nowhere/desk.toml: cannot be read"));
+  EXPECT_THAT(settings.error().what, HasSubstr("there is no file /nowhere/desk.toml"));
+}
+
+TEST(SettingsFile, NamesAHugeKeyInAShortSentence) {
+  const std::string key(500'000, 'k');
+  const std::string what = error_of("\n" + key + " = [1]\n");
+  EXPECT_THAT(what, HasSubstr("desk.toml:2: "));
+  EXPECT_LT(what.size(), 400u);
+}
+
+TEST(SettingsFile, ThatNestsWithoutEndIsRefused) {
+  EXPECT_THAT(error_of("a" + repeated(".a", 50'000) + " = 1\n"), HasSubstr("desk.toml:1: "));
+  EXPECT_THAT(error_of("source = \"a" + repeated(".a", 50'000) + "\" = 1\n"), HasSubstr("desk.toml:1: "));
 }
 
 }  // namespace

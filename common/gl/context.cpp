@@ -183,9 +183,11 @@ Context::Context(Debug debug) : renderer_name_(text_of(GL_RENDERER)), version_(t
 Context::~Context() {
   assert(is_on_its_thread());
   vertex_array_ = {};
+  // A window's context lives on, and its driver must not report to this object any more.
+  const bool is_current = !egl_context_ || eglGetCurrentContext() == egl_context_;
+  if (is_current) glDebugMessageCallback(nullptr, nullptr);
   if (!egl_context_) return;
-  if (eglGetCurrentContext() == egl_context_) {
-    glDebugMessageCallback(nullptr, nullptr);
+  if (is_current) {
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   }
   eglDestroyContext(display_, egl_context_);

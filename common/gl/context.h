@@ -21,7 +21,7 @@ namespace copresence::gl {
 /// Whether the driver checks and reports: slower, for tests.
 enum class Debug : bool { kOff, kOn };
 
-/// What has written and what will read, for Context::barrier().
+/// What will read what shaders have written, for Context::barrier().
 enum class Reader : unsigned {
   kFetch = 1,         ///< texture fetches and samples
   kImage = 2,         ///< image loads and stores
@@ -40,6 +40,11 @@ class Context {
   /// A context without a window, through EGL: of the first graphics card that has one, else in software.
   /// Fails  kUnavailable where there is neither; the sentence names the way out.
   static Result<std::unique_ptr<Context>> headless(Debug debug = Debug::kOff);
+
+  /// The context that is current on this thread, which somebody else owns, a window say. It must outlive
+  /// this.
+  /// Fails  kUnsupported where it is older than OpenGL 4.5.
+  static Result<std::unique_ptr<Context>> of_current(Debug debug);
 
   ~Context();
   Context(const Context&) = delete;
@@ -73,7 +78,6 @@ class Context {
   friend class Framebuffer;
 
   explicit Context(Debug debug);
-  static Result<std::unique_ptr<Context>> of_current(Debug debug);
 
   void* display_ = nullptr;      // EGL's; null for a window's context
   void* egl_context_ = nullptr;  // EGL's
@@ -84,8 +88,8 @@ class Context {
   Name<delete_vertex_array> vertex_array_;  // without attributes: vertices are pulled from textures
 };
 
-/// Whether the system shows a graphics card at all. Asked before a context is made only to find that it is software:
-/// that alone loads a compiler and 50 MB.
+/// Whether the system shows a graphics card at all. Asked before a context is made only to find that it is
+/// software: that alone loads a compiler and 50 MB.
 bool has_graphics_card();
 
 /// Whether a renderer of this name (GL_RENDERER) is a program and no graphics card.

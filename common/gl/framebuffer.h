@@ -41,8 +41,8 @@ class Framebuffer {
   void clear_depth(float value);
 
   /// Draws triangles, indices and their number coming from buffers (std::uint32_t; DrawCommand at byte
-  /// `offset`). With a depth texture the nearer fragment (smaller depth) wins. Both sides of a triangle are
-  /// drawn.
+  /// `offset`). With a depth texture the nearer fragment (smaller depth) wins. Only
+  /// front sides are drawn: triangles whose corners run counter-clockwise in clip coordinates, y up.
   void draw_indirect(const Program& program, const Buffer& indices, const Buffer& command,
                      std::size_t offset = 0);
 

@@ -1,5 +1,7 @@
 #include "common/gl/context.h"
 
+#include <epoxy/gl.h>
+
 #include <cstdlib>
 #include <thread>
 
@@ -40,6 +42,22 @@ TEST_F(ContextGl, ReportsAMistakeOnceAndInWords) {
   ASSERT_FALSE(checked.has_value());
   EXPECT_EQ(checked.error().what.find("binding a texture: "), 0u) << checked.error().what;
   EXPECT_TRUE(context().check("nothing").has_value());
+}
+
+// A window's context lives a little longer than the object: the driver must not write into it then.
+TEST_F(ContextGl, LeavesNoCallbackBehindInAContextThatLivesOn) {
+  void* reports_to = nullptr;
+  {
+    const auto borrowed = Context::of_current(Debug::kOn);
+    ASSERT_TRUE(borrowed.has_value()) << borrowed.error().what;
+    glGetPointerv(GL_DEBUG_CALLBACK_USER_PARAM, &reports_to);
+    EXPECT_NE(reports_to, nullptr);
+  }
+  glGetPointerv(GL_DEBUG_CALLBACK_USER_PARAM, &reports_to);
+  EXPECT_EQ(reports_to, nullptr);
+  void* callback = nullptr;
+  glGetPointerv(GL_DEBUG_CALLBACK_FUNCTION, &callback);
+  EXPECT_EQ(callback, nullptr);
 }
 
 TEST_F(ContextGl, OutlivesAnotherOnTheSameDisplay) {

@@ -25,9 +25,21 @@ Result<RgbdFrame> FrameDecoding::decode(const EncodedFrame& encoded, Durations& 
   frame.durations = encoded.durations;
   if (auto decoded = depth_.decode(planar->depth, frame.depth, frame.state); !decoded)
     return fail(decoded.error());
-  if (planar->color) color::yuv420_to_rgb(*planar->color, frame.color.emplace());
+  if (planar->color) {
+    newest_color_ = std::move(planar->color);
+    newest_color_at_ = frame.stamp.captured_at;
+    color::yuv420_to_rgb(*newest_color_, frame.color.emplace());
+  }
   durations.depth_decode = std::chrono::steady_clock::now() - have_planes;
   return frame;
+}
+
+bool FrameDecoding::repeat_color(RgbdFrame& frame) const {
+  if (frame.color || !newest_color_) return false;
+  const Instant at = frame.stamp.captured_at;
+  if (at < newest_color_at_ || at - newest_color_at_ > kLongestRepeat) return false;
+  color::yuv420_to_rgb(*newest_color_, frame.color.emplace());
+  return true;
 }
 
 }  // namespace copresence::client

@@ -28,8 +28,7 @@ std::int16_t kept_color(std::uint8_t value) {
 }  // namespace
 
 bool TemporalFilter::fits(const RgbdFrame& frame) const {
-  return width_ == frame.depth.width() && height_ == frame.depth.height() &&
-         kept_.color.size() == (frame.color ? 3 * kept_.depth.size() : 0);
+  return width_ == frame.depth.width() && height_ == frame.depth.height();
 }
 
 void TemporalFilter::begin(const RgbdFrame& frame) {
@@ -39,11 +38,18 @@ void TemporalFilter::begin(const RgbdFrame& frame) {
   const std::size_t pixels = frame.depth.pixels().size();
   kept_.depth.resize(pixels);
   kept_.color.resize(frame.color ? 3 * pixels : 0);
+  has_color_ = frame.color.has_value();
   keep_pictures(frame, 1);
   kept_.state.assign(frame.state.pixels().begin(), frame.state.pixels().end());
   kept_.frames.assign(pixels, 1.0F);
   kept_.missed.assign(pixels, 0);
   camera_moves_ = false;
+}
+
+void TemporalFilter::begin_color(const ColorImage& color) {
+  const std::size_t count = 3 * color.pixels().size();
+  kept_.color.resize(count);
+  std::transform(bytes(color), bytes(color) + count, kept_.color.data(), kept_color);
 }
 
 void TemporalFilter::keep_pictures(const RgbdFrame& frame, int every) {
@@ -231,6 +237,9 @@ void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit) {
   frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.stamp.sequence - sequence_, 1, 255));
   sequence_ = frame.stamp.sequence;
   if (!fits(frame)) return begin(frame);
+  // Colour that was missing begins anew. It says nothing about motion in between, and depth goes on.
+  if (frame.color && !has_color_) begin_color(*frame.color);
+  has_color_ = frame.color.has_value();
   // While the camera moves it is enough to see that it still does.
   const bool moved = std::exchange(camera_moves_, judge(frame, camera_moves_ ? kGlance : 1));
   if (camera_moves_) return keep_pictures(frame, kGlance);

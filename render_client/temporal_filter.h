@@ -1,18 +1,19 @@
 #pragma once
 
-// Keeps still what stands still. A Kinect measures a wall anew in every frame: levels come and go, rims of holes and
-// outlines flicker, colours have grain; and a view from beside the camera turns all of it into motion.
+// Keeps still what stands still. A Kinect measures a wall anew in every frame: levels come and go, rims of
+// holes and outlines flicker, colours have grain; and a view from beside the camera turns all of it into
+// motion.
 //
-// Depth and colour of each pixel become their means over the last frames, for as long as the pixel's block says that
-// nothing moves there. A surface that comes nearer moves the mean of the block's differences, which noise hardly does;
-// what moves sideways changes its colours. What moves is shown as it comes, without delay. Where neither the block nor a
-// neighbour moves, a pixel that loses its depth keeps it for some frames, and a lone jump waits for a second frame to
-// confirm it. When much of the picture moves, the camera does, and nothing is kept until a frame is like the one before
-// it again.
+// Depth and colour of each pixel become their means over the last frames, for as long as the pixel's block
+// says that nothing moves there. A surface that comes nearer moves the mean of the block's differences, which
+// noise hardly does; what moves sideways changes its colours. What moves is shown as it comes, without delay.
+// Where neither the block nor a neighbour moves, a pixel that loses its depth keeps it for some frames, and a
+// lone jump waits for a second frame to confirm it. When much of the picture moves, the camera does, and
+// nothing is kept until a frame is like the one before it again.
 //
-// The idea of keeping depth by whether it changed for longer than noise does is that of temporal filters of depth
-// cameras (librealsense's, for one); judging blocks, and colour as the witness, are ours. Constants against a Kinect
-// v1's noise (docs/simulation.md has its figures).
+// The idea of keeping depth by whether it changed for longer than noise does is that of temporal filters of
+// depth cameras (librealsense's, for one); judging blocks, and colour as the witness, are ours. Constants
+// against a Kinect v1's noise (docs/simulation.md has its figures).
 //
 // Thread: one thread at a time per object.
 
@@ -37,8 +38,9 @@ class TemporalFilter {
   static constexpr float kMovingShare = 0.4F;  ///< of the blocks that move when the camera does
   static constexpr int kGlance = 8;  ///< only every so many rows of blocks are looked at while it does
 
-  /// Replaces depth, state and colour by what is kept. Depth that is shown beyond its measurement keeps its state. The
-  /// first frame, and one of another size or one with colour after others without, begin anew.
+  /// Replaces depth, state and colour by what is kept. Depth that is shown beyond its measurement keeps its
+  /// state. The first frame and one of another size begin anew. A frame without colour is filtered by its
+  /// depth alone; the first with colour after it begins the colours anew and leaves the depth going on.
   void apply(RgbdFrame& frame, DepthUnit unit);
 
  private:
@@ -68,6 +70,7 @@ class TemporalFilter {
 
   bool fits(const RgbdFrame& frame) const;
   void begin(const RgbdFrame& frame);
+  void begin_color(const ColorImage& color);
   /// Depth and colour of every `every`th row of blocks, to judge the next frame by.
   void keep_pictures(const RgbdFrame& frame, int every);
   /// Looks at every `every`th row of blocks; returns whether the camera moves.
@@ -84,6 +87,7 @@ class TemporalFilter {
   }
 
   int width_ = 0, height_ = 0, columns_ = 0;
+  bool has_color_ = false;      // the last frame had
   bool camera_moves_ = false;   // so only the rows of blocks that are looked at are kept
   std::uint64_t sequence_ = 0;  // of the last frame
   int frames_since_ = 1;        // from the last frame to this one

@@ -67,6 +67,41 @@ TEST_F(TemporalFilterTest, QuietensTheNoiseOfAStillWall) {
   for (const std::uint16_t z : after.depth.pixels()) EXPECT_NEAR(z, kWall, 40);
 }
 
+TEST_F(TemporalFilterTest, AFrameWithoutColorInterruptsNothing) {
+  std::minstd_rand random(1);
+  for (int i = 0; i < 20; ++i) show(noisy_wall(random));
+  const RgbdFrame before = show(noisy_wall(random));
+  RgbdFrame colorless = noisy_wall(random);
+  colorless.color.reset();
+  const RgbdFrame without = show(colorless), after = show(noisy_wall(random));
+  EXPECT_FALSE(without.color);
+  double change = 0, change_after = 0;
+  for (std::size_t i = 0; i < before.depth.pixels().size(); ++i) {
+    change += std::abs(before.depth.data()[i] - without.depth.data()[i]);
+    change_after += std::abs(without.depth.data()[i] - after.depth.data()[i]);
+  }
+  const double pixels = kWidth * kHeight;
+  EXPECT_LT(change / pixels, 4) << "mm; 23 as it comes";
+  EXPECT_LT(change_after / pixels, 4) << "mm; 23 as it comes";
+}
+
+TEST_F(TemporalFilterTest, ColorThatComesBackIsShownAsItIsAndMeansNoMotion) {
+  std::minstd_rand random(1);
+  for (int i = 0; i < 20; ++i) show(noisy_wall(random));
+  RgbdFrame colorless = noisy_wall(random);
+  colorless.color.reset();
+  const RgbdFrame without = show(colorless);
+  RgbdFrame bright = noisy_wall(random);
+  for (Rgb8& pixel : bright.color->pixels()) pixel.g = 250;
+  const ColorImage color = *bright.color;
+  const RgbdFrame after = show(bright);
+  EXPECT_EQ(after.color, color);
+  double change = 0;
+  for (std::size_t i = 0; i < after.depth.pixels().size(); ++i)
+    change += std::abs(without.depth.data()[i] - after.depth.data()[i]);
+  EXPECT_LT(change / (kWidth * kHeight), 4) << "mm; 23 as it comes";
+}
+
 TEST_F(TemporalFilterTest, ShowsAJumpOfAWholeThingAtOnce) {
   show_wall(10);
   RgbdFrame hand = wall();

@@ -17,6 +17,7 @@
 #include "common/flow/thread_priority.h"
 #include "common/flow/worker_pool.h"
 #include "common/frame/waiting.h"
+#include "common/wire/end_of_stream.h"
 #include "common/wire/frame_server.h"
 
 namespace copresence::server {
@@ -25,14 +26,16 @@ namespace {
 // A stop must be over within a second, and the supervisor kills what is silent for five.
 constexpr std::chrono::milliseconds kDrainWhenStopped{400}, kDrainAtTheEnd{3000};
 
-/// A frame on its way from the capture to the encode thread, with the sensor's losses as they stood when it came.
+/// A frame on its way from the capture to the encode thread, with the sensor's losses as they stood when it
+/// came.
 struct Captured {
   RgbdFrame frame;
   sensor::SourceCounters pictures;
 };
 
-/// A viewer on this machine goes before new frames for it: a frame more waits, and no view stutters. What a recording's
-/// player reads ahead is wanted last: it begins with the next frame just when the one it gave away is in a hurry.
+/// A viewer on this machine goes before new frames for it: a frame more waits, and no view stutters. What a
+/// recording's player reads ahead is wanted last: it begins with the next frame just when the one it gave
+/// away is in a hurry.
 constexpr int kStepsBehindTheView = 5, kStepsBehindAll = 10;
 
 void name_this_thread(const char* name) {
@@ -52,8 +55,8 @@ Result<std::optional<scene::Camera>> camera_in_scene(const ServerSettings& setti
   return std::optional(*camera);
 }
 
-/// A recording's player runs on threads that OpenNI2 makes here, with the nice of the one that opens it. A camera's do
-/// not give way: they have the USB to serve.
+/// A recording's player runs on threads that OpenNI2 makes here, with the nice of the one that opens it. A
+/// camera's do not give way: they have the USB to serve.
 Result<std::unique_ptr<sensor::FrameSource>> open_source_to_play(const ServerSettings& settings,
                                                                  std::optional<Instant> begin) {
   Result<std::unique_ptr<sensor::FrameSource>> source;
@@ -123,12 +126,19 @@ class Pipeline {
     if (recording_) recording_->end(stop.stop_requested() ? kDrainWhenStopped : kDrainAtTheEnd);
 
     const Result<void>& result = encoded ? captured : encoded;
-    server_->end(result ? "the server has ended" : result.error().what);
+    server_->end(farewell(result, stop));
     wire.join();
     return result;
   }
 
  private:
+  /// What clients are told at the end. Two of the reasons say that it is no use to wait for this server.
+  std::string farewell(const Result<void>& result, const std::stop_token& stop) const {
+    if (!result) return result.error().what;
+    if (stop.stop_requested()) return "the server was stopped";
+    return std::string(has_all_frames_ ? wire::kAllFramesAreSent : wire::kRecordingIsOver);
+  }
+
   Result<void> capture_frames(const std::stop_token& stop, const std::function<void()>& alive) {
     wait_for_the_beginning(stop, alive);
     while (!stop.stop_requested()) {
@@ -145,7 +155,10 @@ class Pipeline {
       if (recording_) recording_->offer(*frame, keeps_every_frame(), stop);
       if (keeps_every_frame()) captured_.wait_until_taken(stop);
       captured_.put({std::move(*frame), source_->counters()});
-      if (settings_.frames && sequence >= *settings_.frames) return {};
+      if (settings_.frames && sequence >= *settings_.frames) {
+        has_all_frames_ = true;
+        return {};
+      }
     }
     return {};
   }
@@ -178,7 +191,8 @@ class Pipeline {
     }
   }
 
-  // A camera may be plugged in again, and a damaged recording may have better places; one that fails stays so.
+  // A camera may be plugged in again, and a damaged recording may have better places; one that fails stays
+  // so.
   bool goes_on(const Error& error) const {
     if (is_recording(settings_.source)) return error.code == ErrorCode::kCorrupt;
     return error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kTimeout;
@@ -268,6 +282,7 @@ class Pipeline {
   std::stop_source end_capture_;
   std::optional<ErrorCode> no_frames_since_;  ///< what for; the capture thread's, as the next
   bool damage_is_said_ = false;
+  bool has_all_frames_ = false;  // that --frames asks for
 };
 
 }  // namespace

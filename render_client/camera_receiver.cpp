@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "common/frame/waiting.h"
-#include "render_client/clipping.h"
+#include "common/wire/end_of_stream.h"
 
 namespace copresence::client {
 namespace {
@@ -25,19 +25,25 @@ bool is_final(const Error& error) {
 }  // namespace
 
 CameraReceiver::CameraReceiver(std::string address, std::size_t slot, const scene::Scene* scene,
-                               flow::LatestOfEach<Received>& board, CameraStatistics& statistics)
-    : address_(std::move(address)), slot_(slot), scene_(scene), board_(board), statistics_(statistics) {}
+                               flow::LatestOfEach<Received>& board, CameraStatistics& statistics,
+                               CameraStates& states)
+    : address_(std::move(address)),
+      slot_(slot),
+      scene_(scene),
+      board_(board),
+      statistics_(statistics),
+      states_(states) {}
 
 Result<void> CameraReceiver::run(std::stop_token stop) {
-  bool said_waiting = false;
   Duration backoff = kFirstBackoff;
   while (!stop.stop_requested()) {
     auto client = wire::FrameClient::connect(address_, kConnectTimeout, stop);
     if (client) {
       spdlog::info("{}: connected to camera \"{}\"", address_, client->description().camera);
-      said_waiting = false;
+      states_.connected(slot_, client->description().camera);
       backoff = kFirstBackoff;
       client->on_notice([&, camera = client->description().camera](const std::string& notice) {
+        states_.notice(slot_, notice);
         if (notice.empty()) {
           spdlog::info("{}: camera \"{}\" is back", address_, camera);
         } else {
@@ -49,9 +55,9 @@ Result<void> CameraReceiver::run(std::stop_token stop) {
       if (!ended && !stop.stop_requested()) spdlog::warn("{}", ended.error().what);
     } else if (is_final(client.error())) {
       return fail(client.error());
-    } else if (!said_waiting && !stop.stop_requested()) {
-      spdlog::info("{}; waiting for it", client.error().what);
-      said_waiting = true;
+    } else if (!stop.stop_requested()) {
+      const auto line = states_.not_connected(slot_, client.error().what, steady_clock::now());
+      if (line) spdlog::info("{}", *line);
     }
     wait_for(backoff, stop);
     backoff = std::min<Duration>(backoff * 2, kLongestBackoff);
@@ -64,13 +70,19 @@ Error CameraReceiver::named(const Error& error) const {
 }
 
 Result<void> CameraReceiver::receive_from(wire::FrameClient& client, std::stop_token stop) {
-  const auto stream = std::make_shared<const StreamDescription>(client.description());
-  auto decoding = FrameDecoding::open(*stream);
+  Stream stream;
+  stream.description = std::make_shared<const StreamDescription>(client.description());
+  auto decoding = FrameDecoding::open(*stream.description);
   if (!decoding) return fail(named(decoding.error()));
+  stream.setup = std::make_shared<const CameraSetup>(resolve_setup(*stream.description, scene_));
+  if (!stream.setup->remark.empty()) spdlog::warn("{}: {}", address_, stream.setup->remark);
+  if (scene_ && scene_->clip) stream.clipper.emplace(*stream.setup, *scene_->clip);
   while (!stop.stop_requested()) {
     auto received = client.receive(stop);
     if (!received) {
       const bool server_says_so = received.error().code == ErrorCode::kEndOfStream;
+      if (server_says_so && wire::ends_for_good(received.error().what))
+        states_.over(slot_, received.error().what);
       return fail(server_says_so ? named(received.error()) : received.error());
     }
     const EncodedFrame& encoded = received->frame;
@@ -90,6 +102,7 @@ Result<void> CameraReceiver::receive_from(wire::FrameClient& client, std::stop_t
       continue;
     }
     statistics_.decoded();
+    if (decoding->repeat_color(*frame)) statistics_.color_repeated();
     statistics_.stage(Stage::kCapture, encoded.durations.capture);
     statistics_.stage(Stage::kFill, encoded.durations.fill);
     statistics_.stage(Stage::kDepthEncode, encoded.durations.depth_encode);
@@ -101,20 +114,16 @@ Result<void> CameraReceiver::receive_from(wire::FrameClient& client, std::stop_t
   return {};
 }
 
-void CameraReceiver::hand_over(const wire::FrameClient& client, RgbdFrame frame,
-                               const std::shared_ptr<const StreamDescription>& stream) {
-  temporal_filter_.apply(frame, stream->unit);
-  if (scene_ && scene_->clip) {
-    const scene::Camera* known = scene_->find(stream->camera);
-    const Rigid3& pose =
-        known && known->world_from_camera ? *known->world_from_camera : frame.stamp.world_from_camera;
-    clip(frame, stream->model, stream->unit, pose, *scene_->clip);
-  }
-  smoothing_.smooth(frame.depth, stream->unit);
+void CameraReceiver::hand_over(const wire::FrameClient& client, RgbdFrame frame, const Stream& stream) {
+  temporal_filter_.apply(frame, stream.description->unit);
+  if (stream.clipper) stream.clipper->apply(frame);
+  smoothing_.smooth(frame.depth, stream.description->unit);
   const wire::ClockOffset clock = client.clock();
   statistics_.clock(clock.offset, clock.uncertainty);
   const Instant captured_at = clock.to_local(frame.stamp.captured_at);
-  if (board_.put(slot_, {std::move(frame), captured_at, steady_clock::now(), stream})) statistics_.unshown();
+  if (board_.put(slot_,
+                 {std::move(frame), captured_at, steady_clock::now(), stream.description, stream.setup}))
+    statistics_.unshown();
 }
 
 }  // namespace copresence::client

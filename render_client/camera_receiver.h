@@ -16,6 +16,9 @@
 #include "common/result.h"
 #include "common/scene/scene.h"
 #include "common/wire/frame_client.h"
+#include "render_client/camera_setup.h"
+#include "render_client/camera_states.h"
+#include "render_client/clipping.h"
 #include "render_client/depth_smoothing.h"
 #include "render_client/frame_decoding.h"
 #include "render_client/statistics.h"
@@ -30,13 +33,15 @@ struct Received {
   Instant arrived_at;   ///< when it was ready to be shown
   std::shared_ptr<const StreamDescription>
       stream;  ///< what it belongs to; changes when the server starts anew
+  std::shared_ptr<const CameraSetup> setup;  ///< of this stream and the scene file
 };
 
 class CameraReceiver {
  public:
-  /// `address` HOST:PORT; frames go to `board`'s `slot`. Depth outside `clip` becomes holes.
+  /// `address` HOST:PORT; frames go to `board`'s `slot`, and what this does to that of `states`. `scene` may
+  /// be null. Depth outside its clip box becomes holes.
   CameraReceiver(std::string address, std::size_t slot, const scene::Scene* scene,
-                 flow::LatestOfEach<Received>& board, CameraStatistics& statistics);
+                 flow::LatestOfEach<Received>& board, CameraStatistics& statistics, CameraStates& states);
 
   /// Until a stop is requested. Retries whatever may pass with a backoff of at most half a second; fails only
   /// with what is final, and names the server: a refusal, or a stream that this program cannot decode.
@@ -46,14 +51,20 @@ class CameraReceiver {
   /// An error that does not name the server by itself.
   Error named(const Error& error) const;
   Result<void> receive_from(wire::FrameClient& client, std::stop_token stop);
-  void hand_over(const wire::FrameClient& client, RgbdFrame frame,
-                 const std::shared_ptr<const StreamDescription>& stream);
+  /// What every frame of one connection shares.
+  struct Stream {
+    std::shared_ptr<const StreamDescription> description;
+    std::shared_ptr<const CameraSetup> setup;
+    std::optional<Clipper> clipper;
+  };
+  void hand_over(const wire::FrameClient& client, RgbdFrame frame, const Stream& stream);
 
   std::string address_;
   std::size_t slot_;
   const scene::Scene* scene_;
   flow::LatestOfEach<Received>& board_;
   CameraStatistics& statistics_;
+  CameraStates& states_;
   TemporalFilter temporal_filter_;
   DepthSmoothing smoothing_;
 };

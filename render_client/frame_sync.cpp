@@ -81,6 +81,10 @@ std::optional<Received> FrameSync::take(std::size_t camera) {
   return std::exchange(cameras_[camera].chosen, std::nullopt);
 }
 
+bool FrameSync::has_waiting() const {
+  return at_latest_.has_value();
+}
+
 Instant FrameSync::wake_by(Instant deadline) const {
   return at_latest_ ? std::min(deadline, *at_latest_) : deadline;
 }

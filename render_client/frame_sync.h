@@ -1,7 +1,7 @@
 #pragma once
 
-// Between the cameras' mailboxes and the views: hands on what has arrived, with --sync only as frames of nearest
-// instants (pacing/nearest_instants.h), so that what moves is in one place to all cameras.
+// Between the cameras' mailboxes and the views: hands on what has arrived, with --sync only as frames of
+// nearest instants (pacing/nearest_instants.h), so that what moves is in one place to all cameras.
 //
 // Thread: the render thread.
 
@@ -27,6 +27,9 @@ class FrameSync {
   /// The camera's frame that the next view is to show, where it is another than before; after each gather().
   /// Its arrived_at is the moment at which it may be shown.
   std::optional<Received> take(std::size_t camera);
+
+  /// Whether frames are held back for those of other cameras.
+  bool has_waiting() const;
 
   /// `deadline`, or earlier, where a frame must not wait as long: gather() again then.
   Instant wake_by(Instant deadline) const;

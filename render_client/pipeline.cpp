@@ -15,10 +15,13 @@
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
 #include "render_client/camera_receiver.h"
+#include "render_client/camera_setup.h"
+#include "render_client/camera_states.h"
 #include "render_client/eye.h"
 #include "render_client/frame_sync.h"
 #include "render_client/live_color_matching.h"
 #include "render_client/pacing/render_pacer.h"
+#include "render_client/pacing/stale_cameras.h"
 #include "render_client/screenshot.h"
 #include "render_client/statistics.h"
 #include "render_client/view_output.h"
@@ -39,14 +42,30 @@ Result<std::vector<std::string>> addresses(const ClientSettings& settings, const
     return fail(ErrorCode::kInvalid,
                 fmt::format("{}: no camera has an \"address\" to connect to", settings.scene));
   }
+  if (out.size() > renderer::kMostCameras) {
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("{}: {} cameras have an \"address\", and one view shows at most {}; name those to "
+                    "show with --connect",
+                    settings.scene, out.size(), renderer::kMostCameras));
+  }
   return out;
 }
+
+constexpr const char* kTitle = "Copresence";
+constexpr milliseconds kTitleEvery{250};
+/// The longest time that views wait for the first match of colours, once every camera is there.
+constexpr milliseconds kLongestColorWait{10'000};
 
 /// Matching colours is in no hurry.
 constexpr int kStepsBehindTheView = 10;
 /// A camera whose newest frame is so old has stopped: it says nothing about skew.
 constexpr milliseconds kStopped{500};
 constexpr milliseconds kSaySkewEvery{10'000};
+
+Duration seconds(double value) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(value));
+}
 
 /// The render thread's side of one camera: its newest frame and what is known of it.
 struct Shown {
@@ -55,34 +74,6 @@ struct Shown {
   bool is_fresh = false;      ///< not yet in any view
   bool said_no_pose = false;
 };
-
-/// Whether anybody has said where the camera stands: its server or the scene file.
-bool has_place(const Shown& shown, const scene::Scene* scene) {
-  const StreamDescription& stream = *shown.newest->stream;
-  const scene::Camera* known = scene ? scene->find(stream.camera) : nullptr;
-  return stream.has_pose || (known && known->world_from_camera);
-}
-
-renderer::CameraView camera_view(const Shown& shown, const scene::Scene* scene,
-                                 const color_matching::ColorMap& found_matching) {
-  const StreamDescription& stream = *shown.newest->stream;
-  renderer::CameraView view;
-  view.frame = &shown.newest->frame;
-  view.version = shown.version;
-  view.model = stream.model;
-  view.unit = stream.unit;
-  view.world_from_camera = shown.newest->frame.stamp.world_from_camera;
-  view.color_matching = found_matching;
-  if (const scene::Camera* known = scene ? scene->find(stream.camera) : nullptr) {
-    if (known->model.width == stream.model.width && known->model.height == stream.model.height) {
-      view.model = known->model;
-    }
-    if (known->world_from_camera) view.world_from_camera = *known->world_from_camera;
-    if (known->color_matching) view.color_matching = *known->color_matching;
-    if (known->calibration_error_mm) view.calibration_error_m = *known->calibration_error_mm * 1e-3;
-  }
-  return view;
-}
 
 class Pipeline {
  public:
@@ -95,8 +86,10 @@ class Pipeline {
         eye_(std::move(eye)),
         stop_(std::move(stop)),
         board_(servers_.size()),
+        states_(servers_.size()),
         colors_(servers_.size()),
         frames_(servers_.size(), settings_.sync),
+        stale_(servers_.size(), seconds(settings_.stale_s)),
         statistics_(servers_.size()),
         shown_(servers_.size()) {}
 
@@ -115,6 +108,7 @@ class Pipeline {
     }
     Result<void> rendered = output_.window() ? render_in_window() : render_headless();
     Result<void> written = write_results();
+    if (!output_.window()) say_what_was_done();
     stop_.request_stop();
     receivers.clear();
     if (refusal_) return fail(*refusal_);
@@ -124,7 +118,7 @@ class Pipeline {
  private:
   void receive(std::size_t slot) {
     pthread_setname_np(pthread_self(), fmt::format("camera {}", slot).c_str());
-    CameraReceiver receiver(servers_[slot], slot, scene_, board_, statistics_[slot]);
+    CameraReceiver receiver(servers_[slot], slot, scene_, board_, statistics_[slot], states_);
     if (auto ended = receiver.run(stop_.get_token()); !ended) {
       std::lock_guard lock(refusal_mutex_);
       refusal_ = ended.error();
@@ -132,21 +126,29 @@ class Pipeline {
     }
   }
 
-  /// Views on arrival of frames, at most settings.fps a second.
+  /// Views on arrival of frames, at most settings.fps a second. Ends, too, once every camera has ended for
+  /// good and its last frame is shown.
   Result<void> render_headless() {
     pacing::RenderPacer pacer(static_cast<int>(servers_.size()), settings_.fps);
+    const auto take = [&] {
+      for (std::size_t i : take_frames())
+        pacer.frame_arrived(static_cast<int>(i), shown_[i].newest->arrived_at);
+    };
     while (!finished()) {
+      const bool all_over = states_.all_over();
+      if (all_over) take();  // what came before the end
       const Instant now = steady_clock::now();
-      const std::optional<Instant> due = pacer.next_render_at(now);
+      std::optional<Instant> due = pacer.next_render_at(now);
+      if (all_over && !due && !frames_.has_waiting()) return {};
+      if (!due) due = next_fading_view();
       if (!due || *due > now) {
         // What waits for the other cameras' frames is got ready in the meantime.
         if (due && !std::exchange(is_prepared_, true)) {
-          output_.prepare(camera_views());
+          output_.prepare(camera_views(now));
           continue;
         }
         board_.wait(stop_.get_token(), frames_.wake_by(due.value_or(now + milliseconds(100))));
-        for (std::size_t i : take_frames())
-          pacer.frame_arrived(static_cast<int>(i), shown_[i].newest->arrived_at);
+        take();
         continue;
       }
       pacer.rendered(now);
@@ -164,10 +166,12 @@ class Pipeline {
       const auto events = window.poll();
       eye_.handle(events, window.height());
       obey_keys(events);
+      show_title();
       const Instant now = steady_clock::now();
       const bool has_fresh = !take_frames().empty();
       const auto eye = eye_.at(view_index_, now);
-      if (has_fresh || !last_eye_ || !(eye.world_from_eye == last_eye_->world_from_eye)) {
+      const bool fades = next_fading_view().value_or(Instant::max()) <= now;
+      if (has_fresh || fades || !last_eye_ || !(eye.world_from_eye == last_eye_->world_from_eye)) {
         if (auto rendered = render(now, eye); !rendered) return rendered;
       } else {
         output_.present_again();
@@ -177,6 +181,17 @@ class Pipeline {
       std::this_thread::sleep_until(now + refresh * 9 / 10);
     }
     return {};
+  }
+
+  /// The title says what is awaited.
+  void show_title() {
+    const Instant now = steady_clock::now();
+    if (now < title_due_at_) return;
+    title_due_at_ = now + kTitleEvery;
+    std::string title = states_.title(kTitle);
+    if (title == title_) return;
+    title_ = std::move(title);
+    output_.window()->set_title(title_);
   }
 
   /// Escape ends, F11 fills the screen.
@@ -194,9 +209,15 @@ class Pipeline {
     return stop_.stop_requested() || (settings_.frames && view_statistics_.frames() >= *settings_.frames);
   }
 
+  /// When a view is due although no frame has come, because a camera fades.
+  std::optional<Instant> next_fading_view() const {
+    return last_view_at_ ? stale_.next_view(*last_view_at_) : std::nullopt;
+  }
+
   /// Takes what has arrived; returns the cameras that have a new frame.
   std::vector<std::size_t> take_frames() {
-    frames_.gather(board_, statistics_, steady_clock::now());
+    const Instant now = steady_clock::now();
+    frames_.gather(board_, statistics_, now);
     std::vector<std::size_t> arrived;
     for (std::size_t i = 0; i < shown_.size(); ++i) {
       auto received = frames_.take(i);
@@ -204,39 +225,63 @@ class Pipeline {
       Shown& shown = shown_[i];
       if (shown.is_fresh) statistics_[i].unshown();
       shown.newest = std::make_shared<const Received>(std::move(*received));
-      if (!shown.said_no_pose && !has_place(shown, scene_)) {
+      const CameraSetup& setup = *shown.newest->setup;
+      if (!shown.said_no_pose && !setup.has_pose) {
         spdlog::info("{}: camera \"{}\" has no pose; it stands at the world's origin", servers_[i],
                      shown.newest->stream->camera);
         shown.said_no_pose = true;
       }
       shown.is_fresh = true;
       shown.version = ++frames_taken_;
-      const renderer::CameraView view = camera_view(shown, scene_, color_matching::ColorMap::Identity());
       is_prepared_ = false;
-      eye_.see_camera(i, view.world_from_camera);
-      if (settings_.match_colors && has_place(shown, scene_)) {
-        colors_.show(i, shown.newest,
-                     {view.frame, view.model, view.unit, view.world_from_camera, view.calibration_error_m});
-      }
+      stale_.frame_arrived(i, seconds(1 / shown.newest->stream->frames_per_second), shown.newest->arrived_at);
+      eye_.see_camera(i, setup.pose(shown.newest->frame.stamp));
+      if (settings_.match_colors && setup.has_pose)
+        colors_.show(i, shown.newest, posed_frame(setup, shown.newest->frame));
       arrived.push_back(i);
     }
+    note_stale_cameras(now);
     return arrived;
   }
 
-  std::vector<renderer::CameraView> camera_views() const {
+  void note_stale_cameras(Instant now) {
+    for (const auto& [camera, change, worth_saying] : stale_.changes(now)) {
+      const bool is_stale = change == pacing::StaleCameras::Change::kStale;
+      if (is_stale) {
+        statistics_[camera].stale();
+        colors_.forget(camera);  // an old frame says nothing about today's light
+      }
+      if (!worth_saying) continue;
+      const std::string& name = shown_[camera].newest->stream->camera;
+      if (is_stale) {
+        spdlog::warn("{}: camera \"{}\" sends no pictures; its last one fades from the view until some come",
+                     servers_[camera], name);
+      } else {
+        spdlog::info("{}: camera \"{}\" sends pictures again and is back in the view", servers_[camera],
+                     name);
+      }
+    }
+  }
+
+  std::vector<renderer::CameraView> camera_views(Instant now) const {
     std::vector<renderer::CameraView> views;
     for (std::size_t i = 0; i < shown_.size(); ++i) {
-      if (shown_[i].newest) views.push_back(camera_view(shown_[i], scene_, colors_.map(i)));
+      if (!shown_[i].newest) continue;
+      const Received& newest = *shown_[i].newest;
+      views.push_back(camera_view(*newest.setup, newest.frame, shown_[i].version, colors_.map(i)));
+      views.back().opacity = stale_.opacity(i, now);
     }
     return views;
   }
 
   Result<void> render(Instant begin, const renderer::VirtualCamera& eye) {
-    const auto views = camera_views();
+    const auto views = camera_views(begin);
     if (auto rendered = output_.render(views, eye); !rendered) return rendered;
     last_eye_ = eye;
+    last_view_at_ = begin;
+    ++views_drawn_;
     const Instant end = steady_clock::now();
-    const bool complete = views.size() == shown_.size();
+    const bool complete = views.size() == shown_.size() && colors_are_settled(end);
     view_statistics_.rendered(begin, end, complete);
     note_skew(end);
     if (complete) ++view_index_;
@@ -247,6 +292,38 @@ class Pipeline {
       statistics_[i].shown(shown.newest->frame.stamp.sequence, end - shown.newest->captured_at);
     }
     return {};
+  }
+
+  /// The cameras whose colours are matched live. None where there are fewer than two, which need no match.
+  std::vector<std::size_t> cameras_to_match() const {
+    std::vector<std::size_t> cameras;
+    for (std::size_t i = 0; settings_.match_colors && i < shown_.size(); ++i) {
+      const Received* const newest = shown_[i].newest.get();
+      if (newest && newest->setup->has_pose && newest->stream->has_color && !newest->setup->color_matching)
+        cameras.push_back(i);
+    }
+    return cameras.size() < 2 ? std::vector<std::size_t>{} : cameras;
+  }
+
+  /// Whether the cameras' colours are matched, need no match, or will not get one. Before that the views'
+  /// colours are about to change, so views are not counted yet. Call once every camera is there.
+  bool colors_are_settled(Instant now) {
+    if (colors_settled_) return true;
+    const std::vector<std::size_t> matched = cameras_to_match();
+    if (!complete_since_) complete_since_ = now;
+    using FirstMatch = LiveColorMatching::FirstMatch;
+    const FirstMatch first = matched.empty() ? FirstMatch::kFound : colors_.first_match(matched);
+    if (first == FirstMatch::kAwaited && now < *complete_since_ + kLongestColorWait) return false;
+    colors_settled_ = true;
+    if (first == FirstMatch::kFound) return true;
+    for (std::size_t i : matched) {
+      if (colors_.is_matched(i)) continue;
+      spdlog::info(
+          "{}: the colours of camera \"{}\" are shown as they come: too little of what it sees is also seen "
+          "by cameras that are matched to the first one",
+          servers_[i], shown_[i].newest->stream->camera);
+    }
+    return true;
   }
 
   /// How far apart the instants are that the view shows; of cameras that deliver.
@@ -272,9 +349,18 @@ class Pipeline {
 
   Result<void> write_results() {
     if (!settings_.screenshot.empty()) {
-      auto picture = output_.picture(camera_views(), last_eye_.value_or(eye_.at(0, steady_clock::now())));
+      // The last view once more, also where it took a while to get here.
+      const Instant now = steady_clock::now();
+      auto picture =
+          output_.picture(camera_views(last_view_at_.value_or(now)), last_eye_.value_or(eye_.at(0, now)));
       if (!picture) return fail(picture.error());
       if (auto written = write_png(settings_.screenshot, *picture); !written) return written;
+      if (!colors_settled_ && !cameras_to_match().empty()) {
+        spdlog::warn(
+            "{}: the cameras' colours are not matched in this picture: the program ended before that",
+            settings_.screenshot);
+      }
+      spdlog::info("wrote {}", settings_.screenshot);
     }
     if (settings_.stats.empty()) return {};
     std::vector<std::string> names;
@@ -283,8 +369,23 @@ class Pipeline {
       names.push_back(shown_[i].newest ? shown_[i].newest->stream->camera : servers_[i]);
       snapshots.push_back(statistics_[i].snapshot());
     }
-    return write_statistics(settings_.stats, names, snapshots, view_statistics_,
-                            std::string(output_.renderer_name()), settings_.width, settings_.height);
+    if (auto written =
+            write_statistics(settings_.stats, names, snapshots, view_statistics_,
+                             std::string(output_.renderer_name()), settings_.width, settings_.height);
+        !written) {
+      return written;
+    }
+    spdlog::info("wrote {}", settings_.stats);
+    return {};
+  }
+
+  void say_what_was_done() const {
+    const std::uint64_t views = view_statistics_.frames();
+    if (settings_.frames && views < *settings_.frames && states_.all_over())
+      spdlog::warn("every camera has ended before {} views were drawn", *settings_.frames);
+    spdlog::info("drew {} views of {}x{} by the {} renderer; {} of them showed every camera, {:.1f} a second",
+                 views_drawn_, settings_.width, settings_.height, output_.renderer_name(), views,
+                 view_statistics_.fps());
   }
 
   const ClientSettings& settings_;
@@ -294,16 +395,24 @@ class Pipeline {
   Eye eye_;
   std::stop_source stop_;
   flow::LatestOfEach<Received> board_;
+  CameraStates states_;
   LiveColorMatching colors_;
   FrameSync frames_;
+  pacing::StaleCameras stale_;
   std::deque<CameraStatistics> statistics_;  // a deque, since they cannot move
   std::vector<Shown> shown_;
   std::uint64_t frames_taken_ = 0;
   bool is_prepared_ = false;  ///< the renderer has been given what is in `shown_`
   ViewStatistics view_statistics_;
+  std::uint64_t views_drawn_ = 0;  ///< also those that do not show every camera
   std::uint64_t view_index_ = 0;
   std::optional<renderer::VirtualCamera> last_eye_;  ///< of the last view
+  std::optional<Instant> last_view_at_;              ///< when it was begun
   Instant say_skew_at_{};
+  std::optional<Instant> complete_since_;  ///< every camera is in the view
+  bool colors_settled_ = false;
+  std::string title_;
+  Instant title_due_at_{};
   std::mutex refusal_mutex_;
   std::optional<Error> refusal_;
 };

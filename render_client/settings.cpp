@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
 
 #include "common/command_line/mistakes.h"
 #include "common/command_line/values.h"
 #include "common/version.h"
+#include "render_client/renderer/renderer.h"
 
 namespace copresence::client {
 namespace {
@@ -15,6 +18,21 @@ bool is_view(const std::string& view) {
   return view == "mouse" || view == "opentrack" || (view.starts_with("path:") && view.size() > 5);
 }
 
+bool is_png_name(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return name.ends_with(".png");
+}
+
+constexpr const char* kKeys = R"(In the window:
+  drag, left button             turn the view around what is in its middle
+  drag, right or middle button  move sideways, up and down
+  wheel                         move closer or farther
+  R or Home                     back to the first camera's pose
+  F11                           full screen, and back
+  Escape                        end
+The mouse, R and Home move the view with --view mouse only.)";
+
 }  // namespace
 
 tl::expected<ClientSettings, int> read_command_line(int argc, const char* const* argv) {
@@ -22,11 +40,13 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
   ClientSettings settings;
   CLI::App app{"Shows the room that one or more capture_servers stream, from a viewpoint of your own.",
                "render_client"};
+  app.footer(kKeys);
   app.set_version_flag("--version", std::string("render_client ") + kVersion);
 
-  auto* connect =
-      app.add_option("--connect", settings.servers, "a capture_server, HOST:PORT; once for each camera")
-          ->check(some("HOST:PORT"));
+  auto* connect = app.add_option("--connect", settings.servers,
+                                 fmt::format("a capture_server, HOST:PORT; once for each camera, at most {}",
+                                             renderer::kMostCameras))
+                      ->check(some("HOST:PORT"));
   app.add_option(
          "--scene", settings.scene,
          "scene file: the cameras to connect to (unless --connect says), their poses, intrinsics, colours")
@@ -46,6 +66,12 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
   app.add_flag("--sync", settings.sync,
                "show frames of nearest instants together; a frame waits for half a period at most");
   app.add_option(
+         "--stale", settings.stale_s,
+         "seconds after which a camera that sends no frame is gone from the view; it fades from a third of "
+         "them on")
+      ->capture_default_str()
+      ->check(number(0.1, 1'000'000));
+  app.add_option(
          "--view", settings.view,
          "mouse (default in a window), path:FILE (lines \"view x y z look_x look_y look_z\", metres) or "
          "opentrack (UDP, port 4242); without a window the default is the first camera's pose")
@@ -56,11 +82,14 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
          "overlap, unless "
          "the scene file gives a camera's color_matching; off: as they come [live]")
       ->check(one_of({"live", "off"}));
-  app.add_option("--frames", settings.frames,
-                 "end after N views, counted from the first that shows every camera")
+  app.add_option(
+         "--frames", settings.frames,
+         "end after N views, counted from the first that shows every camera in matched colours; without "
+         "a window the program also ends when every camera has ended")
       ->check(whole_number<std::uint64_t>(1, 1'000'000'000));
   app.add_option("--screenshot", settings.screenshot, "write the last view to this PNG file")
-      ->check(writable_file());
+      ->check(writable_file())
+      ->check(must_be("a PNG file's name; it must end in .png", is_png_name));
   app.add_option("--stats", settings.stats, "write statistics to this JSON file at the end")
       ->check(writable_file());
 
@@ -68,6 +97,10 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
     app.parse(argc, argv);
     if (connect->empty() && settings.scene.empty()) {
       throw CLI::RequiredError("--connect HOST:PORT or --scene FILE");
+    }
+    if (settings.servers.size() > renderer::kMostCameras) {
+      throw CLI::ValidationError("--connect", fmt::format("{} cameras are given; one view shows at most {}",
+                                                          settings.servers.size(), renderer::kMostCameras));
     }
     if (settings.headless && settings.view == "mouse") {
       throw CLI::ValidationError("--view mouse",

@@ -22,6 +22,7 @@ struct ClientSettings {
   std::string view;                ///< mouse, path:FILE or opentrack; empty for the default
   bool match_colors = true;        ///< the cameras' colours to the first one's
   std::optional<std::uint64_t> frames;
+  double stale_s = 3;      ///< a camera without a new frame is gone from the view after so many seconds
   bool sync = false;       ///< views of frames of nearest instants
   std::string screenshot;  ///< PNG of the last view; empty for none
   std::string stats;       ///< JSON; empty for none

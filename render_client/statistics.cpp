@@ -33,8 +33,10 @@ ordered_json to_json(const std::string& name, const CameraStatistics::Snapshot& 
                       {"pictures",
                        {{"depth_without_color", s.pictures.depth_without_color},
                         {"color_without_depth", s.pictures.color_without_depth},
+                        {"color_repeated", s.color_repeated},
                         {"damaged", s.pictures.damaged},
                         {"dark", s.pictures.dark}}},
+                      {"times_stale", s.times_stale},
                       {"last_shown_sequence", s.last_shown_sequence},
                       {"mbps", s.mbps},
                       {"latency_ms", percentiles(s.latency, {50, 95, 99})}};
@@ -89,6 +91,16 @@ void CameraStatistics::sensor(const Pictures& totals) {
 void CameraStatistics::decoded() {
   std::lock_guard lock(mutex_);
   ++sums_.decoded;
+}
+
+void CameraStatistics::stale() {
+  std::lock_guard lock(mutex_);
+  ++sums_.times_stale;
+}
+
+void CameraStatistics::color_repeated() {
+  std::lock_guard lock(mutex_);
+  ++sums_.color_repeated;
 }
 
 void CameraStatistics::not_decoded() {

@@ -25,7 +25,8 @@ enum class Stage { kCapture, kFill, kDepthEncode, kVideoEncode, kWire, kVideoDec
 inline constexpr std::array<const char*, 7> kStageNames{
     "capture", "fill", "depth_encode", "video_encode", "wire", "video_decode", "depth_decode"};
 
-/// Pictures of a sensor that found no partner of their instant, came damaged, or fell into another projector's turn.
+/// Pictures of a sensor that found no partner of their instant, came damaged, or fell into another
+/// projector's turn.
 struct Pictures {
   std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none
   std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
@@ -35,13 +36,16 @@ struct Pictures {
 
 class CameraStatistics {
  public:
-  /// Everything is counted from the first received() on. `captured`, `encoder_busy`, `window_full`: the server's
-  /// running totals as they came with this frame; a total that falls means that the server started anew.
+  /// Everything is counted from the first received() on. `captured`, `encoder_busy`, `window_full`: the
+  /// server's running totals as they came with this frame; a total that falls means that the server started
+  /// anew.
   void received(std::uint64_t captured, std::uint64_t encoder_busy, std::uint64_t window_full,
                 std::size_t bytes, Instant now);
   /// What became of the sensor's pictures, the server's running totals; counted like these.
   void sensor(const Pictures& totals);
   void decoded();
+  void stale();           ///< no frame has come for so long that the camera fades from the view
+  void color_repeated();  ///< decoded without colour, and shown with an earlier frame's
   void not_decoded();  ///< received, but damaged or dependent on something that is missing
   void unshown();      ///< decoded, but replaced before any view
   void shown(std::uint64_t sequence, Duration latency);
@@ -50,6 +54,7 @@ class CameraStatistics {
 
   struct Snapshot {
     Pictures pictures;
+    std::uint64_t color_repeated = 0, times_stale = 0;
     std::uint64_t captured = 0, received = 0, decoded = 0, unshown = 0, last_shown_sequence = 0;
     std::map<std::string, std::uint64_t> drops;  ///< by cause; every cause is there, also with 0
     std::uint64_t dropped = 0;

@@ -8,8 +8,8 @@
 namespace copresence::simulation {
 namespace {
 
-// Light of another projector on what this camera sees, as a multiple of its own. The figure is left out: its pixels
-// get what the room behind them does.
+// Light of another projector on what this camera sees, as a multiple of its own. The figure is left out: its
+// pixels get what the room behind them does.
 Image<float> light_of(const Rigid3& other, const World& world, const TrueView& view, const CameraModel& model,
                       const Rigid3& camera) {
   Image<float> light(model.width, model.height, 0.0f);
@@ -36,6 +36,8 @@ Image<float> light_of(const Rigid3& other, const World& world, const TrueView& v
 
 CameraModel kinect_model(int width, int height) {
   const double focal = 585.0 * width / 640;
+  // The middle of the picture, half a pixel beside the nominal principal point (common/frame/camera_model.h).
+  // As with a real Kinect, only calibration tells; recordings and scene files of simulated cameras say it.
   return {width, height, focal, focal, 0.5 * (width - 1), 0.5 * (height - 1), {}};
 }
 

@@ -62,7 +62,8 @@ class FrameClient::Connection {
   std::uint64_t bytes_received() const { return reader_.bytes_read(); }
 
  private:
-  /// Runs the loop until `done` says so, the connection fails, or waiting is over, which is said as `too_late`.
+  /// Runs the loop until `done` says so, the connection fails, or waiting is over, which is said as
+  /// `too_late`.
   template <class Done>
   Result<void> run_until(const Done& done, const std::stop_token& stop, std::optional<Instant> deadline,
                          const char* too_late) {
@@ -102,7 +103,9 @@ class FrameClient::Connection {
   void connect() {
     asio::async_connect(socket_, endpoints_, [this](const asio::error_code& error, const tcp::endpoint&) {
       if (error == asio::error::connection_refused) {
-        return fail_with(ErrorCode::kUnavailable, "nothing listens there: start a capture_server");
+        return fail_with(ErrorCode::kUnavailable,
+                         "connection refused: start a capture_server there (without --loop it "
+                         "ends with its recording)");
       }
       if (error) return lost(error);
       tune(socket_);

@@ -98,6 +98,12 @@ void Band::begin(int width, int top, int rows, float far_m, int camera_width, in
   texel_.resize(w_.size());
 }
 
+void Band::give_way_to(const Band& live) {
+  for (std::size_t i = 0; i < w_.size(); ++i) {
+    if (live.w_[i] > empty_) w_[i] = empty_;
+  }
+}
+
 bool Band::find_box(const Attributes& least, const Attributes& most, Box& box) const {
   const float bottom = std::min(most[1] + kTolerancePx, static_cast<float>(top_ + rows_ - 1));
   const float top = std::max(least[1] - kTolerancePx, static_cast<float>(top_));

@@ -31,6 +31,9 @@ class Band {
   /// (DepthMesh joins and flattens only what is), at half the cost.
   void draw(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c, const ViewVertex& d);
 
+  /// Removes what is drawn where `live` has anything. Requires a band of the same rows.
+  void give_way_to(const Band& live);
+
   int width() const { return width_; }
   int top() const { return top_; }
   int rows() const { return rows_; }

@@ -17,8 +17,8 @@ constexpr float kPerAlpha = 1.0F / 255;
 constexpr float kNothing = 1e-30F;       // worth less than any fragment
 constexpr std::uint16_t kHalf = 1 << 7;  // in 256ths
 
-// A row is merged in spans of this many pixels, and a span in three short passes: one long loop body would wait for
-// its own results, since a processor looks only a few hundred instructions ahead.
+// A row is merged in spans of this many pixels, and a span in three short passes: one long loop body would
+// wait for its own results, since a processor looks only a few hundred instructions ahead.
 constexpr int kSpan = 64;
 constexpr int kGroups = kSpan / kLanes;
 
@@ -124,8 +124,8 @@ class SpanMerge {
     return z * (d[0] * pixel_x + depth_of_row_[i]) + d[3];
   }
 
-  // fragment_worth() of merge_rules.h before its cosine and up to a factor, for eight pixels of every camera. Returns
-  // whether any but the nearest counts.
+  // fragment_worth() of merge_rules.h before its cosine and up to a factor, for eight pixels of every camera.
+  // Returns whether any but the nearest counts.
   bool weigh(int x, int at, const Floats (&w)[kMostCameras]) {
     constexpr float kNoise = kRangeSigmas * 0.5F * kStepInverse;
     Floats z[kMostCameras], noise[kMostCameras], uncertainty[kMostCameras];
@@ -162,8 +162,20 @@ class SpanMerge {
       const Ints counts = load<Floats>(&camera.worth_per_cosine[at]) > 0;
       if (!bits(counts)) continue;
       // The other lanes take the first texel, which is always at hand.
-      store(&camera.colors[at], texture.at(counts & load<Ints>(texels + at)));
+      const Ints colors = texture.at(counts & load<Ints>(texels + at));
+      store(&camera.colors[at],
+            sources_[i].opacity_256 == 256 ? colors : faded(colors, sources_[i].opacity_256));
     }
+  }
+
+  // Red, green and blue times the opacity; alpha as it is.
+  static Ints faded(const Ints& colors, int opacity_256) {
+    const auto times = [&](const Words& channels) {
+      return (channels * static_cast<std::uint16_t>(opacity_256) + kHalf) >> 8;
+    };
+    const Ints rb = reinterpret_cast<Ints>(times(red_blue(colors)));
+    const Ints g = reinterpret_cast<Ints>(times(reinterpret_cast<Words>(colors & 0xFF00) >> 8)) << 8;
+    return rb | g | (colors & static_cast<std::int32_t>(0xFF000000U));
   }
 
   // The colours where no two cameras' fragments rival.
@@ -182,8 +194,8 @@ class SpanMerge {
   static Words red_blue(const Ints& colors) { return reinterpret_cast<Words>(colors & 0x00FF00FF); }
   static Words green_alpha(const Ints& colors) { return reinterpret_cast<Words>(colors) >> 8; }
 
-  // blend_weight() of merge_rules.h for every camera, and the sum of their colours. `best` becomes the camera worth
-  // most.
+  // blend_weight() of merge_rules.h for every camera, and the sum of their colours. `best` becomes the camera
+  // worth most.
   Ints mixture(int at, Ints& best) const {
     const auto worth_of = [&](std::size_t i, const Ints& colors) {
       return alpha(colors) * load<Floats>(&span_.cameras[i].worth_per_cosine[at]);
@@ -208,8 +220,8 @@ class SpanMerge {
       other_worth[i] = larger(other_worth[i] - least_worth, Floats{});
       sum += other_worth[i];
     }
-    // Shares in 256ths, of what a colour differs from the best one's: what rounding leaves is so the best one's. Every
-    // product is taken modulo 2^16, and their sum is a colour again.
+    // Shares in 256ths, of what a colour differs from the best one's: what rounding leaves is so the best
+    // one's. Every product is taken modulo 2^16, and their sum is a colour again.
     const Floats per_sum = 256.0F / sum;
     const Words best_rb = red_blue(best_colors), best_ga = green_alpha(best_colors);
     Words rb = (best_rb << 8) + kHalf, ga = (best_ga << 8) + kHalf;
@@ -272,6 +284,7 @@ MergeSource merge_source(const CameraView& camera, const VirtualCamera& eye, con
       Eigen::Vector4d(a, b, row.z() - a * eye.lens.cx - b * eye.lens.cy, camera_from_eye.translation.z())
           .cast<float>();
   source.calibration_error_m = static_cast<float>(camera.calibration_error_m);
+  if (camera.opacity < 1) source.opacity_256 = std::min(static_cast<int>(256 * camera.opacity + 0.5F), 255);
   return source;
 }
 

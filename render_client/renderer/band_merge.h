@@ -1,7 +1,8 @@
 #pragma once
 
-// Merges the cameras' fragments of some rows of the view, colours what is left (a texture is read only where its camera
-// counts) and softens its outlines. Private to the CPU renderer. Thread: distinct bands may be merged side by side.
+// Merges the cameras' fragments of some rows of the view, colours what is left (a texture is read only where
+// its camera counts) and softens its outlines. Private to the CPU renderer. Thread: distinct bands may be
+// merged side by side.
 
 #include <span>
 
@@ -17,14 +18,13 @@ struct MergeSource {
   Eigen::Vector4f
       depth;  ///< of the pixel (x, y) at the eye's depth z from the camera: z (x, y, 1).dot(abc) + d
   float calibration_error_m = 0;
+  int opacity_256 = 256;  ///< CameraView::opacity in 256ths; 256 only of a live camera
 };
 
 MergeSource merge_source(const CameraView& camera, const VirtualCamera& eye, const Texture& texture);
 
-inline constexpr std::size_t kMostCameras = 32;
-
-/// Merges a band; bands[i] belongs to sources[i], and all lie at the same rows. Images of `view` that `wanted` names
-/// have the view's shape.
+/// Merges a band; bands[i] belongs to sources[i], and all lie at the same rows. Images of `view` that
+/// `wanted` names have the view's shape.
 void merge_band(std::span<const MergeSource> sources, std::span<const Band> bands, HostPixels wanted,
                 MergedView& view);
 

@@ -78,6 +78,9 @@ class Source {
     }
   }
 
+  // Draws nothing until it is projected again.
+  void hide() { bands.clear(); }
+
   DepthMesh mesh;
   Texture texture;
   ProjectionMatrix matrix;
@@ -109,7 +112,9 @@ class CpuRenderer : public Renderer {
 
   void prepare(std::span<const CameraView> cameras) override {
     make_sources(cameras.size());
-    workers_.run(static_cast<int>(cameras.size()), [&](int i, int) { sources_[i].update(cameras[i]); });
+    workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
+      if (cameras[i].opacity > 0) sources_[i].update(cameras[i]);
+    });
   }
 
   Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye, HostPixels wanted,
@@ -117,6 +122,7 @@ class CpuRenderer : public Renderer {
     make_sources(cameras.size());
     shape_view(eye, wanted, view);
     workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
+      if (!(cameras[i].opacity > 0)) return sources_[i].hide();
       sources_[i].update(cameras[i]);
       sources_[i].project(eye, cameras[i].world_from_camera);
       sources_[i].sort_into_bands(view.width, view.height);
@@ -159,11 +165,13 @@ class CpuRenderer : public Renderer {
       const Source& source = sources_[i];
       bands[i].begin(view.width, top, rows, static_cast<float>(eye.far_m), source.texture.width() - 1,
                      source.texture.height() - 1);
+      if (source.bands.empty()) continue;
       for (const std::uint32_t p : source.bands[number]) {
         draw_patch(source.mesh, source.mesh.patches[p], source.extents[p], source.vertices, source.matrix,
                    static_cast<float>(eye.near_m), bands[i]);
       }
     }
+    let_stale_give_way(bands);
     if (!bands.empty()) {
       return merge_band(merge_sources_, bands, wanted, view);
     }
@@ -173,6 +181,15 @@ class CpuRenderer : public Renderer {
         std::fill(view.depth_m.row(y).begin(), view.depth_m.row(y).end(), 0.0F);
         std::fill(view.camera.row(y).begin(), view.camera.row(y).end(), kNoCamera);
         std::fill(view.quality.row(y).begin(), view.quality.row(y).end(), 0.0F);
+      }
+    }
+  }
+
+  void let_stale_give_way(std::vector<Band>& bands) const {
+    for (std::size_t stale = 0; stale < bands.size(); ++stale) {
+      if (merge_sources_[stale].opacity_256 == 256) continue;
+      for (std::size_t live = 0; live < bands.size(); ++live) {
+        if (merge_sources_[live].opacity_256 == 256) bands[stale].give_way_to(bands[live]);
       }
     }
   }

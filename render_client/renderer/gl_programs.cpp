@@ -10,6 +10,7 @@
 #include "shaders/build_mesh.comp.h"
 #include "shaders/draw_mesh.frag.h"
 #include "shaders/draw_mesh.vert.h"
+#include "shaders/fade_layers.comp.h"
 #include "shaders/find_flat_blocks.comp.h"
 #include "shaders/make_source.comp.h"
 #include "shaders/measure_tilts.comp.h"
@@ -149,6 +150,21 @@ void DrawMesh::run(const gl::Texture& inverse, const gl::Texture& rays, const gl
   source.bind(2);
   program_.set("clip_from_camera", clip_from_camera);
   layer.draw_indirect(program_, indices, command);
+}
+
+Result<void> FadeLayers::run(std::span<const float> opacities, const gl::Texture& fragments) {
+  auto compiled = programs_.find(opacities.size());
+  if (compiled == programs_.end()) {
+    const std::array defines = {Define{"LAYERS", std::to_string(opacities.size())}};
+    auto program = gl::Program::compute(*context_, shaders::fade_layers_comp, defines);
+    if (!program) return fail(program.error());
+    compiled = programs_.emplace(opacities.size(), std::move(*program)).first;
+  }
+  gl::Program& program = compiled->second;
+  fragments.bind_image(0, Access::kReadWrite);
+  for (std::size_t i = 0; i < opacities.size(); ++i) program.set(element("opacity", i).c_str(), opacities[i]);
+  program.dispatch_over(fragments.width(), fragments.height());
+  return {};
 }
 
 Result<void> MergeLayers::run(std::span<const Source> sources, const Eye& eye, const gl::Texture& fragments,

@@ -100,6 +100,19 @@ class DrawMesh {
   gl::Program program_;
 };
 
+/// fade_layers.comp: fades the layers of stale cameras and removes them where a live camera shows anything.
+class FadeLayers {
+ public:
+  explicit FadeLayers(gl::Context& context) : context_(&context) {}
+
+  /// `opacities`, one per layer: 1 of a live camera. A shader is compiled for each number of layers once.
+  Result<void> run(std::span<const float> opacities, const gl::Texture& fragments);
+
+ private:
+  gl::Context* context_;
+  std::map<std::size_t, gl::Program> programs_;
+};
+
 /// merge_layers.comp: the layers to the view.
 class MergeLayers {
  public:
@@ -131,8 +144,8 @@ class SoftenOutlines {
  public:
   explicit SoftenOutlines(gl::Context& context) : context_(&context) {}
 
-  /// Layers as MergeLayers has them, `count` of them. A shader is compiled for each number once. `w_near_far` as in
-  /// MergeLayers::Eye.
+  /// Layers as MergeLayers has them, `count` of them. A shader is compiled for each number once. `w_near_far`
+  /// as in MergeLayers::Eye.
   Result<void> run(std::size_t count, const Eigen::Vector2f& w_near_far, const gl::Texture& fragments,
                    const gl::Texture& depths, const gl::Texture& merged, const gl::Texture& softened);
 

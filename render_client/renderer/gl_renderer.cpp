@@ -1,5 +1,6 @@
 #include "render_client/renderer/gl_renderer.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
@@ -19,12 +20,15 @@ using gl::Reader;
 // What is made for a size of the view and a number of cameras.
 struct Layers {
   gl::Texture fragments, depths;
-  std::vector<gl::Framebuffer> by_camera;
+  std::vector<gl::Framebuffer> by_camera;  // empty until attach()
 
   Layers(gl::Context& context, int width, int height, int count)
       : fragments(context, Format::kRgba8, width, height, count),
-        depths(context, Format::kDepth32f, width, height, count) {
-    for (int i = 0; i < count; ++i)
+        depths(context, Format::kDepth32f, width, height, count) {}
+
+  // Requires that the graphics card had room for the textures.
+  void attach(gl::Context& context) {
+    for (int i = 0; i < fragments.layers(); ++i)
       by_camera.emplace_back(context, std::initializer_list<const gl::Texture*>{&fragments}, &depths, i);
   }
 };
@@ -79,26 +83,30 @@ class GlRenderer final : public Renderer {
         settings_(settings),
         shaders_(std::move(shaders)),
         draw_(std::move(draw)),
+        fade_(context),
         merge_(context),
         soften_(context) {}
 
   std::string_view name() const override { return "gl"; }
 
   void prepare(std::span<const CameraView> cameras) override {
-    assert(cameras.size() < kNoCamera);
+    assert(cameras.size() <= kMostCameras);
     make_sources(cameras);
-    for (std::size_t i = 0; i < cameras.size(); ++i) sources_[i].update(cameras[i], shaders_);
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      if (cameras[i].opacity > 0) sources_[i].update(cameras[i], shaders_);
+    }
   }
 
   Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye, HostPixels wanted,
                       MergedView& view) override {
     assert(eye.near_m > 0 && eye.near_m < eye.far_m);
     prepare(cameras);
-    make_layers(cameras.size(), eye.lens.width, eye.lens.height);
+    if (auto made = make_layers(cameras.size(), eye.lens.width, eye.lens.height); !made) return made;
     if (cameras.empty()) {
       show_nothing();
     } else {
       draw_layers(cameras, eye);
+      if (auto faded = fade_layers(cameras); !faded) return faded;
       if (auto merged = merge_layers(cameras, eye, wanted); !merged) return merged;
     }
     read_back(wanted, view);
@@ -106,7 +114,7 @@ class GlRenderer final : public Renderer {
   }
 
  private:
-  void make_layers(std::size_t cameras, int width, int height) {
+  Result<void> make_layers(std::size_t cameras, int width, int height) {
     if (!target_ || target_->color.width() != width || target_->color.height() != height) {
       target_.reset();
       layers_.reset();
@@ -115,7 +123,15 @@ class GlRenderer final : public Renderer {
     if (cameras > 0 && (!layers_ || layers_->by_camera.size() != cameras)) {
       layers_.reset();  // before the new ones ask for memory
       layers_.emplace(context_, width, height, static_cast<int>(cameras));
+      auto made = context_.check("making room for the cameras and the view (a smaller --size needs less)");
+      if (!made) {
+        layers_.reset();
+        target_.reset();
+        return made;
+      }
+      layers_->attach(context_);
     }
+    return {};
   }
 
   void make_sources(std::span<const CameraView> cameras) {
@@ -136,8 +152,19 @@ class GlRenderer final : public Renderer {
       gl::Framebuffer& layer = layers_->by_camera[i];
       layer.clear_color(0, {0, 0, 0, 0});
       layer.clear_depth(1);
+      if (!(cameras[i].opacity > 0)) continue;
       sources_[i].draw((clip_from_world * cameras[i].world_from_camera.matrix()).cast<float>(), draw_, layer);
     }
+  }
+
+  Result<void> fade_layers(std::span<const CameraView> cameras) {
+    opacities_.clear();
+    for (const CameraView& camera : cameras) opacities_.push_back(camera.opacity);
+    if (std::all_of(opacities_.begin(), opacities_.end(), [](float opacity) { return opacity >= 1; }))
+      return {};
+    auto faded = fade_.run(opacities_, layers_->fragments);
+    context_.barrier(Reader::kFetch | Reader::kFramebuffer);
+    return faded;
   }
 
   Result<void> merge_layers(std::span<const CameraView> cameras, const VirtualCamera& eye,
@@ -185,9 +212,11 @@ class GlRenderer final : public Renderer {
   GlRendererSettings settings_;
   GlSource::Shaders shaders_;
   DrawMesh draw_;
+  FadeLayers fade_;
   MergeLayers merge_;
   SoftenOutlines soften_;
   std::vector<GlSource> sources_;  // by camera
+  std::vector<float> opacities_;
   std::vector<MergeLayers::Source> merge_sources_;
   std::optional<Layers> layers_;
   std::optional<Target> target_;

@@ -1,6 +1,7 @@
 #pragma once
 
-// The renderer on a graphics card, by the same rules and with the same meshes as the CPU renderer. In shaders/:
+// The renderer on a graphics card, by the same rules and with the same meshes as the CPU renderer. In
+// shaders/:
 //
 //   once a frame    find_flat_blocks     depth to planes of inverse depth by block
 //                   measure_tilts        planes to cos(theta)
@@ -8,7 +9,9 @@
 //                   build_mesh           that to triangles
 //                   make_source          colour, state and cos(theta) to what a fragment shows and is worth
 //   once a view     draw_mesh            every camera's triangles into a layer of their own
+//                   fade_layers          what stale cameras show, where there are any
 //                   merge_layers         the layers to the view
+//                   soften_outlines      the view without steps where depth jumps
 //
 // Thread: the context's.
 

@@ -22,9 +22,14 @@
 // Colour    bilinear in the source image, clamped at its border, then the camera's color_matching, clamped to
 // 0..1; a
 //           camera without colour shows gray of shade_without_color().
-// Outlines  Where two neighbours of a row of the view lie kOutlineSteps apart, nearest fragments by inverse depth
+// Stale     A camera whose opacity is below 1 is shown only where no live camera shows anything, at any
+// distance; among
+//           themselves stale cameras are merged like others. Their colours are multiplied by the opacity.
+// Outlines  Where two neighbours of a row of the view lie kOutlineSteps apart, nearest fragments by inverse
+// depth
 //           along the eye's axis, each takes a kOutlineDivisor-th of its difference to the other's colour. An
-//           outline lies somewhere within a pixel: half covered is the best guess, and the eye wants no steps.
+//           outline lies somewhere within a pixel: half covered is the best guess, and the eye wants no
+//           steps.
 //
 // Thread: pure functions.
 

@@ -10,6 +10,7 @@
 // Thread: one thread makes, uses and destroys a renderer.
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -22,12 +23,16 @@
 
 namespace copresence::renderer {
 
+/// The most cameras that one view can show, in both renderers. The program checks it before anything is
+/// drawn.
+inline constexpr std::size_t kMostCameras = 32;
+
 /// One camera as a renderer sees it.
 struct CameraView {
   const RgbdFrame* frame =
       nullptr;  ///< its newest; must outlive the call. Poses come from `world_from_camera` below
-  /// What was derived from *frame is kept for as long as the camera at the same place of the list has the same version:
-  /// no other frame may have it there, nor one of another camera that takes the place.
+  /// What was derived from *frame is kept for as long as the camera at the same place of the list has the
+  /// same version: no other frame may have it there, nor one of another camera that takes the place.
   std::uint64_t version = 0;
   CameraModel model;  ///< same size as the frame's images
   DepthUnit unit = DepthUnit::kMillimetre;
@@ -35,6 +40,9 @@ struct CameraView {
   Eigen::Matrix<float, 3, 4> color_matching =
       Eigen::Matrix<float, 3, 4>::Identity();  ///< to the reference camera's colours, RGB 0 to 1
   double calibration_error_m = 0.005;          ///< widens the uncertainty range
+  /// Below 1: no new frame has come for a while, and the camera fades (merge_rules.h, Stale). 0: it is not
+  /// drawn.
+  float opacity = 1;
 };
 
 class Renderer {
@@ -43,13 +51,14 @@ class Renderer {
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --renderer and the statistics
 
-  /// Does ahead what drawing these cameras needs no eye for: a frame that waits for a view waits less long then. The
-  /// next render() may be given newer frames or other cameras all the same.
+  /// Does ahead what drawing these cameras needs no eye for: a frame that waits for a view waits less long
+  /// then. The next render() may be given newer frames or other cameras all the same.
   virtual void prepare(std::span<const CameraView> cameras) = 0;
 
   /// Draws the cameras in order (the index is what MergedView::camera names) as seen from `eye`. Cameras may
   /// be fewer than before or have new models. `view` is reused: images keep their memory. A camera without
-  /// colour is shaded by its normals. Fails only where the graphics driver does.
+  /// colour is shaded by its normals. Requires at most kMostCameras. Fails only where the graphics driver
+  /// does.
   virtual Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye,
                               HostPixels wanted, MergedView& view) = 0;
 };

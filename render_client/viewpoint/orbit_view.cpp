@@ -25,8 +25,10 @@ OrbitView::OrbitView(const Eigen::Vector3d& up, double pivot_m, double fov_degre
 }
 
 void OrbitView::set_home(const Rigid3& world_from_home) {
+  const bool is_moved = has_home_ && (!(world_from_eye_ == world_from_home_) || distance_m_ != pivot_m_);
+  has_home_ = true;
   world_from_home_ = world_from_home;
-  go_home();
+  if (!is_moved) go_home();
 }
 
 void OrbitView::go_home() {

@@ -16,8 +16,10 @@ class OrbitView final : public Viewpoint {
   /// pan() needs. Requires up of some length, pivot_m > 0, 0 < fov_degrees < 180.
   OrbitView(const Eigen::Vector3d& up, double pivot_m, double fov_degrees);
 
-  /// Also takes the eye back there.
+  /// Moves the eye to the new home, unless the person has moved it away from the old one: then it stays.
+  /// The first home always takes the eye there, since nothing was to be seen before.
   void set_home(const Rigid3& world_from_home) override;
+  /// Takes the eye to the home that was set last.
   void go_home();
 
   /// The scene turns with the pointer, half a turn over the picture's height; never over the top.
@@ -36,6 +38,7 @@ class OrbitView final : public Viewpoint {
   Eigen::Vector3d up_;
   double pivot_m_;
   double metres_per_height_;  // height of what is seen at a distance of one metre
+  bool has_home_ = false;
   Rigid3 world_from_home_;
   Rigid3 world_from_eye_;
   double distance_m_;

@@ -142,10 +142,40 @@ TEST(BadInput, AWrongCommandLineIsExplainedAndExitsWithTwo) {
   EXPECT_EQ(run({"render_client"}).code, 2);
   EXPECT_EQ(run({"render_client", "--connect", "127.0.0.1:1", "--size", "641x360"}).code, 2);
   EXPECT_EQ(run({"render_client", "--connect", "127.0.0.1:1", "--view", "telepathy"}).code, 2);
+  for (const char* picture : {"view.jpg", "view.jpeg", "view", "png", ".png.bmp"}) {
+    TemporaryFolder folder;
+    const Ended ended = run({"render_client", "--connect", "127.0.0.1:1", "--screenshot", folder / picture});
+    EXPECT_EQ(ended.code, 2) << picture;
+    EXPECT_THAT(ended.words, HasSubstr("must end in .png")) << picture;
+    EXPECT_FALSE(std::filesystem::exists(folder / picture)) << picture;
+  }
   for (const char* flag : {"--stats", "--screenshot"}) {
     const Ended nowhere = run({"render_client", "--connect", "127.0.0.1:1", flag, "/no/such/folder/file"});
     EXPECT_EQ(nowhere.code, 2) << flag;
     EXPECT_THAT(nowhere.words, HasSubstr("there is no folder /no/such/folder")) << flag;
+  }
+}
+
+TEST(BadInput, MoreCamerasThanAViewShowsAreRefused) {
+  std::vector<std::string> many{"render_client", "--headless"};
+  TemporaryFolder folder;
+  std::ofstream scene(folder / "scene.toml");
+  for (int i = 0; i < 33; ++i) {
+    many.insert(many.end(), {"--connect", "127.0.0.1:1"});
+    scene << "[[camera]]\nname = \"c" << i << "\"\naddress = \"127.0.0.1:1\"\nwidth = 640\nheight = 480\n"
+          << "fx = 585\nfy = 585\ncx = 320\ncy = 240\n";
+  }
+  scene.close();
+  for (const char* renderer : {"cpu", "gl"}) {
+    auto arguments = many;
+    arguments.insert(arguments.end(), {"--renderer", renderer});
+    const Ended ended = run(arguments);
+    EXPECT_EQ(ended.code, 2) << ended.words;
+    EXPECT_THAT(ended.words, HasSubstr("33 cameras are given; one view shows at most 32"));
+    const Ended of_file =
+        run({"render_client", "--headless", "--scene", folder / "scene.toml", "--renderer", renderer});
+    expect_one_sentence(of_file, 1);
+    EXPECT_THAT(of_file.words, HasSubstr("scene.toml: 33 cameras"));
   }
 }
 

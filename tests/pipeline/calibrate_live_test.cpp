@@ -81,7 +81,7 @@ TEST_F(CalibrateLive, AServerThatIsNotThereIsNamedBeforeTheOthersAreLookedAt) {
   const std::string nowhere = "127.0.0.1:" + std::to_string(free_port());
   const Ended ended = calibrate("markers", {"--stream", "third=" + nowhere, "--out", folder_ / "none.toml"});
   EXPECT_EQ(ended.code, 1);
-  EXPECT_THAT(ended.words, HasSubstr(nowhere + ": nothing listens there: start a capture_server"));
+  EXPECT_THAT(ended.words, HasSubstr(nowhere + ": connection refused: start a capture_server"));
   EXPECT_THAT(ended.words, Not(HasSubstr("camera0: 10 markers")));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "none.toml"));
 }

@@ -38,6 +38,43 @@ TEST(CpuMerge, ShowsTheNearerWhereSurfacesDiffer) {
   EXPECT_EQ(view.camera(kWidth / 2, kHeight / 2), 0);
 }
 
+TEST(CpuMerge, AStaleCameraIsShownOnlyWhereNoLiveCameraShowsAnything) {
+  // The stale camera's wall is the nearer and the better one.
+  Looking stale(kinect_model(), wall(1.2), plain(kRed)), live(kinect_model(), wall(3), plain(kGreen));
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 320; x < 640; ++x) {
+      live.frame.depth(x, y) = 0;
+      live.frame.state(x, y) = DepthState::kHole;
+    }
+  }
+  stale.view.opacity = 0.5F;
+  for (const auto& order : {std::vector<Looking*>{&stale, &live}, {&live, &stale}}) {
+    const MergedView view = render(order, eye_at_origin(kWidth, kHeight));
+    const int y = kHeight / 2;
+    EXPECT_TRUE(near_color(view.color(kWidth / 2 - 60, y), kGreen));
+    EXPECT_EQ(order[view.camera(kWidth / 2 - 60, y)], &live);
+    EXPECT_TRUE(near_color(view.color(kWidth / 2 + 60, y), {110, 15, 15}));
+    EXPECT_EQ(order[view.camera(kWidth / 2 + 60, y)], &stale);
+    EXPECT_NEAR(view.depth_m(kWidth / 2 + 60, y), 1.2, 1e-3);
+  }
+}
+
+TEST(CpuMerge, ACameraThatIsGoneIsNotDrawn) {
+  Looking gone(kinect_model(), wall(1.2), plain(kRed)), live(kinect_model(), wall(3), plain(kGreen));
+  gone.view.opacity = 0;
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  EXPECT_TRUE(near_color(render({&gone, &live}, eye).color(kWidth / 2, kHeight / 2), kGreen));
+  EXPECT_EQ(count_shown(render({&gone}, eye)), 0);
+}
+
+TEST(CpuMerge, AStaleCameraWithoutColorFadesToo) {
+  Looking gray(kinect_model(), wall(2), std::nullopt);
+  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const int live = render({&gray}, eye).color(kWidth / 2, kHeight / 2).r;
+  gray.view.opacity = 0.5F;
+  EXPECT_NEAR(render({&gray}, eye).color(kWidth / 2, kHeight / 2).r, live / 2, 1);
+}
+
 TEST(CpuMerge, WidensTheRangeByTheCalibrationsErrors) {
   // 8 cm apart: more than noise explains at 3 m and 1.5 m, less than noise and 5 cm.
   Looking far_away(kinect_model(), wall(2.92), plain(kRed));

@@ -197,9 +197,10 @@ TEST(CpuRenderer, ShowsNothingNearerOrFartherThanTheEyeSees) {
     nearest = std::min(nearest, view.depth_m(x, y));
     farthest = std::max(farthest, view.depth_m(x, y));
   });
-  EXPECT_NEAR(nearest, 1.5, 0.01);
+  // A row of the view is 11 mm of depth at 1.5 m and 31 mm at 2.5 m.
+  EXPECT_NEAR(nearest, 1.5, 0.012);
   EXPECT_GE(nearest, 1.5F - 1e-4F);
-  EXPECT_NEAR(farthest, 2.5, 0.02);
+  EXPECT_NEAR(farthest, 2.5, 0.032);
   EXPECT_LE(farthest, 2.5F);
 }
 
@@ -258,6 +259,21 @@ TEST(CpuRenderer, TakesFramesAndViewsOfAnySize) {
       }
     }
   }
+}
+
+TEST(CpuRenderer, ShowsAsManyCamerasAsItPromises) {
+  const CameraModel model = {16, 12, 16, 16, 8, 6, {}};
+  std::vector<Looking> cameras;
+  for (std::size_t i = 0; i < kMostCameras; ++i)
+    cameras.emplace_back(model, wall(2), plain({0, 0, static_cast<std::uint8_t>(8 * i)}),
+                         Rigid3{Eigen::Matrix3d::Identity(), {3.0 * static_cast<double>(i), 0, 0}});
+  std::vector<Looking*> all;
+  for (Looking& camera : cameras) all.push_back(&camera);
+  VirtualCamera eye = eye_at_origin(32, 24);
+  eye.world_from_eye = cameras.back().view.world_from_camera;
+  const MergedView view = render(all, eye);
+  EXPECT_EQ(view.camera(16, 12), kMostCameras - 1);
+  EXPECT_TRUE(near_color(view.color(16, 12), {0, 0, 248}));
 }
 
 TEST(CpuRenderer, ShadesACameraWithoutColorByItsTilt) {

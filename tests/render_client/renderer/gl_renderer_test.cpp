@@ -61,6 +61,41 @@ VirtualCamera eye_of(const CameraView& camera) {
   return eye;
 }
 
+TEST_F(GlRenderer, ShowsAsManyCamerasAsItPromises) {
+  const RgbdFrame frame = wall(16, 12, 2000, {200, 100, 50});
+  std::vector<CameraView> cameras;
+  for (std::size_t i = 0; i < kMostCameras; ++i) {
+    cameras.push_back(camera_at(frame, 3.0 * static_cast<double>(i)));
+    cameras.back().version = i + 1;
+  }
+  const CameraView& last = cameras.back();
+  const MergedView view = render(cameras, eye_of(last));
+  EXPECT_EQ(view.camera(8, 6), kMostCameras - 1);
+  EXPECT_EQ(view.color(8, 6), (Rgba8{200, 100, 50, 255}));
+}
+
+// A stale camera's wall stands a metre before the live one's.
+TEST_F(GlRenderer, AStaleCameraGivesWayToALiveOneAndFades) {
+  const RgbdFrame near = wall(64, 48, 1000, {200, 100, 50}), far = wall(64, 48, 2000, {0, 0, 250});
+  CameraView stale = camera_at(near, 0), live = camera_at(far, 1.5);
+  stale.version = 2;
+  stale.opacity = 0.5F;
+  const CameraView both[] = {stale, live};
+  const VirtualCamera eye = eye_of(stale);
+  const MergedView view = render(both, eye);
+  EXPECT_EQ(view.camera(10, 24), 0) << "only the stale camera sees it";
+  EXPECT_EQ(view.color(10, 24), (Rgba8{100, 50, 25, 255}));
+  EXPECT_EQ(view.camera(60, 24), 1) << "the live camera sees it, though farther away";
+  EXPECT_EQ(view.color(60, 24), (Rgba8{0, 0, 250, 255}));
+  const CameraView gone[] = {[&] {
+    CameraView camera = stale;
+    camera.opacity = 0;
+    return camera;
+  }()};
+  EXPECT_EQ(render(gone, eye).camera(10, 24), kNoCamera);
+  EXPECT_EQ(render({&live, 1}, eye_of(live)).color(30, 24), (Rgba8{0, 0, 250, 255}));
+}
+
 TEST_F(GlRenderer, ShowsAWallAsItsCameraSawIt) {
   const RgbdFrame frame = wall(64, 48, 2000, {200, 100, 50});
   const CameraView camera = camera_at(frame, 0);

@@ -154,6 +154,21 @@ TEST_F(RenderersAgree, OnARoomAsAKinectSeesItPixelByPixel) {
   expect_agreement(differ(scene({.noise = true}), 1));
 }
 
+// One camera fades, then both, differently.
+TEST_F(RenderersAgree, OnStaleCameras) {
+  Scene stale = scene({.noise = true});
+  stale.cameras[0].opacity = 0.4F;
+  expect_agreement(differ(stale, 16));
+  stale.cameras[1].opacity = 0.7F;
+  expect_agreement(differ(stale, 16));
+}
+
+TEST_F(RenderersAgree, OnACameraThatIsGone) {
+  Scene gone = scene({.noise = true});
+  gone.cameras[1].opacity = 0;
+  expect_agreement(differ(gone, 16));
+}
+
 TEST_F(RenderersAgree, OnARoomWithoutColor) {
   expect_agreement(differ(scene({.color = false, .noise = true}), 8));
 }

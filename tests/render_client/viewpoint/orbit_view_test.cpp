@@ -88,7 +88,7 @@ TEST_F(Orbit, ZoomsTowardsThePivotAndNeverThroughIt) {
   EXPECT_GT(eye().translation.z(), -40);
 }
 
-TEST_F(Orbit, TakesANewHome) {
+TEST_F(Orbit, TakesItsFirstHome) {
   view.orbit(0.3, 0.1);
   const Rigid3 home = look_at({1, 0, 0}, {0, 0, 0}, {0, -1, 0});
   view.set_home(home);
@@ -96,6 +96,21 @@ TEST_F(Orbit, TakesANewHome) {
   view.zoom(4);
   view.go_home();
   EXPECT_EQ(eye(), home);
+}
+
+TEST_F(Orbit, FollowsALaterHomeOnlyWhileItIsAtHome) {
+  const Rigid3 first = look_at({1, 0, 0}, {0, 0, 0}, {0, -1, 0});
+  const Rigid3 second = look_at({0, 0, 1}, {0, 0, 0}, {0, -1, 0});
+  const Rigid3 third = look_at({-1, 0, 0}, {0, 0, 0}, {0, -1, 0});
+  view.set_home(first);
+  view.set_home(second);
+  EXPECT_EQ(eye(), second);
+  view.pan(0.1, 0);
+  const Rigid3 moved = eye();
+  view.set_home(third);
+  EXPECT_EQ(eye(), moved);
+  view.go_home();
+  EXPECT_EQ(eye(), third);
 }
 
 TEST_F(Orbit, DoesNotJumpFromAHomeThatLooksStraightDown) {

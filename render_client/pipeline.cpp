@@ -130,13 +130,11 @@ class Pipeline {
   /// good and its last frame is shown.
   Result<void> render_headless() {
     pacing::RenderPacer pacer(static_cast<int>(servers_.size()), settings_.fps);
-    const auto take = [&] {
+    while (!finished()) {
+      const bool all_over = states_.all_over();  // asked first: what came before the end is taken below
+      // A slow view may have kept this thread busy for long: the next one shows what has arrived meanwhile.
       for (std::size_t i : take_frames())
         pacer.frame_arrived(static_cast<int>(i), shown_[i].newest->arrived_at);
-    };
-    while (!finished()) {
-      const bool all_over = states_.all_over();
-      if (all_over) take();  // what came before the end
       const Instant now = steady_clock::now();
       std::optional<Instant> due = pacer.next_render_at(now);
       if (all_over && !due && !frames_.has_waiting()) return {};
@@ -148,7 +146,6 @@ class Pipeline {
           continue;
         }
         board_.wait(stop_.get_token(), frames_.wake_by(due.value_or(now + milliseconds(100))));
-        take();
         continue;
       }
       pacer.rendered(now);

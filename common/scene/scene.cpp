@@ -17,6 +17,7 @@ namespace copresence::scene {
 namespace {
 
 // Bytes. A name is as long as capture_server's --name, an address as a host's name and a port, a source as a path.
+constexpr double kFarthestM = 10'000;  // of a pose from the origin; a stream's may not be farther either
 constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 4096;
 
 // Reads one file's tables; the first thing that is wrong stays in error() and everything after it is skipped.
@@ -101,6 +102,11 @@ class Reader {
             fmt::format("\"{}\" is not a rigid transform: its upper left 3x3 must be a rotation and "
                         "its last row 0 0 0 1",
                         key));
+      return std::nullopt;
+    }
+    if (rigid.translation.cwiseAbs().maxCoeff() > kFarthestM) {
+      wrong(*table.get(key), fmt::format("\"{}\" is more than {:g} m away from the origin: poses are in metres",
+                                         key, kFarthestM));
       return std::nullopt;
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rigid.rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -209,8 +215,9 @@ Scene read_scene(Reader& reader, const toml::table& root, const std::filesystem:
   Scene scene;
   if (const auto up = reader.numbers<3>(root, "up")) {
     scene.up = Eigen::Map<const Eigen::Vector3d>(up->data());
-    if (scene.up.norm() < 1e-9) reader.wrong(*root.get("up"), "\"up\" must not be zero");
-    scene.up.normalize();
+    const double longest = scene.up.cwiseAbs().maxCoeff();
+    if (longest < 1e-9) reader.wrong(*root.get("up"), "\"up\" must not be zero");
+    scene.up = (scene.up / longest).normalized();  // the squares of large numbers would overflow
   }
   if (const toml::node* node = root.get("camera")) {
     const toml::array* cameras = node->as_array();

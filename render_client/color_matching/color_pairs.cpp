@@ -46,7 +46,7 @@ std::vector<ColorPair> find_color_pairs(const PosedFrame& from, const PosedFrame
       const double z = from.frame->depth(x, y) * from_metres;
       if (z <= 0) continue;
       const Eigen::Vector3d point = to_from_from * unproject(from.model, {double(x), double(y)}, z);
-      if (point.z() <= 0.05) continue;
+      if (!(point.z() > 0.05)) continue;
       const Eigen::Vector2d pixel = project(to.model, point);
       if (!(pixel.x() > 0 && pixel.y() > 0 && pixel.x() < to.model.width - 1 &&
             pixel.y() < to.model.height - 1))

@@ -71,6 +71,14 @@ max = [2, 2, 2])"));
   EXPECT_EQ(scene->clip->max, Eigen::Vector3d(2, 2, 2));
 }
 
+TEST(Scene, TakesAnUpOfAnyLength) {
+  for (const char* up : {"[0, 0, 1.7e308]", "[0, 0, 1e-8]"}) {
+    const auto scene = parsed("up = " + std::string(up) + "\n" + std::string(kLeft));
+    ASSERT_TRUE(scene) << scene.error().what;
+    EXPECT_EQ(scene->up, Eigen::Vector3d(0, 0, 1)) << up;
+  }
+}
+
 TEST(Scene, LeavesDevicesAndAbsolutePathsAlone) {
   EXPECT_EQ(parsed(left_with("source = \"openni:freenect://A00366\""))->cameras[0].source,
             "openni:freenect://A00366");
@@ -116,6 +124,8 @@ TEST(Scene, RefusesCamerasThatCannotBe) {
   EXPECT_THAT(error_of(replaced("fy = 585.0", "fy = nan")), HasSubstr("finite"));
   EXPECT_THAT(error_of(replaced("cy = 240.0", "")), HasSubstr("\"cy\" is missing"));
   EXPECT_THAT(error_of(replaced("[0,-1,0,0.5]", "[0,-2,0,0.5]")), HasSubstr("not a rigid transform"));
+  for (const char* far : {"[0,-1,0,20000]", "[0,-1,0,-1.7e308]"})
+    EXPECT_THAT(error_of(replaced("[0,-1,0,0.5]", far)), HasSubstr("10000 m away from the origin"));
   EXPECT_THAT(error_of(replaced("[0,-1,0,0.5]", "[0,-1,0]")), HasSubstr("4 numbers"));
   EXPECT_THAT(error_of(replaced("name = \"left\"", "name = \"\"")), HasSubstr("needs a \"name\""));
   EXPECT_THAT(error_of(replaced("name = \"left\"", "name = 3")), HasSubstr("text in quotes"));

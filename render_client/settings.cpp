@@ -70,7 +70,7 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
          "seconds after which a camera that sends no frame is gone from the view; it fades from a third of "
          "them on")
       ->capture_default_str()
-      ->check(number(0.1, 1'000'000));
+      ->check(number(0.1, 86'400));
   app.add_option(
          "--view", settings.view,
          "mouse (default in a window), path:FILE (lines \"view x y z look_x look_y look_z\", metres) or "

@@ -8,28 +8,23 @@
 // are linear.
 //
 // Surface   A camera's pixels are the vertices of a grid, pixel centres at whole coordinates. A triangle of
-// three
-//           neighbouring pixels is drawn when all three have depth and joined() says so. The quad (x, y) to
-//           (x+1, y+1) is split from its top right to its bottom left corner; where that diagonal does not
-//           give two triangles, along the other one if that gives two; else its single triangle is drawn. A
-//           surface is drawn only from the side the camera saw: from behind, it is the inside of a mask.
-//           Planar regions may be drawn coarser, where all their pixels lie within kPlanarSteps of the plane,
-//           and a quad whose triangles both show may be drawn as the one plane nearest to its corners.
-// Fragment  Depth and texture coordinate are interpolated perspectively; a fragment has the state of the
-// pixel nearest
-//           to its texture coordinate, and that pixel's cell decides cos(theta).
+//           three neighbouring pixels is drawn when all three have depth and joined() holds. The quad (x, y)
+//           to (x+1, y+1) is split from its top right to its bottom left corner. Where that diagonal does not
+//           give two triangles, it is split along the other one if that gives two; else its single triangle
+//           is drawn. A surface is drawn only from the side that the camera saw. Planar regions may be drawn
+//           coarser, where all their pixels lie within kPlanarSteps of the plane, and a quad whose triangles
+//           both show may be drawn as the one plane nearest to its corners.
+// Fragment  Depth and texture coordinate are interpolated perspectively. A fragment has the state of the
+//           pixel nearest to its texture coordinate, and that pixel's cell decides cos(theta).
 // Merge     fragment_worth() and blend_weight(), below.
-// Colour    bilinear in the source image, clamped at its border, then the camera's color_matching, clamped to
-// 0..1; a
-//           camera without colour shows gray of shade_without_color().
+// Colour    Bilinear in the source image, clamped at its border, then the camera's color_matching, clamped to
+//           0..1. A camera without colour shows the gray of shade_without_color().
 // Stale     A camera whose opacity is below 1 is shown only where no live camera shows anything, at any
-// distance; among
-//           themselves stale cameras are merged like others. Their colours are multiplied by the opacity.
-// Outlines  Where two neighbours of a row of the view lie kOutlineSteps apart, nearest fragments by inverse
-// depth
+//           distance. Among themselves stale cameras are merged like others. Their colours are multiplied by
+//           the opacity.
+// Outlines  Where the nearest fragments of two neighbours in a row lie kOutlineSteps apart in inverse depth
 //           along the eye's axis, each takes a kOutlineDivisor-th of its difference to the other's colour. An
-//           outline lies somewhere within a pixel: half covered is the best guess, and the eye wants no
-//           steps.
+//           outline lies somewhere within a pixel, so half covered is the best guess; it hides stair steps.
 //
 // Thread: pure functions.
 

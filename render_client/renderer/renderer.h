@@ -23,16 +23,15 @@
 
 namespace copresence::renderer {
 
-/// The most cameras that one view can show, in both renderers. The program checks it before anything is
-/// drawn.
+/// The most cameras that one view can show, in both renderers. Command line and scene file are checked.
 inline constexpr std::size_t kMostCameras = 32;
 
 /// One camera as a renderer sees it.
 struct CameraView {
   const RgbdFrame* frame =
       nullptr;  ///< its newest; must outlive the call. Poses come from `world_from_camera` below
-  /// What was derived from *frame is kept for as long as the camera at the same place of the list has the
-  /// same version: no other frame may have it there, nor one of another camera that takes the place.
+  /// Cache key: the renderer reuses a slot's mesh and texture while `version` is unchanged. So every frame,
+  /// of any camera, must have a version of its own.
   std::uint64_t version = 0;
   CameraModel model;  ///< same size as the frame's images
   DepthUnit unit = DepthUnit::kMillimetre;
@@ -40,8 +39,7 @@ struct CameraView {
   Eigen::Matrix<float, 3, 4> color_matching =
       Eigen::Matrix<float, 3, 4>::Identity();  ///< to the reference camera's colours, RGB 0 to 1
   double calibration_error_m = 0.005;          ///< widens the uncertainty range
-  /// Below 1: no new frame has come for a while, and the camera fades (merge_rules.h, Stale). 0: it is not
-  /// drawn.
+  /// 1 for a live camera. Below 1 it fades since no new frame has come (merge_rules.h, Stale). 0: not drawn.
   float opacity = 1;
 };
 
@@ -51,8 +49,8 @@ class Renderer {
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --renderer and the statistics
 
-  /// Does ahead what drawing these cameras needs no eye for: a frame that waits for a view waits less long
-  /// then. The next render() may be given newer frames or other cameras all the same.
+  /// Makes meshes and textures of these cameras ahead, which need no eye. Call it while no view is due yet.
+  /// The next render() may be given newer frames or other cameras all the same.
   virtual void prepare(std::span<const CameraView> cameras) = 0;
 
   /// Draws the cameras in order (the index is what MergedView::camera names) as seen from `eye`. Cameras may

@@ -276,6 +276,25 @@ TEST(CpuRenderer, ShowsAsManyCamerasAsItPromises) {
   EXPECT_TRUE(near_color(view.color(16, 12), {0, 0, 248}));
 }
 
+// Half a pixel of difference between the two principal points would make gray of this.
+TEST(CpuRenderer, AViewFromANominalCamerasPoseIsThatCamerasPicture) {
+  constexpr double kVerticalDegrees = 44.6;
+  const CameraModel model = camera_from_field_of_view(160, 120, kVerticalDegrees * std::numbers::pi / 180);
+  const auto checkers = [](int u, int v) {
+    const auto shade = static_cast<std::uint8_t>((u + v) % 2 ? 250 : 5);
+    return Rgb8{shade, shade, shade};
+  };
+  Looking camera(model, wall(2), Paint(checkers));
+  VirtualCamera eye = eye_at_origin(160, 120);
+  eye.world_from_eye = Rigid3{};
+  eye.lens = lens_from_fov(160, 120, kVerticalDegrees);
+  const MergedView view = render({&camera}, eye);
+  for (int y = 1; y < 119; ++y) {
+    for (int x = 1; x < 159; ++x)
+      ASSERT_TRUE(near_color(view.color(x, y), checkers(x, y), 8)) << x << ' ' << y;
+  }
+}
+
 TEST(CpuRenderer, ShadesACameraWithoutColorByItsTilt) {
   const auto gray_of_wall_tilted_by = [](double degrees) {
     Looking camera(kinect_model(),

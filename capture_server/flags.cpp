@@ -70,9 +70,10 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
   auto* source =
       app.add_option("--source", settings.source,
                      "openni: (first camera), openni:URI (see --list), simulated:room?camera=N or a "
-                     "recording FILE.oni")
+                     "recording FILE.oni [the scene file's source]")
           ->check(some("openni:, openni:URI, simulated:room?camera=N or FILE.oni"));
-  app.add_option("--listen", settings.listen, "address to accept clients on, HOST:PORT")
+  app.add_option("--listen", settings.listen,
+                 "address to accept clients on, HOST:PORT [the scene file's address, else]")
       ->capture_default_str()
       ->check(some("HOST:PORT"));
   app.add_option("--name", settings.name,

@@ -11,7 +11,9 @@
 #include "capture_server/flags.h"
 #include "capture_server/source.h"
 #include "common/command_line/mistakes.h"
+#include "common/scene/scene.h"
 #include "common/scene/settings_file.h"
+#include "common/text/excerpt.h"
 #include "common/version.h"
 
 namespace copresence::server {
@@ -41,6 +43,63 @@ bool is_given(const CLI::Option& option) {
   return option.count() > 0;
 }
 
+/// Why the server cannot start, and with which exit code.
+struct Refusal {
+  std::string what;
+  int exit_code = 2;
+};
+
+std::string names_of(const scene::Scene& scene) {
+  constexpr std::size_t kMost = 10;
+  std::vector<std::string> names;
+  for (const scene::Camera& camera : scene.cameras) {
+    if (names.size() == kMost) return fmt::format("{} and others", fmt::join(names, ", "));
+    names.push_back(text::excerpt(camera.name));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The camera of the scene file that this server is for; nullptr where the file does not say anything of it.
+tl::expected<const scene::Camera*, Refusal> camera_in(const scene::Scene& scene, ServerSettings& settings) {
+  if (settings.name.empty() && scene.cameras.size() == 1) settings.name = scene.cameras.front().name;
+  if (settings.name.empty() && settings.source.empty()) {
+    return tl::unexpected(Refusal{
+        fmt::format("{} has several cameras: choose one with --name: {}", settings.scene, names_of(scene))});
+  }
+  const scene::Camera* camera = scene.find(settings.name.empty() ? default_name(settings) : settings.name);
+  if (!camera && settings.source.empty()) {
+    return tl::unexpected(Refusal{fmt::format("{}: no camera is called \"{}\"; its cameras are {}",
+                                              settings.scene, text::excerpt(settings.name), names_of(scene)),
+                                  1});
+  }
+  if (settings.source.empty() && camera->source.empty()) {
+    return tl::unexpected(Refusal{
+        fmt::format("{} has no \"source\" for camera \"{}\": give --source", settings.scene, camera->name)});
+  }
+  return camera;
+}
+
+/// Source and listening address from the scene file, where neither command line nor settings file gives them.
+tl::expected<void, Refusal> apply_scene(CLI::App& app, ServerSettings& settings) {
+  CLI::Option& source = *app.get_option("--source");
+  CLI::Option& listen = *app.get_option("--listen");
+  if (settings.scene.empty() || (is_given(source) && is_given(listen))) return {};
+  const auto scene = scene::load(settings.scene);
+  if (!scene) return tl::unexpected(Refusal{scene.error().what, 1});
+  const auto camera = camera_in(*scene, settings);
+  if (!camera) return tl::unexpected(camera.error());
+  const auto take = [](CLI::Option& option, const std::string& value) {
+    if (is_given(option) || value.empty()) return;
+    option.add_result(value);
+    option.run_callback();
+  };
+  if (*camera) {
+    take(source, (*camera)->source);
+    take(listen, (*camera)->address);
+  }
+  return {};
+}
+
 /// A file's settings, where the command line does not have them or their opposites. Fails with FILE:LINE.
 Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
   const auto settings = scene::load_settings(path);
@@ -55,7 +114,8 @@ Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
     };
     CLI::Option* const option = app.get_option_no_throw("--" + setting.key);
     if (!option || !option->get_configurable()) {
-      return wrong(fmt::format("there is no setting \"{}\": see --help, without its dashes", setting.key));
+      return wrong(fmt::format("there is no setting \"{}\": see --help, without its dashes",
+                               text::excerpt(setting.key)));
     }
     bool is_overruled = on_the_command_line.contains(option);
     for (const CLI::Option* opposite : option->get_excludes()) {
@@ -88,17 +148,21 @@ std::map<std::string, std::string> texts_of(const CLI::App& app) {
   return texts;
 }
 
-/// All that is asked for. A file's mistakes are errors, the command line's CLI::ParseError.
-Result<ServerSettings> read(CLI::App& app, int argc, const char* const* argv) {
+/// All that is asked for. A file's mistakes are refusals, the command line's CLI::ParseError.
+tl::expected<ServerSettings, Refusal> read(CLI::App& app, int argc, const char* const* argv) {
   ServerSettings settings;
   add_flags(app, settings);
   app.parse(argc, argv);
   if (settings.list) return settings;
   if (!settings.config.empty()) {
-    if (const auto applied = apply_file(app, settings.config); !applied) return fail(applied.error());
+    if (const auto applied = apply_file(app, settings.config); !applied) {
+      return tl::unexpected(Refusal{applied.error().what});
+    }
   }
+  if (auto applied = apply_scene(app, settings); !applied) return tl::unexpected(applied.error());
   if (settings.source.empty()) {
-    throw CLI::RequiredError("--source (openni:, openni:URI, simulated:room?camera=N or FILE.oni)");
+    throw CLI::RequiredError(
+        "--source (openni:, openni:URI, simulated:room?camera=N or FILE.oni), or --scene and --name,");
   }
   if (settings.controls.projector && is_recording(settings.source)) {
     throw CLI::ValidationError("--projector-slot", "a recording has no projector: leave it out");
@@ -124,7 +188,7 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
     auto settings = read(app, argc, argv);
     if (settings) return std::move(*settings);
     fmt::print(stderr, "capture_server: {}\n", settings.error().what);
-    return tl::unexpected(2);
+    return tl::unexpected(settings.error().exit_code);
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(command_line::explain(app, error));
   }
@@ -133,7 +197,9 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
 Result<ServerSettings> read_again(int argc, const char* const* argv) {
   CLI::App app{kPurpose};
   try {
-    return read(app, argc, argv);
+    auto settings = read(app, argc, argv);
+    if (!settings) return fail(ErrorCode::kInvalid, settings.error().what);
+    return std::move(*settings);
   } catch (const CLI::ParseError& error) {
     return fail(ErrorCode::kInvalid, command_line::sentence_of(error));
   }

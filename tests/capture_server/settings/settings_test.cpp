@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "tests/capture_server/settings/settings_file.h"
 
 namespace copresence::server {
@@ -72,7 +75,9 @@ TEST(Settings, ACodecMayHaveItsParameters) {
 }
 
 TEST(Settings, PathsInTheFileAreRelativeToIt) {
-  SettingsFile file("source = \"desk.oni\"\nscene = \"room/scene.toml\"\nrecord = \"/tmp/x.oni\"\n");
+  SettingsFile file(
+      "source = \"desk.oni\"\nscene = \"room/scene.toml\"\nrecord = \"/tmp/x.oni\"\nlisten = "
+      "\"127.0.0.1:7009\"\n");
   const ServerSettings settings = settings_of(file.with());
   EXPECT_EQ(settings.source, file.in_folder("desk.oni"));
   EXPECT_EQ(settings.scene, file.in_folder("room/scene.toml"));
@@ -102,6 +107,78 @@ TEST(Settings, AFileThatIsNotThereIsRefused) {
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(read_command_line(static_cast<int>(arguments.size()), arguments.data()).error(), 2);
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("/nowhere/desk.toml"));
+}
+
+TEST(Settings, NameAHugeKeyInAShortSentence) {
+  EXPECT_LT(refusal(std::string(500'000, 'k') + " = 1\n").size(), 600u);
+  EXPECT_LT(refusal("range = \"" + std::string(500'000, '1') + "\"\n").size(), 2000u);
+}
+
+constexpr const char* kLens = "width = 640\nheight = 480\nfx = 585\nfy = 585\ncx = 320\ncy = 240\n";
+
+/// A scene file of two cameras beside a settings file that names it.
+class SettingsOfAScene : public ::testing::Test {
+ protected:
+  SettingsOfAScene() {
+    write_scene(
+        std::string("[[camera]]\nname = \"left\"\naddress = \"127.0.0.1:7011\"\nsource = \"left.oni\"\n") +
+        kLens + "[[camera]]\nname = \"right\"\nsource = \"simulated:room?camera=1\"\n" + kLens);
+  }
+  void write_scene(const std::string& text) const { std::ofstream(scene_) << text; }
+  /// Exit code and what was said.
+  std::pair<int, std::string> refusal_of(std::vector<const char*> more) const {
+    more.insert(more.begin(), {"capture_server", "--scene", scene_.c_str()});
+    ::testing::internal::CaptureStderr();
+    const auto settings = read_command_line(static_cast<int>(more.size()), more.data());
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    return {settings ? 0 : settings.error(), said};
+  }
+  ServerSettings given(std::vector<const char*> more) const {
+    more.insert(more.begin(), {"capture_server", "--scene", scene_.c_str()});
+    return settings_of(more);
+  }
+
+  SettingsFile file_{""};
+  std::string scene_ = file_.in_folder("scene.toml");
+};
+
+TEST_F(SettingsOfAScene, TakeSourceAndAddressFromItsCamera) {
+  const ServerSettings left = given({"--name", "left"});
+  EXPECT_EQ(left.source, file_.in_folder("left.oni"));
+  EXPECT_EQ(left.listen, "127.0.0.1:7011");
+  EXPECT_EQ(left.texts.at("source"), left.source);
+  const ServerSettings right = given({"--name", "right"});
+  EXPECT_EQ(right.source, "simulated:room?camera=1");
+  EXPECT_EQ(right.listen, "127.0.0.1:7001");  // by default: the file does not say
+}
+
+TEST_F(SettingsOfAScene, GiveWayToTheCommandLineAndTheSettingsFile) {
+  const ServerSettings settings =
+      given({"--name", "left", "--source", "openni:", "--listen", "127.0.0.1:7012"});
+  EXPECT_EQ(settings.source, "openni:");
+  EXPECT_EQ(settings.listen, "127.0.0.1:7012");
+  file_.write("listen = \"127.0.0.1:7013\"\nname = \"left\"\nscene = \"scene.toml\"\n");
+  const ServerSettings from_file = settings_of(file_.with());
+  EXPECT_EQ(from_file.listen, "127.0.0.1:7013");
+  EXPECT_EQ(from_file.source, file_.in_folder("left.oni"));
+}
+
+TEST_F(SettingsOfAScene, NeedNoNameWhereThereIsOneCamera) {
+  write_scene(std::string("[[camera]]\nname = \"only\"\nsource = \"openni:\"\n") + kLens);
+  EXPECT_EQ(given({}).name, "only");
+  EXPECT_EQ(given({}).source, "openni:");
+}
+
+TEST_F(SettingsOfAScene, SayWhatTheFileDoesNotTell) {
+  EXPECT_THAT(refusal_of({}), ::testing::Pair(2, HasSubstr("choose one with --name: left, right")));
+  EXPECT_THAT(refusal_of({"--name", "middle"}), ::testing::Pair(1, HasSubstr("its cameras are left, right")));
+  write_scene(std::string("[[camera]]\nname = \"left\"\n") + kLens);
+  EXPECT_THAT(refusal_of({"--name", "left"}),
+              ::testing::Pair(2, HasSubstr("no \"source\" for camera \"left\"")));
+  write_scene("[[camera]]\nname = 3\n");
+  EXPECT_THAT(refusal_of({"--name", "left"}), ::testing::Pair(1, HasSubstr("scene.toml:")));
+  std::filesystem::remove(scene_);
+  EXPECT_THAT(refusal_of({"--name", "left"}), ::testing::Pair(1, HasSubstr("there is no file")));
 }
 
 TEST(Settings, AreReadAgainFromTheFileAsItIsThen) {

@@ -1,7 +1,8 @@
 #include "render_client/eye.h"
 
+#include <spdlog/spdlog.h>
+
 #include "render_client/viewpoint/fixed_view.h"
-#include "render_client/viewpoint/opentrack_view.h"
 #include "render_client/viewpoint/path_view.h"
 
 namespace copresence::client {
@@ -10,29 +11,23 @@ namespace {
 constexpr double kPivotM = 2.0;  // about where a person stands before a Kinect
 constexpr std::string_view kPath = "path:";
 
-/// A result's value on the heap, as the interface.
-template <class View>
-Result<std::unique_ptr<viewpoint::Viewpoint>> owned(Result<View> view) {
-  if (!view) return fail(view.error());
-  return std::unique_ptr<viewpoint::Viewpoint>(std::make_unique<View>(std::move(*view)));
-}
-
 }  // namespace
 
 Result<Eye> Eye::open(const ClientSettings& settings, const scene::Scene* scene) {
   const CameraModel lens = renderer::lens_from_fov(settings.width, settings.height, settings.fov_degrees);
   const Eigen::Vector3d up = scene ? scene->up : scene::Scene{}.up;
   if (settings.view == "mouse" || (settings.view.empty() && !settings.headless)) {
-    auto orbit = std::make_unique<viewpoint::OrbitView>(up, kPivotM, settings.fov_degrees);
-    viewpoint::OrbitView* mouse = orbit.get();
-    return Eye(lens, std::move(orbit), mouse);
+    return Eye(lens, std::make_unique<viewpoint::OrbitView>(up, kPivotM, settings.fov_degrees));
   }
-  if (settings.view.empty()) return Eye(lens, std::make_unique<viewpoint::FixedView>(), nullptr);
-  auto view = settings.view == "opentrack"
-                  ? owned(viewpoint::OpentrackView::open())
-                  : owned(viewpoint::PathView::load(settings.view.substr(kPath.size()), up));
-  if (!view) return fail(view.error());
-  return Eye(lens, std::move(*view), nullptr);
+  if (settings.view.empty()) return Eye(lens, std::make_unique<viewpoint::FixedView>());
+  if (settings.view.starts_with(kPath)) {
+    auto path = viewpoint::EyePath::load(settings.view.substr(kPath.size()));
+    if (!path) return fail(path.error());
+    return Eye(lens, std::make_unique<viewpoint::PathView>(std::move(*path), up));
+  }
+  auto tracker = viewpoint::OpentrackView::open(*opentrack_port(settings.view));
+  if (!tracker) return fail(tracker.error());
+  return Eye(lens, std::make_unique<viewpoint::OpentrackView>(std::move(*tracker)));
 }
 
 void Eye::see_camera(std::size_t index, const Rigid3& world_from_camera) {
@@ -71,6 +66,12 @@ renderer::VirtualCamera Eye::at(std::uint64_t view_index, Instant now) {
   camera.lens = lens_;
   camera.world_from_eye = viewpoint_->at(view_index, now).world_from_eye;
   return camera;
+}
+
+void Eye::log_news(Instant now) {
+  while (const auto news = viewpoint_->news(now)) {
+    spdlog::log(news->is_trouble ? spdlog::level::warn : spdlog::level::info, "{}", news->text);
+  }
 }
 
 }  // namespace copresence::client

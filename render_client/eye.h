@@ -14,6 +14,7 @@
 #include "common/scene/scene.h"
 #include "render_client/renderer/merged_view.h"
 #include "render_client/settings.h"
+#include "render_client/viewpoint/opentrack_view.h"
 #include "render_client/viewpoint/orbit_view.h"
 
 namespace copresence::client {
@@ -33,14 +34,26 @@ class Eye {
 
   renderer::VirtualCamera at(std::uint64_t view_index, Instant now);
 
+  /// Writes to the log what the viewpoint has to say. To be called a few times a second, views or not.
+  void log_news(Instant now);
+
+  /// What came from the head tracker, where --view names one.
+  const viewpoint::OpentrackView::Counters* head_tracker() const {
+    return tracker_ ? &tracker_->counters() : nullptr;
+  }
+
  private:
-  Eye(const CameraModel& lens, std::unique_ptr<viewpoint::Viewpoint> viewpoint, viewpoint::OrbitView* orbit)
-      : lens_(lens), viewpoint_(std::move(viewpoint)), orbit_(orbit) {}
+  Eye(const CameraModel& lens, std::unique_ptr<viewpoint::Viewpoint> viewpoint)
+      : lens_(lens),
+        viewpoint_(std::move(viewpoint)),
+        orbit_(dynamic_cast<viewpoint::OrbitView*>(viewpoint_.get())),
+        tracker_(dynamic_cast<viewpoint::OpentrackView*>(viewpoint_.get())) {}
   void drag(const gl::MoveEvent& move, int picture_height);
 
   CameraModel lens_;
   std::unique_ptr<viewpoint::Viewpoint> viewpoint_;
   viewpoint::OrbitView* orbit_;             // the viewpoint, where it is the mouse's
+  viewpoint::OpentrackView* tracker_;       // the viewpoint, where it is a head tracker's
   std::optional<std::size_t> home_;         // index of the camera at which home is
   std::optional<gl::MoveEvent> last_move_;  // where the pointer was
 };

@@ -136,6 +136,7 @@ class Pipeline {
       for (std::size_t i : take_frames())
         pacer.frame_arrived(static_cast<int>(i), shown_[i].newest->arrived_at);
       const Instant now = steady_clock::now();
+      eye_.log_news(now);
       std::optional<Instant> due = pacer.next_render_at(now);
       if (all_over && !due && !frames_.has_waiting()) return {};
       if (!due) due = next_fading_view();
@@ -165,6 +166,7 @@ class Pipeline {
       obey_keys(events);
       show_title();
       const Instant now = steady_clock::now();
+      eye_.log_news(now);
       const bool has_fresh = !take_frames().empty();
       const auto eye = eye_.at(view_index_, now);
       const bool fades = next_fading_view().value_or(Instant::max()) <= now;
@@ -360,6 +362,7 @@ class Pipeline {
       spdlog::info("wrote {}", settings_.screenshot);
     }
     if (settings_.stats.empty()) return {};
+    if (const auto* tracker = eye_.head_tracker()) view_statistics_.head_tracker(*tracker);
     std::vector<std::string> names;
     std::vector<CameraStatistics::Snapshot> snapshots;
     for (std::size_t i = 0; i < servers_.size(); ++i) {

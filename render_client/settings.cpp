@@ -10,12 +10,13 @@
 #include "common/command_line/values.h"
 #include "common/version.h"
 #include "render_client/renderer/renderer.h"
+#include "render_client/viewpoint/opentrack_view.h"
 
 namespace copresence::client {
 namespace {
 
 bool is_view(const std::string& view) {
-  return view == "mouse" || view == "opentrack" || (view.starts_with("path:") && view.size() > 5);
+  return view == "mouse" || opentrack_port(view) || (view.starts_with("path:") && view.size() > 5);
 }
 
 bool is_png_name(std::string name) {
@@ -34,6 +35,15 @@ constexpr const char* kKeys = R"(In the window:
 The mouse, R and Home move the view with --view mouse only.)";
 
 }  // namespace
+
+std::optional<std::uint16_t> opentrack_port(const std::string& view) {
+  constexpr std::string_view kTracker = "opentrack";
+  if (!view.starts_with(kTracker)) return std::nullopt;
+  if (view.size() == kTracker.size()) return viewpoint::OpentrackView::kPort;
+  const std::string port = view.substr(kTracker.size() + 1);
+  const bool is_port = view[kTracker.size()] == ':' && command_line::whole_number(1, 65535)(port).empty();
+  return is_port ? std::optional(static_cast<std::uint16_t>(std::stoi(port))) : std::nullopt;
+}
 
 tl::expected<ClientSettings, int> read_command_line(int argc, const char* const* argv) {
   using namespace command_line;
@@ -74,8 +84,9 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
   app.add_option(
          "--view", settings.view,
          "mouse (default in a window), path:FILE (lines \"view x y z look_x look_y look_z\", metres) or "
-         "opentrack (UDP, port 4242); without a window the default is the first camera's pose")
-      ->check(must_be("mouse, path:FILE or opentrack", is_view));
+         "opentrack[:PORT] (UDP, port 4242 unless said); without a window the default is the first camera's "
+         "pose")
+      ->check(must_be("mouse, path:FILE or opentrack[:PORT]", is_view));
   app.add_option_function<std::string>(
          "--color-matching", [&](const std::string& choice) { settings.match_colors = choice == "live"; },
          "live: the colours of cameras whose pose is known are matched to the first one's where they "

@@ -19,7 +19,7 @@ struct ClientSettings {
   int width = 1280, height = 720;  ///< of the view; even
   double fps = 30;                 ///< views a second at most, headless
   double fov_degrees = 50;         ///< vertical
-  std::string view;                ///< mouse, path:FILE or opentrack; empty for the default
+  std::string view;                ///< mouse, path:FILE or opentrack[:PORT]; empty for the default
   bool match_colors = true;        ///< the cameras' colours to the first one's
   std::optional<std::uint64_t> frames;
   double stale_s = 3;      ///< a camera without a new frame is gone from the view after so many seconds
@@ -27,6 +27,9 @@ struct ClientSettings {
   std::string screenshot;  ///< PNG of the last view; empty for none
   std::string stats;       ///< JSON; empty for none
 };
+
+/// The UDP port of a `view` that is opentrack[:PORT]; nothing where it is another one.
+std::optional<std::uint16_t> opentrack_port(const std::string& view);
 
 /// What the command line asks for: settings to run with, or an exit code after --help, --version or a mistake
 /// (0 or 2, already explained on the terminal).

@@ -175,6 +175,13 @@ Result<void> write_statistics(const std::string& path, const std::vector<std::st
                   {"skew_ms", percentiles(view.skew(), {50, 95, 99})},
                   {"renderer", renderer},
                   {"size", fmt::format("{}x{}", width, height)}};
+  if (const auto& tracker = view.head_tracker()) {
+    root["view"]["head_tracker"] = {{"taken", tracker->taken},
+                                    {"wrong_size", tracker->wrong_size},
+                                    {"wrong_byte_order", tracker->wrong_byte_order},
+                                    {"not_finite", tracker->not_finite},
+                                    {"out_of_range", tracker->out_of_range}};
+  }
   const auto least_sure = std::max_element(
       snapshots.begin(), snapshots.end(),
       [](const auto& a, const auto& b) { return a.clock_uncertainty < b.clock_uncertainty; });

@@ -17,6 +17,7 @@
 #include "common/flow/stage_timing.h"
 #include "common/frame/rgbd_frame.h"
 #include "common/result.h"
+#include "render_client/viewpoint/opentrack_view.h"
 
 namespace copresence::client {
 
@@ -86,6 +87,10 @@ class ViewStatistics {
   /// Between the earliest and the latest instant that a view shows; of two cameras or more.
   void skew(Duration skew) { skew_.add(skew); }
 
+  /// What came from the head tracker; not called where there is none.
+  void head_tracker(const viewpoint::OpentrackView::Counters& counters) { head_tracker_ = counters; }
+  const std::optional<viewpoint::OpentrackView::Counters>& head_tracker() const { return head_tracker_; }
+
   std::uint64_t frames() const { return frames_; }
   const flow::StageTiming& skew() const { return skew_; }
   double fps() const;  ///< 0 below two views
@@ -95,6 +100,7 @@ class ViewStatistics {
   std::uint64_t frames_ = 0;
   Instant first_{}, last_{};
   flow::StageTiming render_time_, skew_;
+  std::optional<viewpoint::OpentrackView::Counters> head_tracker_;
 };
 
 /// Writes design section 7's JSON. Fails with a sentence that names the file.

@@ -8,9 +8,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cerrno>
-#include <cmath>
 #include <numbers>
 #include <system_error>
 #include <utility>
@@ -18,17 +17,9 @@
 namespace copresence::viewpoint {
 namespace {
 
-constexpr std::size_t kDatagramBytes = 6 * sizeof(double);
-constexpr double kMostCentimetres = 500, kMostDegrees = 180;
 /// Trackers send 250 a second; beyond this many at one view somebody floods the port, and the view must go
 /// on.
 constexpr int kMostDatagramsAtOnce = 1000;
-
-double little_endian_double(std::span<const std::uint8_t> bytes) {
-  std::uint64_t bits = 0;
-  for (int i = 7; i >= 0; --i) bits = bits << 8 | bytes[static_cast<std::size_t>(i)];
-  return std::bit_cast<double>(bits);
-}
 
 auto failure(std::uint16_t port, int error) {
   const std::string why =
@@ -63,6 +54,7 @@ Result<OpentrackView> OpentrackView::open(std::uint16_t port) {
   if (::bind(descriptor, generic, size) != 0 || ::getsockname(descriptor, generic, &size) != 0)
     return failure(port, errno);
   view.port_ = ntohs(address.sin_port);
+  view.report_ = TrackerReport(view.port_);
   return view;
 }
 
@@ -71,7 +63,8 @@ OpentrackView::OpentrackView(OpentrackView&& other) noexcept
       port_(other.port_),
       world_from_home_(std::move(other.world_from_home_)),
       head_(other.head_),
-      counters_(other.counters_) {}
+      counters_(other.counters_),
+      report_(std::move(other.report_)) {}
 
 OpentrackView& OpentrackView::operator=(OpentrackView&& other) noexcept {
   std::swap(socket_, other.socket_);
@@ -79,6 +72,7 @@ OpentrackView& OpentrackView::operator=(OpentrackView&& other) noexcept {
   world_from_home_ = other.world_from_home_;
   head_ = other.head_;
   counters_ = other.counters_;
+  report_ = std::move(other.report_);
   return *this;
 }
 
@@ -86,39 +80,49 @@ OpentrackView::~OpentrackView() {
   if (socket_ >= 0) ::close(socket_);
 }
 
-Eye OpentrackView::at(std::uint64_t, Instant) {
-  std::array<std::uint8_t, kDatagramBytes + 1> bytes;  // one more shows what is too long
-  for (int i = 0; i < kMostDatagramsAtOnce; ++i) {
-    const ssize_t size = ::recv(socket_, bytes.data(), bytes.size(), 0);
-    if (size < 0) break;  // nothing more now
-    take(std::span(bytes).first(static_cast<std::size_t>(size)));
-  }
+Eye OpentrackView::at(std::uint64_t, Instant now) {
+  take_what_has_come(now);
   return {world_from_home_ * home_from_eye(head_)};
 }
 
-void OpentrackView::take(std::span<const std::uint8_t> datagram) {
-  if (datagram.size() != kDatagramBytes) {
-    ++counters_.malformed;
-    return;
+std::optional<News> OpentrackView::news(Instant now) {
+  take_what_has_come(now);
+  return report_.next(now);
+}
+
+void OpentrackView::take_what_has_come(Instant now) {
+  std::array<std::uint8_t, 256> bytes;
+  for (int i = 0; i < kMostDatagramsAtOnce; ++i) {
+    // With MSG_TRUNC the size is the whole datagram's, however little of it fits.
+    const ssize_t size = ::recv(socket_, bytes.data(), bytes.size(), MSG_TRUNC);
+    if (size < 0) break;  // nothing more now
+    const auto whole = static_cast<std::size_t>(size);
+    take(std::span(bytes).first(std::min(whole, bytes.size())), whole, now);
   }
-  std::array<double, 6> values;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = little_endian_double(datagram.subspan(8 * i, 8));
-  if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) {
-    ++counters_.not_finite;
-    return;
+}
+
+void OpentrackView::take(std::span<const std::uint8_t> received, std::size_t size, Instant now) {
+  const auto head = read_head_pose(received, size);
+  if (head) {
+    head_ = *head;
+    ++counters_.taken;
+    return report_.took_pose(now);
   }
-  const auto within = [&](std::size_t first, double most) {
-    return std::all_of(values.begin() + static_cast<std::ptrdiff_t>(first),
-                       values.begin() + static_cast<std::ptrdiff_t>(first + 3),
-                       [most](double value) { return std::abs(value) <= most; });
-  };
-  if (!within(0, kMostCentimetres) || !within(3, kMostDegrees)) {
-    ++counters_.out_of_range;
-    return;
+  switch (head.error()) {
+    case DatagramFault::kSize:
+      ++counters_.wrong_size;
+      break;
+    case DatagramFault::kByteOrder:
+      ++counters_.wrong_byte_order;
+      break;
+    case DatagramFault::kNotFinite:
+      ++counters_.not_finite;
+      break;
+    case DatagramFault::kOutOfRange:
+      ++counters_.out_of_range;
+      break;
   }
-  head_ = {values[0], values[1], values[2], values[3], values[4], values[5]};
-  ++counters_.taken;
+  report_.refused(head.error(), received, size, now);
 }
 
 }  // namespace copresence::viewpoint

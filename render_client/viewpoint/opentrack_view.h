@@ -1,32 +1,24 @@
 #pragma once
 
-// An eye that follows a head tracker: opentrack's output "UDP over network".
+// An eye that follows a head tracker: opentrack's output "UDP over network" (head_datagram.h,
+// docs/head_tracking.md).
 //
-// A datagram is six little-endian doubles: x, y, z in centimetres, yaw, pitch, roll in degrees. Positive is
-// right, up and forward, and turned right, up and tilted to the right shoulder, as opentrack documents it (an
-// axis that a tracker gives the other way round is inverted in opentrack's mapping). The head moves the eye
-// from home by
+// The head moves the eye from home by
 //
 //   translation (x, -y, z) / 100 in metres,  rotation Ry(yaw) Rx(pitch) Rz(roll) in the eye's frame (x right,
 //   y down, z forward), so that the head first turns, then nods, then tilts.
 //
-// Anything may arrive on a port: only datagrams of 48 bytes with finite numbers in range count, the rest is
-// counted. Thread: one at a time.
+// An axis that a tracker gives the other way round is inverted in opentrack's mapping. Anything may arrive on
+// a port: what is no head pose is counted and named in news(). Thread: one at a time.
 
-#include <array>
 #include <cstdint>
-#include <span>
 
 #include "common/result.h"
+#include "render_client/viewpoint/head_datagram.h"
+#include "render_client/viewpoint/tracker_report.h"
 #include "render_client/viewpoint/viewpoint.h"
 
 namespace copresence::viewpoint {
-
-/// As it travels.
-struct HeadPose {
-  double x_cm = 0, y_cm = 0, z_cm = 0;                          ///< within 500
-  double yaw_degrees = 0, pitch_degrees = 0, roll_degrees = 0;  ///< within 180
-};
 
 /// The head's pose as a transform of the eye's frame.
 Rigid3 home_from_eye(const HeadPose& head);
@@ -36,10 +28,8 @@ class OpentrackView final : public Viewpoint {
   static constexpr std::uint16_t kPort = 4242;
 
   struct Counters {
-    std::uint64_t taken = 0;       ///< valid datagrams, shown or replaced by a newer one before a view
-    std::uint64_t malformed = 0;   ///< of another size
-    std::uint64_t not_finite = 0;  ///< with a NaN or an infinity
-    std::uint64_t out_of_range = 0;
+    std::uint64_t taken = 0;  ///< valid datagrams, shown or replaced by a newer one before a view
+    std::uint64_t wrong_size = 0, wrong_byte_order = 0, not_finite = 0, out_of_range = 0;  ///< ignored ones
   };
 
   /// Listens on the loopback interface; port 0 takes any free one.
@@ -53,19 +43,22 @@ class OpentrackView final : public Viewpoint {
   /// Takes what has arrived; the newest valid datagram counts, and stays until the next. Never waits.
   Eye at(std::uint64_t view_index, Instant now) override;
   void set_home(const Rigid3& world_from_home) override { world_from_home_ = world_from_home; }
+  std::optional<News> news(Instant now) override;
 
   const Counters& counters() const { return counters_; }
   std::uint16_t port() const { return port_; }
 
  private:
-  OpentrackView(int socket, std::uint16_t port) : socket_(socket), port_(port) {}
-  void take(std::span<const std::uint8_t> datagram);
+  OpentrackView(int socket, std::uint16_t port) : socket_(socket), port_(port), report_(port) {}
+  void take_what_has_come(Instant now);
+  void take(std::span<const std::uint8_t> received, std::size_t size, Instant now);
 
   int socket_ = -1;
   std::uint16_t port_ = 0;
   Rigid3 world_from_home_;
   HeadPose head_;
   Counters counters_;
+  TrackerReport report_;
 };
 
 }  // namespace copresence::viewpoint

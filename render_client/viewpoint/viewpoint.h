@@ -7,6 +7,8 @@
 // Thread: one at a time.
 
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "common/frame/rgbd_frame.h"
 #include "common/frame/rigid3.h"
@@ -18,6 +20,12 @@ struct Eye {
   Rigid3 world_from_eye;
 };
 
+/// A line for the log about what moves the eye.
+struct News {
+  bool is_trouble = false;
+  std::string text;
+};
+
 class Viewpoint {
  public:
   virtual ~Viewpoint() = default;
@@ -27,6 +35,9 @@ class Viewpoint {
 
   /// Where the eye stands when nobody moves it: the first camera's pose, known once that camera is there.
   virtual void set_home(const Rigid3& world_from_home) = 0;
+
+  /// What there is to say at `now`, one line at a time. Never waits; to be asked a few times a second.
+  virtual std::optional<News> news(Instant) { return std::nullopt; }
 };
 
 }  // namespace copresence::viewpoint

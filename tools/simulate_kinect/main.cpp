@@ -5,12 +5,15 @@
 
 #include "capture_server/recording/oni_writer.h"
 #include "capture_server/simulation/simulated_kinect.h"
+#include "render_client/viewpoint/eye_path.h"
+#include "render_client/viewpoint/look_at.h"
 #include "tools/simulate_kinect/output.h"
 #include "tools/simulate_kinect/settings.h"
-#include "tools/simulate_kinect/view_path.h"
 
 namespace copresence::simulate_kinect {
 namespace {
+
+const Eigen::Vector3d kUp{0, -1, 0};  // the worlds' own
 
 Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
   std::error_code problem;
@@ -64,15 +67,15 @@ Result<void> record(const Settings& settings, const std::shared_ptr<const simula
 
 Result<void> show_truth(const Settings& settings, const std::shared_ptr<const simulation::World>& world,
                         const std::filesystem::path& path_file) {
-  const auto path = ViewPath::load(path_file);
+  const auto path = viewpoint::EyePath::load(path_file);
   if (!path) return fail(path.error());
   const auto folder = make_folder(settings.folder / "truth" / path_file.stem());
   if (!folder) return fail(folder.error());
   const CameraModel model = camera_from_field_of_view(settings.truth_width, settings.truth_height,
                                                       settings.truth_fov_deg * std::numbers::pi / 180);
   for (int frame = 0; frame < settings.frames; ++frame) {
-    const auto stop = path->at(frame);
-    auto camera = simulation::TrueCamera::make(world, model, simulation::look_from(stop.eye, stop.look));
+    const auto place = path->at(static_cast<std::uint64_t>(frame));
+    auto camera = simulation::TrueCamera::make(world, model, viewpoint::look_at(place.eye, place.look, kUp));
     if (!camera) return fail(camera.error());
     const double phase = simulation::phase_of_frame(static_cast<std::uint64_t>(frame),
                                                     static_cast<std::uint64_t>(settings.frames));

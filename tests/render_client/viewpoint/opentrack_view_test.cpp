@@ -101,9 +101,20 @@ TEST_F(Opentrack, IgnoresAndCountsWhatIsNoHead) {
   send(datagram({0, 1e300, 0, 0, 0, 0}));
   EXPECT_DOUBLE_EQ(eye().translation.x(), 0.07);
   EXPECT_EQ(view.counters().taken, 1u);
-  EXPECT_EQ(view.counters().malformed, 5u);
+  EXPECT_EQ(view.counters().wrong_size, 5u);
   EXPECT_EQ(view.counters().not_finite, 2u);
   EXPECT_EQ(view.counters().out_of_range, 3u);
+}
+
+TEST_F(Opentrack, NamesWhatItIgnoresAndWhatItExpects) {
+  send(std::vector<std::uint8_t>(300, 0));
+  const auto news = view.news(Instant{});
+  ASSERT_TRUE(news);
+  EXPECT_TRUE(news->is_trouble);
+  EXPECT_THAT(news->text, testing::HasSubstr("port " + std::to_string(view.port())));
+  EXPECT_THAT(news->text, testing::HasSubstr("300 bytes"));
+  EXPECT_THAT(news->text, testing::HasSubstr("six little-endian doubles"));
+  EXPECT_FALSE(view.news(Instant{}));
 }
 
 TEST_F(Opentrack, TakesTheEndsOfTheRange) {

@@ -13,13 +13,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "common/text/excerpt.h"
+#include "common/text/text_file.h"
+
 namespace copresence::calibrate {
 
 Result<Clicks> load_clicks(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) {
-    return fail(ErrorCode::kNotFound, fmt::format("{}: cannot be read as a file of points", file.string()));
-  }
+  const auto text = text::read_text_file(file, "a file of points");
+  if (!text) return fail(text.error());
+  std::istringstream in(*text);
   Clicks clicks;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
@@ -35,8 +37,9 @@ Result<Clicks> load_clicks(const std::filesystem::path& file) {
     }
     for (const FoundMarker& other : clicks[camera]) {
       if (other.name == marker.name) {
-        return fail(ErrorCode::kInvalid, fmt::format("{}:{}: marker {} of camera {} is there twice",
-                                                     file.string(), number, marker.name, camera));
+        return fail(ErrorCode::kInvalid,
+                    fmt::format("{}:{}: marker {} of camera {} is there twice", file.string(), number,
+                                text::excerpt(marker.name), text::excerpt(camera)));
       }
     }
     clicks[camera].push_back(std::move(marker));

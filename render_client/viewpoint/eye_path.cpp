@@ -1,22 +1,22 @@
-#include "render_client/viewpoint/path_view.h"
+#include "render_client/viewpoint/eye_path.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <system_error>
 
-#include "render_client/viewpoint/look_at.h"
+#include "common/text/excerpt.h"
+#include "common/text/text_file.h"
 
 namespace copresence::viewpoint {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r\v\f";
+constexpr std::size_t kMostBytes = 16 << 20;  // a line for each view of an hour
+constexpr std::size_t kMostOfAWord = 40;
 constexpr double kFarthest = 1e6;  // metres; beyond it there is no room to look into, only a typing error
 
 std::vector<std::string_view> words_of(std::string_view line) {
@@ -42,23 +42,13 @@ std::optional<Number> number(std::string_view word) {
 
 }  // namespace
 
-Result<PathView> PathView::load(const std::filesystem::path& path, const Eigen::Vector3d& up) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    return fail(ErrorCode::kNotFound,
-                fmt::format("cannot read the path file {}: it is a folder", path.string()));
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    return fail(ErrorCode::kNotFound, fmt::format("cannot read the path file {}: {}", path.string(),
-                                                  std::generic_category().message(errno)));
-  }
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return parse(text, path.string(), up);
+Result<EyePath> EyePath::load(const std::filesystem::path& path) {
+  const auto text = text::read_text_file(path, "a path file", kMostBytes);
+  if (!text) return fail(text.error());
+  return parse(*text, path.string());
 }
 
-Result<PathView> PathView::parse(std::string_view text, std::string_view name, const Eigen::Vector3d& up) {
+Result<EyePath> EyePath::parse(std::string_view text, std::string_view name) {
   std::vector<Stop> stops;
   int line_number = 0;
   while (!text.empty()) {
@@ -75,7 +65,7 @@ Result<PathView> PathView::parse(std::string_view text, std::string_view name, c
           fmt::format("{} words where seven are expected: view x y z look_x look_y look_z", words.size()));
     }
     const auto view = number<std::uint64_t>(words[0]);
-    if (!view) return refuse(fmt::format("'{}' is no view index", words[0]));
+    if (!view) return refuse(fmt::format("'{}' is no view index", text::excerpt(words[0], kMostOfAWord)));
     if (!stops.empty() && *view <= stops.back().view) {
       return refuse(fmt::format("view {} comes after view {}: indices must rise", *view, stops.back().view));
     }
@@ -83,31 +73,33 @@ Result<PathView> PathView::parse(std::string_view text, std::string_view name, c
     for (std::size_t i = 0; i < 6; ++i) {
       const auto value = number<double>(words[i + 1]);
       if (!value || !(std::abs(*value) <= kFarthest)) {
-        return refuse(fmt::format("'{}' is no coordinate in metres", words[i + 1]));
+        return refuse(
+            fmt::format("'{}' is no coordinate in metres", text::excerpt(words[i + 1], kMostOfAWord)));
       }
       metres[i] = *value;
     }
-    stops.push_back({*view, {metres[0], metres[1], metres[2]}, {metres[3], metres[4], metres[5]}});
-    if (stops.back().eye == stops.back().look) return refuse("the eye looks at the point where it stands");
+    const Place place{{metres[0], metres[1], metres[2]}, {metres[3], metres[4], metres[5]}};
+    if (place.eye == place.look) return refuse("the eye looks at the point where it stands");
+    stops.push_back({*view, place});
   }
   if (stops.empty()) {
     return fail(
         ErrorCode::kInvalid,
         fmt::format("{}: no line says where the eye stands; write view x y z look_x look_y look_z", name));
   }
-  return PathView(std::move(stops), up);
+  return EyePath(std::move(stops));
 }
 
-Eye PathView::at(std::uint64_t view_index, Instant) {
-  const auto after = std::upper_bound(stops_.begin(), stops_.end(), view_index,
-                                      [](std::uint64_t view, const Stop& stop) { return view < stop.view; });
-  if (after == stops_.begin()) return {look_at(stops_.front().eye, stops_.front().look, up_)};
+EyePath::Place EyePath::at(std::uint64_t view) const {
+  const auto after =
+      std::upper_bound(stops_.begin(), stops_.end(), view,
+                       [](std::uint64_t wanted, const Stop& stop) { return wanted < stop.view; });
+  if (after == stops_.begin()) return stops_.front().place;
   const Stop& from = *std::prev(after);
-  if (after == stops_.end()) return {look_at(from.eye, from.look, up_)};
-  const double share =
-      static_cast<double>(view_index - from.view) / static_cast<double>(after->view - from.view);
-  return {look_at(from.eye + share * (after->eye - from.eye), from.look + share * (after->look - from.look),
-                  up_)};
+  if (after == stops_.end()) return from.place;
+  const double share = static_cast<double>(view - from.view) / static_cast<double>(after->view - from.view);
+  return {from.place.eye + share * (after->place.eye - from.place.eye),
+          from.place.look + share * (after->place.look - from.place.look)};
 }
 
 }  // namespace copresence::viewpoint

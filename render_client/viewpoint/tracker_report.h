@@ -1,0 +1,55 @@
+#pragma once
+
+// What the log says about a head tracker: that nothing comes, that poses come, what comes instead of poses.
+// Each kind of wrong datagram is named at once and then at most once a minute, however many arrive.
+//
+// Thread: one at a time.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "common/frame/rgbd_frame.h"
+#include "render_client/viewpoint/head_datagram.h"
+#include "render_client/viewpoint/viewpoint.h"
+
+namespace copresence::viewpoint {
+
+class TrackerReport {
+ public:
+  /// Nothing for this long is worth a line.
+  static constexpr std::chrono::seconds kSilence{5};
+  /// The least time between two lines of one kind.
+  static constexpr std::chrono::seconds kBetweenLines{60};
+
+  explicit TrackerReport(std::uint16_t port) : port_(port) {}
+
+  void took_pose(Instant now);
+  /// Arguments as of read_head_pose().
+  void refused(DatagramFault fault, std::span<const std::uint8_t> received, std::size_t size, Instant now);
+
+  /// The next line, if there is one to write at `now`.
+  std::optional<News> next(Instant now);
+
+ private:
+  struct Kind {
+    std::uint64_t unsaid = 0;  ///< datagrams since the last line
+    std::string latest;        ///< what was received; empty where it has been said
+    std::optional<Instant> said_at;
+  };
+  bool may_say(const std::optional<Instant>& said_at, Instant now) const {
+    return !said_at || now - *said_at >= kBetweenLines;
+  }
+  std::string where() const;
+
+  std::uint16_t port_;
+  std::optional<Instant> began_at_, heard_at_;  ///< heard: any datagram
+  bool has_pose_ = false, is_silent_ = false, pose_is_unsaid_ = false;
+  std::optional<Instant> silence_said_at_;
+  std::array<Kind, kDatagramFaults> kinds_;
+};
+
+}  // namespace copresence::viewpoint

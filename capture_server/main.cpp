@@ -11,6 +11,7 @@
 #include <functional>
 #include <thread>
 
+#include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/pipeline.h"
 #include "capture_server/running_settings.h"
 #include "capture_server/sensor/lasting_source.h"
@@ -39,6 +40,9 @@ int list_devices() {
                device.ready ? "ready" : "not ready");
     for (const std::string& mode : device.modes) fmt::print("  {}\n", mode);
     for (const std::string& problem : device.problems) fmt::print("  problem: {}\n", problem);
+    if (device.source.starts_with(drivers::kSimulatedPrefix)) {
+      fmt::print("  this and others: {}\n", drivers::simulated_cameras());
+    }
   }
   if (!any_real) {
     fmt::print("No camera is plugged in. What cameras there are and what they need: docs/cameras.md\n");

@@ -66,6 +66,11 @@ Result<SimulatedUri> parse_simulated_uri(const std::string& uri) {
   return parsed;
 }
 
+std::string simulated_cameras() {
+  return fmt::format("{}WORLD?camera=N, N from 0 to {}, WORLD one of {}", kSimulatedPrefix,
+                     simulation::kMostKinects - 1, fmt::join(simulation::World::names(), ", "));
+}
+
 Control read_control(const std::string& path) {
   if (path.empty()) return Control::kWork;
   std::ifstream file(path);

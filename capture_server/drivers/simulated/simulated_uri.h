@@ -1,7 +1,7 @@
 #pragma once
 
-// What a simulated camera is asked to be, as written: simulated:WORLD?camera=N&cameras=N&seed=N&marker=on&control=FILE
-// &projectors=FILE
+// What a simulated camera is asked to be, as written:
+// simulated:WORLD?camera=N&cameras=N&seed=N&marker=on&control=FILE &projectors=FILE
 //
 // Thread: values.
 
@@ -27,6 +27,10 @@ struct SimulatedUri {
 
 /// Fails  kInvalid, with a sentence that says what can stand there.
 Result<SimulatedUri> parse_simulated_uri(const std::string& uri);
+
+/// Which simulated cameras there are, for people: "simulated:WORLD?camera=N, N from 0 to 7, WORLD one of
+/// room, ...".
+std::string simulated_cameras();
 
 /// What a control file wants of its camera: for tests of what happens when cameras fail.
 enum class Control {

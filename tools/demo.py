@@ -1,53 +1,121 @@
 #!/usr/bin/env python3
-"""The demo: two capture servers replay data/recordings, or with --simulated are live simulated cameras at the same
-places, and one client shows the room. With a display in a window, until it is closed; without one headless along a
-path, into a picture. Ends with a table of what was measured."""
+"""The demo: two capture servers replay data/recordings, or with --simulated are live simulated cameras at the
+same places, and one client shows the room. With a display it opens a window and ends when that is closed.
+Without one it renders a path headless, into a picture. It ends with a table of what was measured."""
 import argparse
+import collections
 import json
 import os
 import pathlib
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BIN = ROOT / "build/release/bin"
 RECORDINGS = ROOT / "data/recordings"
 PICTURE = ROOT / "build/demo.png"
 CAMERAS = ("camera0", "camera1")
+FIRST_PORT = 7001
 VIEWS = 300
+HEADLESS_LIMIT_S = 300  # ten seconds of views; more only where something hangs
 
 
-def start_servers(simulated):
-    begin = time.time() + 2  # both by then, or the person would be seen at two instants
+def is_free(port):
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError:
+            return False
+    return True
+
+
+def any_free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def choose_ports(first):
+    """One port for each camera: from `first` on, or else from 7001 on where these are free."""
+    if first:
+        return [first + i for i in range(len(CAMERAS))]
+    return [port if is_free(port) else any_free_port() for port in range(FIRST_PORT, FIRST_PORT + len(CAMERAS))]
+
+
+class Server:
+    """A running capture_server; its log goes to the terminal."""
+
+    def __init__(self, name, command):
+        self.name = name
+        self.last_lines = collections.deque(maxlen=3)
+        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, errors="replace")
+        self.reader = threading.Thread(target=self.pass_on_log, daemon=True)
+        self.reader.start()
+
+    def pass_on_log(self):
+        for line in self.process.stderr:
+            self.last_lines.append(line.strip())
+            print(f"{self.name}: {line}", end="", file=sys.stderr)
+
+    def has_ended(self):
+        return self.process.poll() is not None
+
+    def last_words(self):
+        self.reader.join(1)
+        return " ".join(self.last_lines) or f"exit code {self.process.returncode}"
+
+    def stop(self):
+        if not self.has_ended():
+            self.process.send_signal(signal.SIGTERM)
+
+    def wait(self):
+        try:
+            self.process.wait(3)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+
+
+def start_servers(options, ports):
+    begin = time.time() + 2  # servers that begin at two instants would show the person twice
     servers = []
-    for index, camera in enumerate(CAMERAS):
-        source = ["--source", f"simulated:room?camera={index}"] if simulated else [
+    for index, (camera, port) in enumerate(zip(CAMERAS, ports)):
+        source = ["--source", f"simulated:room?camera={index}"] if options.simulated else [
             "--source", RECORDINGS / f"{camera}.oni", "--loop", "--start-at", f"{begin:.3f}"]
-        servers.append(subprocess.Popen(
-            [BIN / "capture_server", *source, "--name", camera, "--scene", RECORDINGS / "scene.toml",
-             "--listen", f"127.0.0.1:{7001 + index}"]))
+        servers.append(Server(camera, [options.bin / "capture_server", *source, "--name", camera, "--scene",
+                                       RECORDINGS / "scene.toml", "--listen", f"127.0.0.1:{port}"]))
     return servers
 
 
-def stop(servers):
-    for server in servers:
-        server.send_signal(signal.SIGTERM)
-    for server in servers:
-        try:
-            server.wait(3)
-        except subprocess.TimeoutExpired:
-            server.kill()
+def client_command(options, ports, stats):
+    connect = [word for port in ports for word in ("--connect", f"127.0.0.1:{port}")]
+    return [options.bin / "render_client", *connect, "--scene", RECORDINGS / "scene.toml", "--stats", stats,
+            "--screenshot", PICTURE]
 
 
-def client_command(stats):
-    command = [BIN / "render_client", "--scene", RECORDINGS / "scene.toml", "--stats", stats, "--screenshot", PICTURE]
-    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        print("A window opens: drag to look around, right button to pan, wheel to come closer. Close it to end.")
-        return command
-    return command + ["--headless", "--frames", str(VIEWS), "--view", f"path:{RECORDINGS / 'demo.path'}"]
+def watch(client, servers, limit_s):
+    """Until the client ends. Returns why it had to be ended, or None."""
+    begin = time.monotonic()
+    while client.poll() is None:
+        gone = next((server for server in servers if server.has_ended()), None)
+        if gone:
+            return f"the server of {gone.name} has ended: {gone.last_words()}"
+        if time.monotonic() - begin > limit_s:
+            return f"no {VIEWS} views within {limit_s} s"
+        time.sleep(0.1)
+    return None
+
+
+def end(process):
+    process.send_signal(signal.SIGTERM)
+    try:
+        process.wait(5)
+    except subprocess.TimeoutExpired:
+        process.kill()
 
 
 def table(stats):
@@ -61,21 +129,54 @@ def table(stats):
               f"{camera['mbps']:>7.2f} {latency['p50']:>12.1f} {latency['p95']:>6.1f}")
 
 
+def show_room(options, folder):
+    """Returns a sentence where it failed."""
+    ports = choose_ports(options.port)
+    stats = folder / "stats.json"
+    command, limit_s = client_command(options, ports, stats), float("inf")
+    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        print("A window opens: drag to look around, right button to pan, wheel to come closer. Close it to end.")
+    else:
+        command += ["--headless", "--frames", str(VIEWS), "--view", f"path:{RECORDINGS / 'demo.path'}"]
+        limit_s = HEADLESS_LIMIT_S
+    servers = start_servers(options, ports)
+    try:
+        client = subprocess.Popen(command)
+        try:
+            failed = watch(client, servers, limit_s)
+        finally:
+            if client.poll() is None:
+                end(client)
+    finally:
+        for server in servers:
+            server.stop()
+        for server in servers:
+            server.wait()
+    if failed:
+        return failed
+    if client.returncode or not stats.exists():
+        return "the client ended without a picture; its own words stand above"
+    table(json.loads(stats.read_text()))
+    return None
+
+
 def main():
     parser = argparse.ArgumentParser(prog="./run demo", description=__doc__)
     parser.add_argument("--simulated", action="store_true", help="live simulated cameras instead of recordings")
-    simulated = parser.parse_args().simulated
+    parser.add_argument("--port", type=int, metavar="N",
+                        help=f"the servers listen on ports N and N+1 [{FIRST_PORT} and {FIRST_PORT + 1}, or others where "
+                             "these are taken]")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.port is not None and not 1 <= options.port <= 65535 - len(CAMERAS) + 1:
+        parser.error(f"--port: {options.port} is not a port from 1 to {65535 - len(CAMERAS) + 1}")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    PICTURE.parent.mkdir(exist_ok=True)
     PICTURE.unlink(missing_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        stats = pathlib.Path(folder) / "stats.json"
-        servers = start_servers(simulated)
-        try:
-            client = subprocess.run(client_command(stats))
-        finally:
-            stop(servers)
-        if client.returncode or not stats.exists():
-            sys.exit("demo: the client ended without a picture; its own words stand above")
-        table(json.loads(stats.read_text()))
+        failed = show_room(options, pathlib.Path(folder))
+    if failed:
+        sys.exit(f"demo: {failed}")
     print(f"\nThe last view is in {PICTURE.relative_to(ROOT)}")
 
 

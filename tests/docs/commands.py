@@ -128,14 +128,14 @@ class PageRun:
 
     def run_fence(self, fence):
         limit_s = SOAK_LIMIT_S if fence.soak else LIMIT_S
-        if fence.fresh:
-            self.terminal.stop_all()
         for serial in fence.kinects:
             (self.kinects / serial).touch()
         for command in fence.setup:
             fault, _ = self.run_command(command, 0, limit_s)
             if fault:
                 return f"setup: {fault}"
+        if fence.fresh:
+            self.terminal.stop_all()
         said = ""
         for command in fence.commands:
             fault, output = self.run_command(command, fence.exit_code, limit_s)

@@ -6,7 +6,7 @@ what the test needs to know:
 
   <!-- test: skip REASON -->       not run, because of REASON
   <!-- test: soak -->              takes long: run by ./run soak only
-  <!-- test: fresh -->             servers that run so far are stopped first
+  <!-- test: fresh -->             servers that run so far are stopped, after what is set up
   <!-- test: output varies -->     what a console fence prints is not compared
   <!-- test: exits 1 -->           each command of the fence ends with this code
   <!-- test: setup COMMAND -->     run first: what the page's reader has already

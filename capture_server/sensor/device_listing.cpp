@@ -1,3 +1,5 @@
+#include "capture_server/sensor/device_listing.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,12 +12,6 @@
 
 namespace copresence::sensor {
 namespace {
-
-std::string_view driver_of(std::string_view uri) {
-  if (uri.starts_with("simulated:")) return drivers::kSimulated;
-  if (uri.starts_with("freenect:")) return drivers::kKinectV1;
-  return drivers::kPrimeSense;
-}
 
 std::string_view name_of(openni::PixelFormat format) {
   switch (format) {
@@ -51,7 +47,7 @@ void add_modes(openni::Device& device, openni::SensorType type, std::string_view
 DeviceListing look_at(const openni::DeviceInfo& found) {
   const std::string uri = found.getUri();
   DeviceListing entry;
-  entry.driver = driver_of(uri);
+  entry.driver = drivers::driver_of(uri);
   entry.source = entry.driver == drivers::kSimulated ? uri : "openni:" + uri;
   entry.name = fmt::format("{} {}", found.getVendor(), found.getName());
   openni::Device device;
@@ -76,25 +72,58 @@ DeviceListing look_at(const openni::DeviceInfo& found) {
   return entry;
 }
 
-// What the bus knows of the camera behind a listing: by serial number, which every Kinect tells, or the only one of its
-// kind.
-DeviceListing* find(std::vector<DeviceListing>& listing, const UsbCamera& camera) {
-  const auto same = [&](const DeviceListing& entry) {
-    return !camera.serial.empty() && entry.driver == camera.kind &&
-           entry.source.ends_with("//" + camera.serial);
-  };
-  const auto by_serial = std::find_if(listing.begin(), listing.end(), same);
-  if (by_serial != listing.end()) return &*by_serial;
-  const auto of_kind = [&](const DeviceListing& entry) { return entry.driver == camera.kind; };
-  if (std::count_if(listing.begin(), listing.end(), of_kind) != 1 || camera.kind != drivers::kPrimeSense)
-    return nullptr;
-  return &*std::find_if(listing.begin(), listing.end(), of_kind);
-}
-
 }  // namespace
 
-Result<std::vector<DeviceListing>> list_devices() {
-  const std::vector<UsbCamera> bus = find_usb_cameras();  // before we ourselves hold any
+void add_bus_facts(std::vector<DeviceListing>& listing, const std::vector<UsbCamera>& bus) {
+  std::vector<DeviceListing*> entry_of(bus.size(), nullptr);
+  const auto is_free = [&](const DeviceListing& entry) {
+    return std::find(entry_of.begin(), entry_of.end(), &entry) == entry_of.end();
+  };
+  const auto match = [&](const auto& same) {
+    for (std::size_t i = 0; i < bus.size(); ++i) {
+      if (entry_of[i]) continue;
+      const auto found = std::find_if(listing.begin(), listing.end(), [&](const DeviceListing& entry) {
+        return entry.driver == bus[i].kind && is_free(entry) && same(entry, bus[i]);
+      });
+      if (found != listing.end()) entry_of[i] = &*found;
+    }
+  };
+  match([](const DeviceListing& entry, const UsbCamera& camera) {
+    return !camera.serial.empty() && entry.source.ends_with("//" + camera.serial);
+  });
+  match([](const DeviceListing& entry, const UsbCamera& camera) {
+    return !camera.place.empty() && entry.source.ends_with(camera.place);
+  });
+  // What is left of one kind on both sides is the same camera where there is one on each.
+  const auto left_of = [&](const std::string& kind) {
+    std::size_t cameras = 0;
+    for (std::size_t i = 0; i < bus.size(); ++i)
+      cameras += !entry_of[i] && bus[i].kind == kind && !bus[i].place.empty();
+    const auto entries = std::count_if(listing.begin(), listing.end(), [&](const DeviceListing& entry) {
+      return entry.driver == kind && is_free(entry);
+    });
+    return cameras == 1 && entries == 1;
+  };
+  match([&](const DeviceListing& entry, const UsbCamera& camera) {
+    return !camera.place.empty() && left_of(entry.driver);
+  });
+
+  std::vector<DeviceListing> only_on_bus;
+  for (std::size_t i = 0; i < bus.size(); ++i) {
+    const UsbCamera& camera = bus[i];
+    DeviceListing* entry = entry_of[i];
+    if (!entry && camera.problems.empty()) continue;  // a driver calls it otherwise
+    if (!entry)
+      entry = &only_on_bus.emplace_back(
+          DeviceListing{{}, camera.model, camera.serial, camera.kind, {}, {}, false});
+    if (camera.blocked) entry->problems.clear();  // the bus knows better why it does not open
+    entry->problems.insert(entry->problems.end(), camera.problems.begin(), camera.problems.end());
+  }
+  listing.insert(listing.end(), only_on_bus.begin(), only_on_bus.end());
+}
+
+Result<std::vector<DeviceListing>> list_devices(const UsbPlaces& places) {
+  const std::vector<UsbCamera> bus = find_usb_cameras(places);  // before we ourselves hold any
   const OpenNiSession session(drivers::kEveryDriver);
   if (!session.is_up()) {
     return fail(ErrorCode::kUnavailable,
@@ -106,15 +135,7 @@ Result<std::vector<DeviceListing>> list_devices() {
   std::vector<DeviceListing> listing;
   listing.reserve(static_cast<std::size_t>(devices.getSize()) + bus.size());
   for (int i = 0; i < devices.getSize(); ++i) listing.push_back(look_at(devices[i]));
-  for (const UsbCamera& camera : bus) {
-    DeviceListing* entry = find(listing, camera);
-    if (!entry && camera.problems.empty()) continue;  // OpenNI2 calls it otherwise
-    if (!entry)
-      entry =
-          &listing.emplace_back(DeviceListing{{}, camera.model, camera.serial, camera.kind, {}, {}, false});
-    if (camera.blocked) entry->problems.clear();  // the bus knows better why it does not open
-    entry->problems.insert(entry->problems.end(), camera.problems.begin(), camera.problems.end());
-  }
+  add_bus_facts(listing, bus);
   return listing;
 }
 

@@ -7,10 +7,9 @@
 // again, since a picture slightly late disturbs less than one without colour; else there is none. The
 // counters tell.
 //
-// Thread: a source belongs to one thread at a time; next() may block and obeys its stop token. A thread that has called
-// next() lives as long as others may call it, for whatever source: OpenNI2 (2.2.0.33) keeps the numbers of all threads that
-// ever waited for a frame, and asks with pthread_kill() whether they live when a new one waits, which crashes where the
-// memory of one that has ended was given back.
+// Thread: one thread of a process opens, reads and closes all of its sources, and lives until the process ends. OpenNI2
+// (2.2.0.33) keeps the ids of all threads that have called it and later asks with pthread_kill() whether they live, which
+// crashes where the memory of one that has ended was given back. next() may block and obeys its stop token.
 
 #include <cstdint>
 #include <memory>
@@ -20,6 +19,7 @@
 #include <vector>
 
 #include "capture_server/sensor/projector_schedule.h"
+#include "capture_server/sensor/usb_cameras.h"
 #include "common/frame/camera_model.h"
 #include "common/frame/depth_unit.h"
 #include "common/frame/rgbd_frame.h"
@@ -92,7 +92,7 @@ class FrameSource {
   /// Fails  kEndOfStream (a recording's end, and when asked to stop), kCorrupt (for a second, up to four where this process gets
   ///        no core, or to its end, no depth of a recording could be decoded), kTimeout (nothing came for a second; for four where this process gets no core),
   ///        kUnavailable (the camera is gone). After kCorrupt: call again, the recording plays on at its pace. After kTimeout
-  ///        and kUnavailable: open the source again.
+  ///        and kUnavailable: open the source again, unless it does that itself (lasting_source.h).
   virtual Result<RgbdFrame> next(std::stop_token stop) = 0;
 };
 
@@ -117,7 +117,7 @@ Result<std::unique_ptr<FrameSource>> open_recording(const CheckedRecording& reco
 /// and 30 frames a second or what comes nearest, RGB8 of the same size where there is colour, depth registered to
 /// colour and both taken at once where the device can.
 /// Fails  kNotFound (no such camera), kUnavailable (held by another program, no permission), kUnsupported (no
-///        depth, or controls that the camera does not offer).
+///        depth, controls that the camera does not offer, or OpenNI2 does not start).
 Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const CameraControls& controls = {});
 
 /// The same for a camera that may be unplugged and plugged in again: see lasting_source.h. Whichever opened first is
@@ -137,8 +137,8 @@ struct DeviceListing {
 };
 
 /// Every camera that OpenNI2 sees, each opened for a moment to learn whether it can be, and those that only the USB bus
-/// shows (usb_cameras.h).
+/// shows.
 /// Fails  kUnavailable (OpenNI2 does not start).
-Result<std::vector<DeviceListing>> list_devices();
+Result<std::vector<DeviceListing>> list_devices(const UsbPlaces& places = {});
 
 }  // namespace copresence::sensor

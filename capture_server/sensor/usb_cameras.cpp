@@ -24,6 +24,7 @@ constexpr Known kCameras[] = {
     {"1d27", "0601", "Asus Xtion", "primesense"}, {"1d27", "0609", "PrimeSense", "primesense"},
 };
 constexpr std::string_view kMicrosoft = "045e", kMotor = "02b0";
+constexpr std::string_view kKinectAudio[] = {"02ad", "02bb", "02be", "02c3"};
 
 // A USB device as /sys has it.
 struct Device {
@@ -87,6 +88,23 @@ std::string hub_of(const std::string& name) {
   return name.substr(0, name.find_last_of('.'));
 }
 
+bool is_blank(const std::string& serial) {
+  return serial.find_first_not_of('0') == std::string::npos;
+}
+
+// A Kinect 1473 or for Windows has zeros for its camera's serial number. libfreenect, and so everybody, takes that of the
+// audio device on the same hub instead.
+std::string serial_of(const Device& device, const std::vector<Device>& devices) {
+  if (device.vendor != kMicrosoft || !is_blank(device.serial)) return device.serial;
+  const auto audio = std::find_if(devices.begin(), devices.end(), [&](const Device& other) {
+    const bool is_audio =
+        other.vendor == kMicrosoft &&
+        std::find(std::begin(kKinectAudio), std::end(kKinectAudio), other.product) != std::end(kKinectAudio);
+    return is_audio && !is_blank(other.serial) && hub_of(other.name) == hub_of(device.name);
+  });
+  return audio == devices.end() ? device.serial : audio->serial;
+}
+
 }  // namespace
 
 std::vector<UsbCamera> find_usb_cameras(const UsbPlaces& places) {
@@ -96,9 +114,10 @@ std::vector<UsbCamera> find_usb_cameras(const UsbPlaces& places) {
     const Known* model = known(device);
     if (!model) continue;
     UsbCamera camera{std::string(model->model),
-                     device.serial,
+                     serial_of(device, devices),
                      fmt::format("{}/{:03}/{:03}", places.nodes, device.bus, device.address),
                      std::string(model->kind),
+                     fmt::format("@{}/{}", device.bus, device.address),
                      {},
                      false};
     if (::access(camera.node.c_str(), R_OK | W_OK) != 0) {
@@ -135,6 +154,7 @@ std::vector<UsbCamera> find_usb_cameras(const UsbPlaces& places) {
                        {},
                        fmt::format("{}/{:03}/{:03}", places.nodes, device.bus, device.address),
                        "kinect_v1",
+                       {},
                        {"only its motor shows: plug in its power supply"},
                        true});
   }

@@ -19,6 +19,7 @@ ROOMS = {
     "capture_server/simulation": EDGE_TYPES,
     "capture_server/drivers/contract": EDGE_TYPES,
     "capture_server/drivers/primesense": EDGE_TYPES | {"capture_server/drivers/contract"},
+    "capture_server/drivers/installed": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/kinect_v1": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/simulated": EDGE_TYPES | {"capture_server/drivers/contract", "capture_server/simulation"},
     "capture_server/sensor": EDGE_TYPES | {"capture_server/drivers/contract"},

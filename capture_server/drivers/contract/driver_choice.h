@@ -16,10 +16,20 @@ namespace copresence::drivers {
 
 inline constexpr const char* kChoiceVariable = "COPRESENCE_DRIVERS";
 inline constexpr std::string_view kPrimeSense = "primesense", kKinectV1 = "kinect_v1",
-                                  kSimulated = "simulated";
-inline constexpr std::string_view kNoDriver = "none";                     ///< recordings need none of these
-inline constexpr std::string_view kRealCameras = "primesense,kinect_v1";  ///< names, joined by commas
-inline constexpr std::string_view kEveryDriver = "primesense,kinect_v1,simulated";
+                                  kSimulated = "simulated",
+                                  kInstalled = "installed";  ///< those that a user has installed for OpenNI2
+inline constexpr std::string_view kNoDriver = "none";        ///< recordings need none of these
+/// Names, joined by commas.
+inline constexpr std::string_view kOtherThanKinects = "primesense,installed",
+                                  kRealCameras = "primesense,kinect_v1,installed",
+                                  kEveryDriver = "primesense,kinect_v1,installed,simulated";
+
+/// The driver of a camera by what OpenNI2 calls it. Those of others are called VENDOR/PRODUCT@BUS/ADDRESS, mostly.
+inline std::string_view driver_of(std::string_view uri) {
+  if (uri.starts_with("simulated:")) return kSimulated;
+  if (uri.starts_with("freenect:")) return kKinectV1;
+  return uri.starts_with("1d27/") ? kPrimeSense : kInstalled;
+}
 
 /// Whether the driver with this name is to work in this process.
 inline bool is_chosen(std::string_view driver) {

@@ -68,8 +68,9 @@ class PushStream : public oni::driver::StreamBase {
   OniVideoMode mode() const;
   void set_lens(const Lens& lens);
 
-  /// One picture on its way: to be written, then sent. What is not sent is given back. As long as there is one, stop() waits
-  /// for it, so its stream stays; no lock is held meanwhile, since OpenNI2 calls stop() and properties under locks of its own.
+  /// One picture on its way: to be written, then sent. What is not sent is given back. As long as there is one, stop()
+  /// waits for it, so its stream stays. The stream holds no lock meanwhile, since OpenNI2 calls stop() and properties under
+  /// locks of its own. A device may hold a lock while next_picture() asks OpenNI2 for memory, but none when it sends.
   class Picture {
    public:
     /// All of it, row by row from the top, its values unspecified before they are written. Requires a `Pixel` of the mode's size.

@@ -1,12 +1,13 @@
 #pragma once
 
-// The one thread that talks to one Kinect: libfreenect's calls for a device and its transfers are not to be mixed between
-// threads. Others hand it work and wait.
+// The one thread that talks to one Kinect: libfreenect's calls for a device and its transfers are not to be
+// mixed between threads. Others hand it work and wait.
 //
 // Thread: run() from any thread but this one.
 
 #include <libfreenect.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -21,11 +22,16 @@ namespace copresence::drivers {
 
 class FreenectThread {
  public:
-  /// Opens the Kinect with this serial number and keeps its transfers going. `on_lost` is called once, on the thread,
-  /// when they fail; from then on run() fails.
-  /// Fails  kUnavailable with libfreenect's words.
+  /// How long opening may take: some of libfreenect's transfers have no limit of their own.
+  static constexpr std::chrono::milliseconds kOpensWithin{20'000};
+
+  /// Opens the Kinect with this serial number and keeps its transfers going. `on_lost` is called once, on the
+  /// thread, when they fail; from then on run() fails.
+  /// Fails  kUnavailable with libfreenect's words, or where the Kinect does not answer within `opens_within`. The thread
+  ///        then stays behind until it does, and closes the device.
   static Result<std::unique_ptr<FreenectThread>> open(const std::string& serial,
-                                                      std::function<void()> on_lost);
+                                                      std::function<void()> on_lost,
+                                                      std::chrono::milliseconds opens_within = kOpensWithin);
   /// Closes the device.
   ~FreenectThread();
   FreenectThread(const FreenectThread&) = delete;
@@ -35,22 +41,27 @@ class FreenectThread {
   int run(const std::function<int(freenect_device*)>& work);
 
  private:
-  FreenectThread(std::string serial, std::function<void()> on_lost);
-  void live(const std::stop_token& stop);
-  bool open_device();
-  void do_work();
+  // What the thread works with: it may outlive the object where it does not answer.
+  struct Shared {
+    std::string serial;
+    std::function<void()> on_lost;
+    FreenectContext context;
+    freenect_device* device = nullptr;
 
-  const std::string serial_;
-  const std::function<void()> on_lost_;
-  FreenectContext context_;
-  freenect_device* device_ = nullptr;
+    std::mutex mutex;
+    std::condition_variable changed;
+    enum class State { kOpening, kRefused, kOpen, kLost } state = State::kOpening;
+    std::string refusal;
+    const std::function<int(freenect_device*)>* work = nullptr;  // that somebody waits for
+    int result = 0;
+  };
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  enum class State { kOpening, kRefused, kOpen, kLost } state_ = State::kOpening;
-  std::string refusal_;
-  const std::function<int(freenect_device*)>* work_ = nullptr;  // that somebody waits for
-  int result_ = 0;
+  explicit FreenectThread(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
+  static void live(Shared& shared, const std::stop_token& stop);
+  static bool open_device(Shared& shared);
+  static void do_work(Shared& shared);
+
+  const std::shared_ptr<Shared> shared_;
   std::mutex one_at_a_time_;  // of those who have work
   std::jthread thread_;
 };

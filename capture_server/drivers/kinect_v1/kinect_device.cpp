@@ -58,6 +58,7 @@ KinectDevice::KinectDevice(std::string serial, Explain explain)
 }
 
 Lens KinectDevice::lens_of(OniSensorType type) const {
+  const std::lock_guard lock(settings_);
   return type == ONI_SENSOR_DEPTH ? depth_lens() : type == ONI_SENSOR_COLOR ? kColorLens : kDepthLens;
 }
 

@@ -55,13 +55,13 @@ class KinectDevice final : public PushDevice {
   OniStatus set_projector(bool shines);
   OniStatus set_flag(freenect_flag flag, bool on, const char* what);
   Lens lens_of(OniSensorType type) const override;
-  Lens depth_lens() const;
+  Lens depth_lens() const;  // with settings_ held
   OniStatus depth_of_disparity(void* data, int* size);
 
   const std::string serial_;
   const Explain explain_;
 
-  std::mutex settings_;  // of the next ones
+  mutable std::mutex settings_;  // of the next ones
   bool registered_ = false, projector_ = true;
   bool near_mode_ = false, auto_exposure_ = true, auto_white_balance_ = true;
 

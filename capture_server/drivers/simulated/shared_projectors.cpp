@@ -1,6 +1,7 @@
 #include "capture_server/drivers/simulated/shared_projectors.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -14,6 +15,10 @@ namespace copresence::drivers {
 namespace {
 
 constexpr std::size_t kBytes = simulation::kMostKinects * sizeof(std::uint32_t);
+
+bool is_alive(std::uint32_t process) {
+  return process != 0 && (::kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM);
+}
 
 }  // namespace
 
@@ -38,12 +43,12 @@ SharedProjectors::~SharedProjectors() {
 
 void SharedProjectors::set(std::size_t camera, bool shines) {
   assert(camera < simulation::kMostKinects);
-  std::atomic_ref(entries_[camera]).store(shines ? 1 : 0);
+  std::atomic_ref(entries_[camera]).store(shines ? static_cast<std::uint32_t>(::getpid()) : 0);
 }
 
 simulation::Projectors SharedProjectors::shining() const {
   simulation::Projectors on;
-  for (std::size_t i = 0; i < simulation::kMostKinects; ++i) on[i] = std::atomic_ref(entries_[i]).load() == 1;
+  for (std::size_t i = 0; i < simulation::kMostKinects; ++i) on[i] = is_alive(std::atomic_ref(entries_[i]).load());
   return on;
 }
 

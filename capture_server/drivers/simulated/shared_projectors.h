@@ -1,7 +1,7 @@
 #pragma once
 
 // Which simulated projectors shine, between processes: real ones meet in the room's air, these in a small file that every
-// camera of the room maps. A camera that nobody runs is dark.
+// camera of the room maps. A camera that nobody runs is dark, also where its process was killed.
 //
 // Thread: any; one process writes a camera's entry.
 
@@ -30,7 +30,7 @@ class SharedProjectors {
  private:
   explicit SharedProjectors(std::uint32_t* entries) : entries_(entries) {}
 
-  std::uint32_t* entries_;  // kMostKinects of them: 1 shines
+  std::uint32_t* entries_;  // kMostKinects of them: the process whose camera shines, 0 where it is dark
 };
 
 }  // namespace copresence::drivers

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
+#include "capture_server/drivers/kinect_v1/freenect_thread.h"
 #include "capture_server/sensor/frame_source.h"
 #include "tests/capture_server/drivers/fake_kinects.h"
 #include "tests/support/fake_freenect/fake_scene.h"
@@ -188,6 +191,78 @@ TEST_F(KinectCamera, IsNotMissedWhileItWaitsForItsTurn) {
   }
   unplug("A1");
   EXPECT_EQ(end_of(**source), ErrorCode::kUnavailable);
+}
+
+TEST_F(KinectCamera, ThatIsSlowToOpenIsWaitedFor) {
+  plug_in("A1", "slow_open=1.5");
+  const auto source = sensor::open_device("freenect://A1");
+  ASSERT_TRUE(source) << source.error().what;
+  EXPECT_TRUE((*source)->next({}));
+}
+
+TEST_F(KinectCamera, ThatNeverAnswersIsRefusedAndItsThreadEndsWhenItDoes) {
+  plug_in("A1", "blocked");
+  const auto opened = drivers::FreenectThread::open(
+      "A1", [] { ADD_FAILURE() << "it was never open"; }, milliseconds(300));
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(opened.error().what, "the Kinect does not answer within 0.3 s: unplug it and plug it in again");
+  plug_in("A1");
+  EXPECT_TRUE(drivers::FreenectThread::open("A1", [] {}));
+}
+
+// The USB bus of a machine as /sys has it, for a Kinect of the fake library.
+class KinectListing : public KinectCamera {
+ protected:
+  void show_on_bus(const std::string& name, const std::string& product, int address,
+                   const std::string& serial) const {
+    const auto device = bus_ / ("sys/" + name);
+    std::filesystem::create_directories(device);
+    for (const auto& [file, text] : {std::pair<std::string, std::string>("idVendor", "045e"),
+                                     {"idProduct", product},
+                                     {"busnum", "1"},
+                                     {"devnum", std::to_string(address)},
+                                     {"speed", "12"},
+                                     {"serial", serial}})
+      std::ofstream(device / file) << text << "\n";
+    std::filesystem::create_directories(bus_ / "dev/001");
+    std::ofstream(bus_ / ("dev/001/0" + std::to_string(address)));
+  }
+  std::vector<sensor::DeviceListing> kinects() const {
+    auto listing = sensor::list_devices({bus_ / "sys", bus_ / "dev", bus_ / "proc"});
+    EXPECT_TRUE(listing);
+    if (!listing) return {};
+    std::erase_if(*listing, [](const auto& entry) { return entry.driver != "kinect_v1"; });
+    return *listing;
+  }
+
+  testing::TemporaryFolder bus_;
+};
+
+TEST_F(KinectListing, ShowsAModel1473OnceWithWhatTheBusKnows) {
+  plug_in("B2", "1473");  // its serial number is its audio device's
+  show_on_bus("1-4.1", "02ad", 11, "AUDIOB2");
+  show_on_bus("1-4.2", "02ae", 12, std::string(16, '0'));
+  const auto listed = kinects();
+  ASSERT_EQ(listed.size(), 1u);
+  EXPECT_EQ(listed[0].source, "openni:freenect://AUDIOB2");
+  EXPECT_TRUE(listed[0].ready);
+  EXPECT_THAT(listed[0].problems, ::testing::ElementsAre(::testing::HasSubstr("12 Mbit/s")));
+  EXPECT_TRUE(sensor::open_device("freenect://AUDIOB2"));
+}
+
+TEST_F(KinectListing, ShowsTwoOfModel1473AndOneFor1414OnceEach) {
+  plug_in("B2", "1473");
+  plug_in("C3", "1473 windows");
+  plug_in("A1");
+  show_on_bus("1-4.1", "02ad", 11, "AUDIOB2");
+  show_on_bus("1-4.2", "02ae", 12, std::string(16, '0'));
+  show_on_bus("1-5.1", "02be", 21, "AUDIOC3");
+  show_on_bus("1-5.2", "02bf", 22, std::string(16, '0'));
+  show_on_bus("1-6.2", "02ae", 32, "A1");
+  const auto listed = kinects();
+  ASSERT_EQ(listed.size(), 3u);
+  for (const auto& entry : listed) EXPECT_TRUE(entry.ready) << entry.source;
 }
 
 }  // namespace

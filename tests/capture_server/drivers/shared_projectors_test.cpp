@@ -1,6 +1,9 @@
 #include "capture_server/drivers/simulated/shared_projectors.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/support/process.h"
 
@@ -19,6 +22,22 @@ TEST(SharedProjectors, AreSeenByEveryoneWhoOpensTheFile) {
   EXPECT_TRUE(late->shining()[3]);
   other->set(3, false);
   EXPECT_TRUE(one->shining().none());
+}
+
+TEST(SharedProjectors, GoDarkWithTheProcessThatIsKilled) {
+  testing::TemporaryFolder folder;
+  const auto air = SharedProjectors::open(folder / "air");
+  ASSERT_TRUE(air);
+  const pid_t process = ::fork();
+  if (process == 0) {
+    SharedProjectors::open(folder / "air")->set(2, true);
+    while (true) ::pause();
+  }
+  while (air->shining().none()) ::usleep(1000);
+  EXPECT_TRUE(air->shining()[2]);
+  ::kill(process, SIGKILL);
+  ::waitpid(process, nullptr, 0);
+  EXPECT_TRUE(air->shining().none());
 }
 
 TEST(SharedProjectors, NameTheFileThatCannotBe) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "capture_server/sensor/device_listing.h"
 #include "tests/support/process.h"
 
 namespace copresence::sensor {
@@ -107,6 +108,71 @@ TEST_F(UsbCameras, WithoutPowerShowOnlyTheirMotor) {
   const auto cameras = find();
   ASSERT_EQ(cameras.size(), 2u);
   EXPECT_THAT(cameras[1].problems, ElementsAre(HasSubstr("power supply")));
+}
+
+TEST_F(UsbCameras, OfTheModels1473AndForWindowsHaveTheirAudioDevicesSerialNumber) {
+  const std::string zeros(16, '0');
+  plug_in("1-4.1", "045e", "02ad", 1, 10, "A44887B00366047A");
+  plug_in("1-4.2", "045e", "02ae", 1, 11, zeros);
+  plug_in("2-3.1", "045e", "02be", 2, 20, "B00366047A44887B");
+  plug_in("2-3.3", "045e", "02bf", 2, 21, zeros);
+  plug_in("3-1.1", "045e", "02ae", 3, 30, "A00366802032047A");  // a 1414 beside its audio device
+  plug_in("3-1.2", "045e", "02ad", 3, 31, "A00366802032047A");
+  plug_in("4-1.1", "045e", "02ae", 4, 40, zeros);  // its audio device does not show
+  const auto cameras = find();
+  ASSERT_EQ(cameras.size(), 4u);
+  EXPECT_EQ(cameras[0].serial, "A44887B00366047A");
+  EXPECT_EQ(cameras[1].serial, "B00366047A44887B");
+  EXPECT_EQ(cameras[2].serial, "A00366802032047A");
+  EXPECT_EQ(cameras[3].serial, zeros);
+}
+
+DeviceListing listed(const std::string& source, const std::string& driver) {
+  return {source, "a camera", "", driver, {}, {}, true};
+}
+UsbCamera on_bus(const std::string& serial, const std::string& kind, const std::string& place,
+                 const std::string& problem = "") {
+  UsbCamera camera{"model", serial, "", kind, place, {}, false};
+  if (!problem.empty()) camera.problems.push_back(problem);
+  return camera;
+}
+
+TEST(BusFacts, BelongToTheCameraWithTheSameSerialNumber) {
+  std::vector<DeviceListing> listing{listed("openni:freenect://A1", "kinect_v1"),
+                                     listed("openni:freenect://B2", "kinect_v1")};
+  add_bus_facts(listing, {on_bus("B2", "kinect_v1", "@1/5", "too slow"), on_bus("A1", "kinect_v1", "@1/6")});
+  ASSERT_EQ(listing.size(), 2u);
+  EXPECT_THAT(listing[0].problems, IsEmpty());
+  EXPECT_THAT(listing[1].problems, ElementsAre("too slow"));
+}
+
+TEST(BusFacts, BelongToTheCameraAtTheSamePlace) {
+  std::vector<DeviceListing> listing{listed("openni:1d27/0601@1/5", "primesense"),
+                                     listed("openni:1d27/0601@1/6", "primesense")};
+  add_bus_facts(listing,
+                {on_bus("", "primesense", "@1/6", "too slow"), on_bus("", "primesense", "@1/5", "shared")});
+  ASSERT_EQ(listing.size(), 2u);
+  EXPECT_THAT(listing[0].problems, ElementsAre("shared"));
+  EXPECT_THAT(listing[1].problems, ElementsAre("too slow"));
+}
+
+TEST(BusFacts, BelongToTheOnlyCameraThatIsLeftOfItsKind) {
+  // A driver that may not open the audio device reports zeros or something else: still one camera, listed once.
+  std::vector<DeviceListing> listing{listed("openni:freenect://A1", "kinect_v1"),
+                                     listed("openni:freenect://0000000000000000", "kinect_v1")};
+  add_bus_facts(listing, {on_bus("A1", "kinect_v1", "@1/5"), on_bus("C3", "kinect_v1", "@1/6", "too slow")});
+  ASSERT_EQ(listing.size(), 2u);
+  EXPECT_THAT(listing[1].problems, ElementsAre("too slow"));
+}
+
+TEST(BusFacts, ListACameraThatNoDriverFoundAndNeverTwoAsOne) {
+  std::vector<DeviceListing> listing{listed("openni:freenect://A1", "kinect_v1")};
+  add_bus_facts(
+      listing, {on_bus("C3", "kinect_v1", "@1/5", "no power"), on_bus("D4", "kinect_v1", "@1/6", "no rule")});
+  ASSERT_EQ(listing.size(), 3u);
+  EXPECT_EQ(listing[1].source, "");
+  EXPECT_THAT(listing[1].problems, ElementsAre("no power"));
+  EXPECT_THAT(listing[2].problems, ElementsAre("no rule"));
 }
 
 TEST_F(UsbCameras, AreNoneOnAMachineWithoutUsb) {

@@ -9,6 +9,10 @@
 //   busy            it does not open                      no_motor     it opens only without its motor
 //   windows         it is one for Windows: near mode      crash        the process dies inside the library
 //   still           every picture is a stream's first: drawing costs nothing, for benchmarks
+//   slow_open=S     opening takes S seconds               blocked      no control transfer returns: opening, starting,
+//                                                                      stopping, settings
+//   1473            it is a model 1473: its camera has no serial number, and libfreenect calls it by that of its audio
+//                   device, which is AUDIO and the file's name
 //
 // Removing the file unplugs the Kinect. Its clock wraps half a second after its start.
 
@@ -25,6 +29,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -93,7 +98,24 @@ std::vector<std::string> serials() {
   return found;
 }
 
+constexpr std::string_view kAudio = "AUDIO";
+
+bool says(const std::string& serial, const char* word);
+
+// What libfreenect calls the Kinect of a file.
+std::string announced(const std::string& file) {
+  return says(file, "1473") ? std::string(kAudio) + file : file;
+}
+
+// The file of a Kinect; a name that no file has where there is none.
+std::string file_of(const std::string& serial) {
+  if (!serial.starts_with(kAudio)) return says(serial, "1473") ? "" : serial;
+  const std::string file = serial.substr(kAudio.size());
+  return says(file, "1473") ? file : "";
+}
+
 bool is_there(const std::string& serial) {
+  if (serial.empty()) return false;
   std::error_code none;
   return std::filesystem::exists(bus() / serial, none);
 }
@@ -110,6 +132,19 @@ bool says(const std::vector<std::string>& words, const char* word) {
 }
 bool says(const std::string& serial, const char* word) {
   return says(words_of(serial), word);
+}
+
+// A control transfer of libfreenect has no time limit.
+void transfer(const std::string& serial) {
+  while (says(serial, "blocked")) std::this_thread::sleep_for(kLookEvery);
+}
+
+void take_time_to_open(const std::string& serial) {
+  constexpr std::string_view kSlowOpen = "slow_open=";
+  for (const std::string& word : words_of(serial)) {
+    if (word.starts_with(kSlowOpen))
+      std::this_thread::sleep_for(std::chrono::duration<double>(std::atof(word.c_str() + kSlowOpen.size())));
+  }
 }
 
 int refuse(freenect_context* context, const char* why) {
@@ -183,6 +218,7 @@ bool work(freenect_device& device, steady_clock::time_point now) {
 }
 
 int start(freenect_device* device, Stream& stream, microseconds offset) {
+  transfer(device->serial);
   if (device->dead || stream.running) return -1;
   stream.begin = steady_clock::now();
   if (says(device->serial, "slow_start")) stream.begin += std::chrono::seconds(2);
@@ -253,7 +289,7 @@ int freenect_list_device_attributes(freenect_context*, freenect_device_attribute
   *list = nullptr;
   const auto all = serials();
   for (auto serial = all.rbegin(); serial != all.rend(); ++serial)
-    *list = new freenect_device_attributes{*list, ::strdup(serial->c_str())};
+    *list = new freenect_device_attributes{*list, ::strdup(announced(*serial).c_str())};
   return static_cast<int>(all.size());
 }
 
@@ -274,11 +310,14 @@ void freenect_select_subdevices(freenect_context* context, freenect_device_flags
 }
 
 int freenect_open_device_by_camera_serial(freenect_context* context, freenect_device** device,
-                                          const char* serial) {
+                                          const char* announced_serial) {
+  const std::string serial = file_of(announced_serial);
   if (!is_there(serial)) return refuse(context, "Couldn't find a device with that serial\n");
   if (says(serial, "busy")) return refuse(context, "Could not claim interface on camera: -6\n");
   const bool wants_motor = context->parts & FREENECT_DEVICE_MOTOR;
   if (wants_motor && says(serial, "no_motor")) return refuse(context, "Could not open motor: -4\n");
+  take_time_to_open(serial);
+  transfer(serial);
   auto* made = new freenect_device;
   made->context = context;
   made->serial = serial;
@@ -314,11 +353,13 @@ int freenect_start_video(freenect_device* device) {
   return start(device, device->video, microseconds(9000));
 }
 int freenect_stop_depth(freenect_device* device) {
+  transfer(device->serial);
   const bool running = device->depth.running;
   device->depth.running = false;
   return running ? 0 : -1;
 }
 int freenect_stop_video(freenect_device* device) {
+  transfer(device->serial);
   const bool running = device->video.running;
   device->video.running = false;
   return running ? 0 : -1;
@@ -363,12 +404,14 @@ int freenect_set_video_mode(freenect_device* device, freenect_frame_mode mode) {
 }
 
 int freenect_set_flag(freenect_device* device, freenect_flag flag, freenect_flag_value) {
+  transfer(device->serial);
   if (flag == FREENECT_NEAR_MODE && !says(device->serial, "windows"))
     return refuse(device->context, "near mode is only available on a K4W\n");
   return device->dead ? -1 : 0;
 }
 
 int freenect_update_tilt_state(freenect_device* device) {
+  transfer(device->serial);
   return device->has_motor && !device->dead ? 0 : -1;
 }
 freenect_raw_tilt_state* freenect_get_tilt_state(freenect_device* device) {
@@ -378,11 +421,13 @@ double freenect_get_tilt_degs(freenect_raw_tilt_state* state) {
   return state->tilt_angle / 2.0;
 }
 int freenect_set_tilt_degs(freenect_device* device, double degrees) {
+  transfer(device->serial);
   if (!device->has_motor || device->dead) return -1;
   device->tilt.tilt_angle = static_cast<std::int8_t>(degrees * 2);
   return 0;
 }
 int freenect_set_led(freenect_device* device, freenect_led_options) {
+  transfer(device->serial);
   return device->has_motor && !device->dead ? 0 : -1;
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
-// What the sensor gave, as a recording: every frame's depth bit by bit, every colour picture once, both with the
-// sensor's own times. Before registration, range and hole filling, so that a replay goes the whole way again.
+// What the sensor gave, as a recording: every frame's depth bit by bit, every colour picture once, both with
+// the sensor's own times. Before registration, range and hole filling, so that a replay goes the whole way
+// again.
 //
-// The file is named as asked. Where a file of that name exists, the first free one of `name-2.oni`, `name-3.oni` and so
-// on is created: a recording never overwrites a file, also when a crashed capture begins anew or when several servers
-// begin at once.
+// The file is named as asked. Where a file of that name exists, the first free one of `name-2.oni`,
+// `name-3.oni` and so on is created: a recording never overwrites a file, also when a crashed capture begins
+// anew or when several servers begin at once.
 //
 // Thread: one thread at a time.
 
@@ -20,8 +21,8 @@
 
 namespace copresence::server {
 
-/// A recording's time from the sensor's: it never goes back. A sensor that begins to count anew (plugged in again)
-/// goes on where it was, later by what passed meanwhile on this process's clock. Thread: a value.
+/// A recording's time from the sensor's: it never goes back. A sensor that begins to count anew (plugged in
+/// again) goes on where it was, later by what passed meanwhile on this process's clock. Thread: a value.
 class RecordingClock {
  public:
   /// The recording's zero minus the sensor's for this frame and those after it.

@@ -1,7 +1,7 @@
 // capture_server: streams one RGB-D camera or recording. See settings.cpp for its command line.
 //
-// The parent owns the listening socket and waits; the child does all the work, so that a crash in a driver costs a
-// sentence or a fresh start and never the port.
+// The parent owns the listening socket and supervises; the child does all the work. So a crash in a driver
+// costs a fresh start and never the port.
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -9,12 +9,11 @@
 
 #include <csignal>
 #include <functional>
-#include <thread>
 
+#include "capture_server/capture_thread.h"
 #include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/pipeline.h"
 #include "capture_server/running_settings.h"
-#include "capture_server/sensor/lasting_source.h"
 #include "capture_server/settings.h"
 #include "capture_server/source.h"
 #include "capture_server/supervisor.h"
@@ -50,27 +49,40 @@ int list_devices() {
   return 0;
 }
 
+// Reads the settings file again where the child before may have done so. A file whose reading crashed is left
+// alone: the server goes on with what it began with.
+void catch_up(RunningSettings& settings, const Heartbeat& heartbeat) {
+  const Predecessor& predecessor = heartbeat.predecessor();
+  if (!predecessor.existed || settings.now().config.empty()) return;
+  if (predecessor.crashed_while == RunningSettings::kReading) {
+    spdlog::warn(
+        "{}: reading it again crashed; the server goes on with the settings that it was started with",
+        settings.now().config);
+    return;
+  }
+  settings.read_again();
+}
+
 int stream(RunningSettings& settings, const wire::ListeningSocket& listening, Heartbeat& heartbeat) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("capture_server"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
-  const bool has_file = !settings.now().config.empty();
-  // The child before may have read its file again since.
-  if (has_file && heartbeat.replaces_another()) settings.read_again();
-  flow::StopOnSignal signals(has_file ? [&settings] { settings.read_again(); } : std::function<void()>());
-  std::signal(SIGXFSZ, SIG_IGN);  // a recording that grows beyond a limit is a sentence, not a crash
-  while (true) {
-    const ServerSettings now = settings.now();
-    const auto ran =
-        run_pipeline(now, listening, settings.rates(), signals.token(), [&] { heartbeat.beat(); });
-    if (ran) return 0;
-    // What crashed was a camera being unplugged, perhaps: it was there once, so it is waited for.
-    const bool may_come = heartbeat.replaces_another() && (ran.error().code == ErrorCode::kNotFound ||
-                                                           ran.error().code == ErrorCode::kUnavailable);
-    if (!may_come) return say(ran.error());
-    heartbeat.beat();
-    std::this_thread::sleep_for(sensor::LastingSource::kBetweenTries);
-    if (signals.token().stop_requested()) return 0;
+  const auto read_again = [&] {
+    const auto activity = heartbeat.doing(RunningSettings::kReading, "mend the file of --config");
+    settings.read_again();
+  };
+  {
+    const auto activity = heartbeat.doing(RunningSettings::kReading, "mend the file of --config");
+    catch_up(settings, heartbeat);
   }
+  const bool has_file = !settings.now().config.empty();
+  flow::StopOnSignal signals(has_file ? read_again : std::function<void()>());
+  std::signal(SIGXFSZ, SIG_IGN);  // a recording that grows beyond a limit is a sentence, not a crash
+  CaptureThread capture;
+  const ServerSettings now = settings.now();
+  const auto ran = run_pipeline(now, listening, settings.rates(), signals.token(), heartbeat, capture);
+  if (signals.token().stop_requested() && (ran || ran.error().code == ErrorCode::kEndOfStream))
+    return kEndedBySignal;
+  return ran ? 0 : say(ran.error());
 }
 
 }  // namespace
@@ -88,6 +100,6 @@ int main(int argc, char** argv) {
   const bool recording = is_recording(settings->source);
   RunningSettings running(argc, argv, *settings);
   return supervise(
-      {.subject = settings->source, .passes_hangup = !settings->config.empty(), .restart = !recording},
+      {.subject = settings->source, .passes_hangup = !settings->config.empty(), .plays_recording = recording},
       [&](Heartbeat& heartbeat) { return stream(running, *listening, heartbeat); });
 }

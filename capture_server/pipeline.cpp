@@ -11,6 +11,7 @@
 
 #include "capture_server/frame_encoding.h"
 #include "capture_server/recording_thread.h"
+#include "capture_server/sensor/lasting_source.h"
 #include "capture_server/source.h"
 #include "common/flow/freshness.h"
 #include "common/flow/latest.h"
@@ -23,7 +24,7 @@
 namespace copresence::server {
 namespace {
 
-// A stop must be over within a second, and the supervisor kills what is silent for five.
+// A stop must be over within a second.
 constexpr std::chrono::milliseconds kDrainWhenStopped{400}, kDrainAtTheEnd{3000};
 
 /// A frame on its way from the capture to the encode thread, with the sensor's losses as they stood when it
@@ -33,10 +34,14 @@ struct Captured {
   sensor::SourceCounters pictures;
 };
 
-/// A viewer on this machine goes before new frames for it: a frame more waits, and no view stutters. What a
-/// recording's player reads ahead is wanted last: it begins with the next frame just when the one it gave
-/// away is in a hurry.
+/// Steps of nice. Encoding gives way to a render_client on the same machine, whose view would stutter: a
+/// frame more of latency is better. A recording's player, which reads ahead on threads of its own, gives way
+/// to encoding, too: it begins with the next frame just when the last one is being encoded.
 constexpr int kStepsBehindTheView = 5, kStepsBehindAll = 10;
+
+/// Between two tries to open a camera, and between two sentences about it.
+constexpr std::chrono::milliseconds kBetweenTries = sensor::LastingSource::kBetweenTries;
+constexpr std::chrono::seconds kBetweenSentences{10};
 
 void name_this_thread(const char* name) {
   pthread_setname_np(pthread_self(), name);
@@ -55,19 +60,45 @@ Result<std::optional<scene::Camera>> camera_in_scene(const ServerSettings& setti
   return std::optional(*camera);
 }
 
-/// A recording's player runs on threads that OpenNI2 makes here, with the nice of the one that opens it. A
-/// camera's do not give way: they have the USB to serve.
-Result<std::unique_ptr<sensor::FrameSource>> open_source_to_play(const ServerSettings& settings,
-                                                                 std::optional<Instant> begin) {
-  Result<std::unique_ptr<sensor::FrameSource>> source;
-  std::jthread opener([&] {
-    if (is_recording(settings.source)) flow::give_way(kStepsBehindAll);
-    source = open_source(
-        settings.source,
-        {.pace = settings.pace, .loop = settings.loop, .begin = begin, .controls = settings.controls});
-  });
-  opener.join();
+/// On the capture thread. Cameras' threads keep their priority: they have the USB to serve.
+Result<std::unique_ptr<sensor::FrameSource>> open_source_once(const ServerSettings& settings,
+                                                              std::optional<Instant> begin) {
+  const flow::NewThreads player;
+  auto source = open_source(
+      settings.source,
+      {.pace = settings.pace, .loop = settings.loop, .begin = begin, .controls = settings.controls});
+  if (is_recording(settings.source)) player.give_way(kStepsBehindAll);
   return source;
+}
+
+/// After a crash the camera was there before: "not found" then means unplugged, or that its driver still
+/// holds it. Any other error is final, and so is every error of a recording.
+bool may_come_back(const Error& error, const ServerSettings& settings, const Heartbeat& heartbeat) {
+  return heartbeat.predecessor().existed && !is_recording(settings.source) &&
+         (error.code == ErrorCode::kNotFound || error.code == ErrorCode::kUnavailable);
+}
+
+/// Fails with kEndOfStream when asked to stop.
+Result<std::unique_ptr<sensor::FrameSource>> open_source_to_play(const ServerSettings& settings,
+                                                                 std::optional<Instant> begin,
+                                                                 const std::stop_token& stop,
+                                                                 Heartbeat& heartbeat,
+                                                                 CaptureThread& capture) {
+  heartbeat.enter(Stage::kOpening);
+  std::optional<Instant> said;
+  while (true) {
+    heartbeat.main().open();
+    Result<std::unique_ptr<sensor::FrameSource>> source;
+    capture.run([&] { source = open_source_once(settings, begin); });
+    if (source || !may_come_back(source.error(), settings, heartbeat)) return source;
+    const Instant now = std::chrono::steady_clock::now();
+    if (!said || now >= *said + kBetweenSentences) {
+      said = now;
+      spdlog::warn("{}; waiting for it", source.error().what);
+    }
+    wait_for(kBetweenTries, stop);
+    if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
+  }
 }
 
 /// When a recording is to begin, by the clock that its frames are played by.
@@ -92,12 +123,22 @@ std::string in_words(const Rates& rates) {
                           : fmt::format("qp {}", rates.depth_qp);
 }
 
+/// A source is closed by the thread that opened it.
+void close_source(CaptureThread& capture, std::unique_ptr<sensor::FrameSource> source, Heartbeat& heartbeat) {
+  heartbeat.main().open();
+  capture.run([&] { source.reset(); });
+  heartbeat.main().rest();
+}
+
 class Pipeline {
  public:
   Pipeline(const ServerSettings& settings, std::optional<Instant> begin,
            std::unique_ptr<sensor::FrameSource> source, std::unique_ptr<RecordingThread> recording,
-           FrameEncoding encoding, std::unique_ptr<wire::FrameServer> server, flow::Latest<Rates>& rates)
-      : settings_(settings),
+           FrameEncoding encoding, std::unique_ptr<wire::FrameServer> server, flow::Latest<Rates>& rates,
+           Heartbeat& heartbeat, CaptureThread& capture)
+      : heartbeat_(heartbeat),
+        capture_(capture),
+        settings_(settings),
         begin_(begin),
         rates_(settings.rates),
         new_rates_(rates),
@@ -106,29 +147,46 @@ class Pipeline {
         encoding_(std::move(encoding)),
         server_(std::move(server)) {}
 
+  ~Pipeline() { close_source(capture_, std::move(source_), heartbeat_); }
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
+
   /// On the thread that opened the encoding: a graphics context may belong to it.
-  Result<void> run(const std::stop_token& stop, const std::function<void()>& alive) {
-    std::jthread wire([this](const std::stop_token& end) {
+  Result<void> run(const std::stop_token& stop) {
+    heartbeat_.enter(Stage::kRunning);
+    heartbeat_.main().rest();  // it encodes, which has a pulse of its own
+    std::jthread wire([this, pulse = heartbeat_.pulse("wire")](const std::stop_token& end) mutable {
       name_this_thread("wire");
-      server_->run(end);
+      server_->run(end, [&] { pulse.beat(); });
+      pulse.rest();
     });
     Result<void> captured;
     const std::stop_callback stop_too(stop, [this] { end_capture_.request_stop(); });
-    std::jthread capture([&] {
-      name_this_thread("capture");
-      captured = capture_frames(end_capture_.get_token(), alive);
+    auto capture_ended = capture_.begin([&, pulse = heartbeat_.pulse("capture")]() mutable {
+      captured = capture_frames(end_capture_.get_token(), pulse);
       captured_.close();
+      pulse.rest();
     });
-    const Result<void> encoded = encode_frames();
+    const Result<void> encoded = encode_frames(heartbeat_.pulse("encode"));
     end_capture_.request_stop();
-    capture.join();
+    capture_ended.get();
+    heartbeat_.enter(Stage::kEnding);
     say_what_was_left_out(source_->counters());
+    // The disk has its time while the viewers are told.
     if (recording_) recording_->end(stop.stop_requested() ? kDrainWhenStopped : kDrainAtTheEnd);
 
     const Result<void>& result = encoded ? captured : encoded;
     server_->end(farewell(result, stop));
     wire.join();
     return result;
+  }
+
+  /// After run(): waits until what is to be recorded is written, however long the disk takes.
+  void finish_recording() {
+    if (!recording_) return;
+    const auto activity =
+        heartbeat_.doing(fmt::format("writing the last frames of {}", recording_->path()), "");
+    recording_.reset();
   }
 
  private:
@@ -139,11 +197,12 @@ class Pipeline {
     return std::string(has_all_frames_ ? wire::kAllFramesAreSent : wire::kRecordingIsOver);
   }
 
-  Result<void> capture_frames(const std::stop_token& stop, const std::function<void()>& alive) {
-    wait_for_the_beginning(stop, alive);
+  Result<void> capture_frames(const std::stop_token& stop, Pulse& pulse) {
+    wait_for_the_beginning(stop, pulse);
     while (!stop.stop_requested()) {
+      may_open_anew() ? pulse.open() : pulse.beat();
       auto frame = source_->next(stop);
-      alive();
+      pulse.beat();
       if (!frame) {
         if (frame.error().code == ErrorCode::kEndOfStream) return {};
         if (!goes_on(frame.error())) return fail(frame.error());
@@ -151,7 +210,10 @@ class Pipeline {
         continue;
       }
       say_frames_again();
+      has_begun_ = true;
       const std::uint64_t sequence = frame->stamp.sequence;
+      heartbeat_.captured(sequence);
+      if (keeps_every_frame()) pulse.rest();  // the disk and the encoder set the pace
       if (recording_) recording_->offer(*frame, keeps_every_frame(), stop);
       if (keeps_every_frame()) captured_.wait_until_taken(stop);
       captured_.put({std::move(*frame), source_->counters()});
@@ -163,20 +225,23 @@ class Pipeline {
     return {};
   }
 
+  // Whether the source's next() may take as long as opening a camera and waiting for its first frame.
+  bool may_open_anew() const { return !is_recording(settings_.source) && (!has_begun_ || no_frames_since_); }
+
   // A recording that is played as fast as frames can be sent waits for the encoder.
   bool keeps_every_frame() const {
     return settings_.pace == sensor::SourceSettings::Pace::kFast && is_recording(settings_.source);
   }
 
   // Until shortly before: the source itself waits for the instant.
-  void wait_for_the_beginning(const std::stop_token& stop, const std::function<void()>& alive) const {
+  void wait_for_the_beginning(const std::stop_token& stop, Pulse& pulse) const {
     constexpr std::chrono::milliseconds kShortly{200};
     if (!begin_) return;
     const std::chrono::duration<double> ahead = *begin_ - std::chrono::steady_clock::now();
     if (ahead > kShortly) spdlog::info("{}: begins in {:.1f} s", settings_.name, ahead.count());
     while (!stop.stop_requested() && std::chrono::steady_clock::now() + kShortly < *begin_) {
+      pulse.beat();
       wait_for(kShortly, stop);
-      alive();
     }
   }
 
@@ -215,7 +280,7 @@ class Pipeline {
   }
 
   /// Until the capture ends and its last frame is encoded. Fails with what no later frame can mend.
-  Result<void> encode_frames() {
+  Result<void> encode_frames(Pulse pulse) {
     flow::give_way(kStepsBehindTheView);
     flow::WorkerPool workers(std::thread::hardware_concurrency() > 1 ? 2 : 1, "encode");
     bool keyframe_owed = false;      // a frame that was to be one failed
@@ -225,7 +290,8 @@ class Pipeline {
     const Duration period = std::chrono::duration_cast<Duration>(
         std::chrono::duration<double>(1 / encoding_.description().frames_per_second));
     for (Instant free = std::chrono::steady_clock::now(); auto captured = captured_.take({});
-         free = std::chrono::steady_clock::now()) {
+         free = std::chrono::steady_clock::now(), pulse.rest()) {
+      pulse.beat();
       if (const auto rates = new_rates_.try_take()) change_rates(*rates);
       const std::uint64_t sequence = captured->frame.stamp.sequence;
       if (sequence > last) encoder_busy += sequence - last - 1;
@@ -269,6 +335,8 @@ class Pipeline {
     rates_before_ = std::exchange(rates_, rates);
   }
 
+  Heartbeat& heartbeat_;
+  CaptureThread& capture_;
   const ServerSettings& settings_;
   const std::optional<Instant> begin_;
   Rates rates_;
@@ -281,34 +349,52 @@ class Pipeline {
   flow::Latest<Captured> captured_;
   std::stop_source end_capture_;
   std::optional<ErrorCode> no_frames_since_;  ///< what for; the capture thread's, as the next
-  bool damage_is_said_ = false;
+  bool damage_is_said_ = false, has_begun_ = false;
   bool has_all_frames_ = false;  // that --frames asks for
 };
 
 }  // namespace
 
 Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
-                          flow::Latest<Rates>& rates, const std::stop_token& stop,
-                          const std::function<void()>& alive) {
-  const auto camera = camera_in_scene(settings);
+                          flow::Latest<Rates>& rates, const std::stop_token& stop, Heartbeat& heartbeat,
+                          CaptureThread& capture) {
+  const auto camera = [&] {
+    const auto activity = heartbeat.doing(fmt::format("reading the scene file {}", settings.scene),
+                                          "mend that file or start without --scene");
+    return camera_in_scene(settings);
+  }();
   if (!camera) return fail(camera.error());
   const std::optional<Instant> begin = beginning(settings);
-  auto source = open_source_to_play(settings, begin);
+  auto source = open_source_to_play(settings, begin, stop, heartbeat, capture);
   if (!source) return fail(source.error());
-  auto encoding = FrameEncoding::open((*source)->description(), *camera ? &**camera : nullptr, settings);
-  if (!encoding) return fail(encoding.error());
+  heartbeat.enter(Stage::kPreparing);
+  const auto give_up = [&](const Error& why) {
+    close_source(capture, std::move(*source), heartbeat);
+    return fail(why);
+  };
+  auto encoding = [&] {
+    const auto activity = heartbeat.doing("preparing to fill holes and to encode",
+                                          "start it with --compute cpu, which needs no graphics driver");
+    return FrameEncoding::open((*source)->description(), *camera ? &**camera : nullptr, settings);
+  }();
+  if (!encoding) return give_up(encoding.error());
   auto server = wire::FrameServer::open(listening, encoding->description());
-  if (!server) return fail(server.error());
-  auto recording = begin_recording(settings, (*source)->description());
-  if (!recording) return fail(recording.error());
-  alive();
+  if (!server) return give_up(server.error());
+  auto recording = [&] {
+    const auto activity = heartbeat.doing(fmt::format("creating the recording {}", settings.record),
+                                          "its disk does not answer: record to another one");
+    return begin_recording(settings, (*source)->description());
+  }();
+  if (!recording) return give_up(recording.error());
   spdlog::info("{}: {}x{} {}, depth {} at {}, on {}", settings.name, encoding->description().model.width,
                encoding->description().model.height,
                encoding->description().has_color ? "depth and colour" : "depth only", settings.codec,
                in_words(settings.rates), listening.address());
-  return Pipeline(settings, begin, std::move(*source), std::move(*recording), std::move(*encoding),
-                  std::move(*server), rates)
-      .run(stop, alive);
+  Pipeline pipeline(settings, begin, std::move(*source), std::move(*recording), std::move(*encoding),
+                    std::move(*server), rates, heartbeat, capture);
+  auto ran = pipeline.run(stop);
+  pipeline.finish_recording();
+  return ran;
 }
 
 }  // namespace copresence::server

@@ -29,18 +29,46 @@ RgbdFrame copy_for_recording(const RgbdFrame& frame) {
 
 RecordingThread::RecordingThread(FrameRecording recording) : recording_(std::move(recording)) {
   spdlog::info("recording to {}", recording_.path());
-  thread_ = std::jthread([this] { run(); });
+  thread_ = std::jthread([this] {
+    run();
+    written_.set_value();
+  });
 }
 
 RecordingThread::~RecordingThread() {
   waiting_.close();
   Instant never = Instant::max();
   give_up_at_.compare_exchange_strong(never, steady_clock::now());
+  const auto written = written_.get_future();
+  const Instant since = steady_clock::now();
+  while (written.wait_for(kSayEvery) == std::future_status::timeout) {
+    spdlog::warn(
+        "{}: waiting for the disk to take the last frames, for {:.0f} s so far: it is slow or stands still",
+        recording_.path(), std::chrono::duration<double>(steady_clock::now() - since).count());
+  }
 }
 
 void RecordingThread::offer(const RgbdFrame& frame, bool may_wait, std::stop_token stop) {
-  if (may_wait && !over_) waiting_.wait_for_room(std::move(stop));
-  if (over_ || !waiting_.has_room() || !waiting_.put(copy_for_recording(frame))) ++left_out_;
+  if (may_wait) wait_for_room(stop);
+  if (over_ || !waiting_.has_room() || !waiting_.put(copy_for_recording(frame))) leave_out();
+}
+
+void RecordingThread::wait_for_room(const std::stop_token& stop) {
+  const Instant since = steady_clock::now();
+  while (!over_ && !waiting_.wait_for_room(stop, kSayEvery) && !stop.stop_requested()) {
+    spdlog::warn("{}: waiting for the disk, which has taken nothing for {:.0f} s: it is slow or stands still",
+                 recording_.path(), std::chrono::duration<double>(steady_clock::now() - since).count());
+  }
+}
+
+void RecordingThread::leave_out() {
+  const std::uint64_t left_out = ++left_out_;
+  const Instant now = steady_clock::now();
+  if (over_ || left_out == said_left_out_ || now < said_left_out_at_ + kSayEvery) return;
+  said_left_out_ = left_out;
+  said_left_out_at_ = now;
+  spdlog::warn("{}: {} frames left out so far: the disk or this machine is too slow to record",
+               recording_.path(), left_out);
 }
 
 void RecordingThread::end(milliseconds drain_for) {
@@ -62,12 +90,6 @@ void RecordingThread::run() {
       if (auto safe = recording_.checkpoint(); !safe) stop_recording(safe.error());
       checkpoint_at_ = now + kCheckpointEvery;
     }
-    if (left_out_ > said_left_out_ && now >= said_at_ + kSayEvery && !over_) {
-      said_left_out_ = left_out_;
-      said_at_ = now;
-      spdlog::warn("{}: {} frames left out so far: the disk or this machine is too slow to record",
-                   recording_.path(), said_left_out_);
-    }
   }
   if (!over_) return finish();
   spdlog::info("{}: {} frames left out in all, since its recording ended early", recording_.path(),
@@ -80,9 +102,8 @@ void RecordingThread::write(const RgbdFrame& frame) {
   ++left_out_;
   if (written.error().code == ErrorCode::kUnavailable) {
     stop_recording(written.error());
-  } else if (const Instant now = steady_clock::now(); now >= said_at_ + kSayEvery) {
-    said_at_ = now;
-    said_left_out_ = left_out_;
+  } else if (const Instant now = steady_clock::now(); now >= said_refused_at_ + kSayEvery) {
+    said_refused_at_ = now;
     spdlog::warn("frame {} is left out of the recording: {}", frame.stamp.sequence, written.error().what);
   }
 }

@@ -25,6 +25,9 @@ SettingsChange change(const ServerSettings& running, const ServerSettings& wante
 
 class RunningSettings {
  public:
+  /// What read_again() does, for sentences about it.
+  static constexpr const char* kReading = "reading the settings file of --config again";
+
   /// Of a command line that read_command_line() took, and what it came to; it must live as long as this.
   RunningSettings(int argc, const char* const* argv, ServerSettings begun_with);
 

@@ -1,55 +1,72 @@
 #pragma once
 
-// A small parent that outlives what OpenNI2 and drivers do to a process: one child does all the work; when a
-// crash or a hang takes it, a recording ends with a sentence, a camera gets a new child. Sockets that were
-// open before stay open for the children, so clients find the same address.
+// A small parent process that outlives what OpenNI2 and camera drivers do to a process. One child does all
+// the work and reports how it gets on (heartbeat.h). When it crashes, hangs, is killed or is suspended, the
+// parent says what happened and starts another child, or resumes it. Sockets that were open before stay open
+// for the children, so clients find the same address.
 //
-// Thread: supervise() is called by the only thread of the process, before any library has begun threads of
+// Thread: supervise() is called by the only thread of the process, before any library has started threads of
 // its own.
 
+#include <sys/types.h>
+
 #include <chrono>
+#include <csignal>
 #include <functional>
 #include <string>
 
+#include "capture_server/heartbeat.h"
+
 namespace copresence {
 
-/// How a child says that it is alive: often, from the loop that captures frames.
-/// Thread: any thread of the child.
-class Heartbeat {
- public:
-  /// `pipe` is written to, never blocking; stays its owner's.
-  explicit Heartbeat(int pipe, bool replaces_another = false)
-      : pipe_(pipe), replaces_another_(replaces_another) {}
-
-  /// Cheap enough for every frame: one system call.
-  void beat();
-
-  /// Whether this child takes the place of one that crashed or hung.
-  bool replaces_another() const { return replaces_another_; }
-
- private:
-  int pipe_;
-  bool replaces_another_;
-};
+/// What a child returns that ended because SIGTERM asked it to.
+inline constexpr int kEndedBySignal = 128 + SIGTERM;
 
 struct SupervisorPolicy {
   std::string subject;         ///< what the child works on, for sentences: a file, a camera
   bool passes_hangup = false;  ///< SIGHUP goes on to the child, which waits for it, instead of ending both
-  bool restart = false;  ///< a camera: a crashed or hanging child is replaced; a recording: it is the end
-  std::chrono::milliseconds silence{5000};         ///< without a heartbeat a child hangs and is killed
-  std::chrono::milliseconds first_silence{20000};  ///< before the first one: opening a camera takes its time
-  std::chrono::milliseconds stop_within{800};      ///< after SIGTERM or SIGINT; then it is killed
-  std::chrono::milliseconds first_pause{
-      100};  ///< before a new child; doubles with every one in a row, up to:
+  bool plays_recording =
+      false;  ///< a crash or hang that recurs at the same place of a recording ends the server
+
+  /// A working thread that gives no beat for this long hangs. The time in which the child got no core is
+  /// added, up to six times this; time in which the child was suspended or traced, or the parent did not run,
+  /// does not count.
+  std::chrono::milliseconds silence{5000};
+  std::chrono::milliseconds opening{
+      25000};  ///< the same for opening a camera (20 s) and its first frame (5 s)
+
+  /// A child that was asked to stop is killed after this, plus the time in which it got no core, at most
+  /// `stop_starved`.
+  std::chrono::milliseconds stop_within{800}, stop_starved{8000};
+  std::chrono::milliseconds second_stop_after{
+      150};  ///< signals closer together are one request (timeout(1) sends two)
+
+  std::chrono::milliseconds first_pause{100};  ///< before a new child; doubles with each one in a row, up to:
   std::chrono::milliseconds longest_pause{2000};
   std::chrono::milliseconds healthy_after{10000};  ///< a child that lived this long ends such a row
   int most_in_a_row = 10;                          ///< then it gives up
+  std::uint64_t same_place = 90;                   ///< frames that two crashes at one place may be apart
+
+  /// How long the threads of a process got no core so far, summed up; by default the kernel's account.
+  std::function<std::chrono::nanoseconds(pid_t)> starvation = {};
 };
 
-/// Runs `child_main` in a child and waits for it. Forwards SIGTERM and SIGINT as SIGTERM, SIGHUP where asked to (a child begins with
-/// that blocked, so that none comes too early for it), and leaves none behind: a child dies with its parent. Returns what `child_main` returned; 0 when it was asked to stop and
-/// did not live to say; 1, after one sentence on standard error, when a child crashed, hung or did not stop
-/// in time and there is no other. Forks are this function's alone: it takes every child's end as its child's.
+/// Runs `child_main` in a child process and waits for it.
+///
+/// The first SIGTERM or SIGINT becomes a SIGTERM for the child; a SIGINT after that kills it. The child
+/// begins with SIGINT ignored, which a terminal sends to both, and with SIGHUP blocked where that is passed
+/// on. It dies with its parent.
+///
+/// A child that a crash, a hang or somebody else's signal ended is replaced; one that was suspended is
+/// resumed after `silence`. Each of these is one sentence on standard error. The end of the server is a crash
+/// or hang that recurs at the same place of a recording, a crash that recurs during the same
+/// Heartbeat::Activity while preparing, a death while ending, and `most_in_a_row` deaths without a healthy
+/// child between.
+///
+/// Returns what `child_main` returned; 0 after a stop, also where the child crashed on its way or was still
+/// opening its source; 1, after a sentence, where the child did not stop in time or there is no other child;
+/// 128 plus SIGINT's number after a second Ctrl-C. This function takes every child process's end as its
+/// child's.
 int supervise(const SupervisorPolicy& policy, const std::function<int(Heartbeat&)>& child_main);
 
 }  // namespace copresence

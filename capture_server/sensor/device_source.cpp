@@ -5,6 +5,7 @@
 
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
+#include "capture_server/sensor/cpu_starvation.h"
 #include "capture_server/sensor/device_facts.h"
 #include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/lasting_source.h"
@@ -21,6 +22,8 @@ constexpr Duration kStallAfter = std::chrono::seconds(1);
 // A Kinect's projector and exposure take their time.
 constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
+// What counts as silence of a slice that took longer: this process was suspended then.
+constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::uint64_t kSettledAfter = 60;  // frames
 
@@ -44,11 +47,11 @@ class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
   std::atomic<bool> gone_ = false;
 };
 
+// Those that a process needs for one camera. An installed driver may serve PrimeSense's cameras, too.
 std::string_view drivers_for(std::string_view uri) {
   if (uri.empty()) return drivers::kRealCameras;
-  if (uri.starts_with("simulated:")) return drivers::kSimulated;
-  if (uri.starts_with("freenect:")) return drivers::kKinectV1;
-  return drivers::kPrimeSense;
+  const std::string_view driver = drivers::driver_of(uri);
+  return driver == drivers::kPrimeSense ? drivers::kOtherThanKinects : driver;
 }
 
 class DeviceSource final : public FrameSource {
@@ -139,7 +142,7 @@ Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::Sens
 
 Result<void> DeviceSource::start() {
   if (!session_.is_up()) {
-    return fail(ErrorCode::kUnavailable,
+    return fail(ErrorCode::kUnsupported,
                 fmt::format("OpenNI2 does not start: {}; install the package libopenni2-0 again",
                             last_open_ni_error()));
   }
@@ -270,7 +273,9 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
   openni::VideoStream* streams[] = {&depth_, &color_};
   const int stream_count = description_.has_color ? 2 : 1;
   const Duration dark = controls_.projector ? Duration(controls_.projector->round()) : Duration(0);
-  const Instant give_up = steady_clock::now() + dark + (counters_.frames ? kStallAfter : kFirstFrameAfter);
+  WatchedTime time;
+  const Instant give_up =
+      time.look(kMostALook) + dark + (counters_.frames ? kStallAfter : kFirstFrameAfter);
   Instant waits_until = Instant::max();  // for colour
   while (true) {
     // A camera that is dark may send no depth: what did not come then is not lost.
@@ -291,7 +296,7 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
     if (gone_->gone()) {
       return fail(ErrorCode::kUnavailable, fmt::format("{}: unplugged; plug it in again", description_.name));
     }
-    if (now > give_up) {
+    if (time.look(kMostALook) > give_up) {
       return fail(ErrorCode::kTimeout,
                   fmt::format("{}: it sends no frames; unplug it and plug it in again", description_.name));
     }

@@ -1,7 +1,7 @@
 #pragma once
 
-// A camera that may go and come back: unplugged, silent or with failing transfers it is opened again until it is there,
-// and its frames go on counting.
+// A camera that may go and come back: unplugged, silent or with failing transfers it is opened again until it
+// is there, and its frames go on counting.
 //
 // Thread: as FrameSource.
 
@@ -26,9 +26,9 @@ class LastingSource final : public FrameSource {
   const SensorDescription& description() const override { return description_; }
   SourceCounters counters() const override;
 
-  /// As FrameSource::next(), but for kUnavailable and kTimeout: after these call it again. It returns at least once
-  /// per try, so that its caller can say what happens and that it lives. Fails with kUnsupported when what came back is
-  /// another kind of camera.
+  /// As FrameSource::next(), but after kUnavailable and kTimeout call it again. That call looks for the
+  /// camera once and may open it, which takes a slow one up to 20 s, and waits for its first frame. Fails
+  /// with kUnsupported when what came back is another kind of camera.
   Result<RgbdFrame> next(std::stop_token stop) override;
 
  private:

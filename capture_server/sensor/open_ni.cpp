@@ -9,7 +9,7 @@
 
 #include "capture_server/drivers/contract/device_properties.h"
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/sensor/core_shortage.h"
+#include "capture_server/sensor/cpu_starvation.h"
 
 namespace copresence::sensor {
 

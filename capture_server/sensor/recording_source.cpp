@@ -10,7 +10,7 @@
 
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/color_pairing.h"
-#include "capture_server/sensor/core_shortage.h"
+#include "capture_server/sensor/cpu_starvation.h"
 #include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/open_ni.h"
 #include "capture_server/sensor/playback_schedule.h"
@@ -27,10 +27,12 @@ using std::chrono::steady_clock;
 // A damaged recording may fall silent, or come without any depth. So may a player that gets no core: it is given the time
 // that it lost, up to what the supervisor takes for a hang.
 constexpr Duration kUsualSilence = std::chrono::seconds(1);
-constexpr Patience kPatience{kUsualSilence, std::chrono::seconds(4)};
+constexpr StallTimeout kStallTimeout{kUsualSilence, std::chrono::seconds(4)};
 // How long next() may keep its caller without a frame, though all is well but for the pictures.
 constexpr Duration kSignOfLife = std::chrono::seconds(1);
 constexpr int kSliceMs = 50;  // how long a stop request may go unseen
+// What counts as silence of a slice that took longer: this process was suspended then.
+constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::size_t kDepthsAhead = 4;  // how far a recording's colour may lag behind its depth in the file
 
@@ -285,7 +287,8 @@ Result<RgbdFrame> RecordingSource::wait_out(const std::stop_token& stop) {
 
 Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::stop_token& stop) {
   const bool has_color = recording_.description.has_color;
-  const Instant begin = steady_clock::now();
+  WatchedTime time;
+  const Instant begin = time.look(kMostALook);
   Instant heard = begin;      // of the player
   Instant had_depth = begin;  // of which a pair has not come yet: its colour may be late
   std::optional<std::uint64_t> position;
@@ -297,19 +300,19 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     const std::size_t depths_before = pairing_.waiting();
     const bool got_one = read_one();
-    if (pairing_.waiting() > depths_before) had_depth = steady_clock::now();
+    const Instant now = time.look(kMostALook);
+    if (pairing_.waiting() > depths_before) had_depth = now;
     const bool everything_read = !repeats_ && depth_track_.at_end() && (!has_color || color_track_.at_end());
     if (everything_read || (!got_one && end_.ended())) {
       if (const auto end = reach_end(); !end) return fail(end.error());
       continue;
     }
-    const Instant now = steady_clock::now();
     if (!got_one && !position) {
       position = read_position_beside(file_.number());
       waited_before = waited_for_a_core();
     }
     const auto has_had_time = [&](Duration silent) {
-      return kPatience.is_over(silent,
+      return kStallTimeout.is_over(silent,
                                waited_before ? waited_for_a_core() - *waited_before : Duration::zero());
     };
     if (got_one) {

@@ -5,6 +5,7 @@
 //
 // Thread: any number of threads may call any member at any time.
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -27,10 +28,10 @@ class InOrder {
     return !closed_ && values_.size() < capacity_;
   }
 
-  /// Waits for room; false when closed or asked to stop.
-  bool wait_for_room(std::stop_token stop) {
+  /// Waits for room, for `at_most`; false when there is none, when closed or asked to stop.
+  bool wait_for_room(std::stop_token stop, std::chrono::milliseconds at_most) {
     std::unique_lock lock(mutex_);
-    room_.wait(lock, stop, [this] { return closed_ || values_.size() < capacity_; });
+    room_.wait_for(lock, stop, at_most, [this] { return closed_ || values_.size() < capacity_; });
     return !closed_ && values_.size() < capacity_;
   }
 

@@ -53,7 +53,8 @@ class FrameServer::Loop {
     return {};
   }
 
-  void run(const std::stop_token& stop) {
+  void run(const std::stop_token& stop, std::function<void()> alive) {
+    alive_ = std::move(alive);
     const std::stop_callback halt(stop, [this] { io_.stop(); });
     accept();
     sweep();
@@ -128,6 +129,7 @@ class FrameServer::Loop {
   }
 
   void sweep() {
+    if (alive_) alive_();
     for (const auto& session : sessions_) session->close_if_overdue(Clock::now());
     forget_closed();
     publish();  // bytes_sent
@@ -204,6 +206,7 @@ class FrameServer::Loop {
   asio::steady_timer sweeper_{io_}, accept_again_{io_}, flush_{io_};
   Session::Stream stream_;
   std::vector<std::shared_ptr<Session>> sessions_;
+  std::function<void()> alive_;
   bool ending_ = false;
 
   // Everybody's.
@@ -229,8 +232,8 @@ Result<std::unique_ptr<FrameServer>> FrameServer::open(const ListeningSocket& so
 FrameServer::FrameServer(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
 FrameServer::~FrameServer() = default;
 
-void FrameServer::run(std::stop_token stop) {
-  loop_->run(stop);
+void FrameServer::run(std::stop_token stop, std::function<void()> alive) {
+  loop_->run(stop, std::move(alive));
 }
 
 void FrameServer::send(std::shared_ptr<const EncodedFrame> frame, const FrameCounters& counters) {

@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -38,8 +39,9 @@ class FrameServer {
                                                    StreamDescription description);
   ~FrameServer();
 
-  /// Accepts, sends and receives until asked to stop, or until end() is done. Call once.
-  void run(std::stop_token stop);
+  /// Accepts, sends and receives until asked to stop, or until end() is done. Calls `alive` four times a
+  /// second. Call once.
+  void run(std::stop_token stop, std::function<void()> alive = {});
 
   /// Hands a frame to every client that may have it; never blocks. Frames come in the order of their
   /// encoding. `counters`: of the whole stream; window_full counts frames that were not encoded since
@@ -53,8 +55,8 @@ class FrameServer {
   /// a second; a true answer is a promise of the caller to encode one.
   bool take_keyframe_request();
 
-  /// Tells all clients, and whoever comes later, what keeps the camera from sending frames (one sentence), or with an
-  /// empty text that nothing does any more.
+  /// Tells all clients, and whoever comes later, what keeps the camera from sending frames (one sentence), or
+  /// with an empty text that nothing does any more.
   void tell(std::string notice);
 
   /// Tells all clients that nothing follows and why (one sentence); run() returns when they know, after at

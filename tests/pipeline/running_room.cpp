@@ -9,13 +9,14 @@ namespace copresence::testing {
 
 using std::chrono::seconds;
 
-std::size_t RunningRoom::serve(const std::filesystem::path& recording, const Arguments& more) {
+std::size_t RunningRoom::serve(const std::filesystem::path& recording, const Arguments& more,
+                               const Arguments& environment) {
   ports_.push_back(free_port());
   Arguments arguments{program("capture_server"), "--source", recording, "--listen",
                       address(ports_.size() - 1)};
   arguments.insert(arguments.end(), more.begin(), more.end());
   started_.push_back(arguments);
-  servers_.push_back(std::make_unique<Process>(arguments));
+  servers_.push_back(std::make_unique<Process>(arguments, environment));
   return servers_.size() - 1;
 }
 

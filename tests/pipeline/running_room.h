@@ -16,8 +16,10 @@ class RunningRoom {
  public:
   using Arguments = std::vector<std::string>;
 
-  /// Starts a server on a recording at a free port; `more` are further arguments. Returns its index.
-  std::size_t serve(const std::filesystem::path& recording, const Arguments& more = {});
+  /// Starts a server on a recording at a free port; `more` are further arguments, `environment` as for Process. Returns
+  /// its index.
+  std::size_t serve(const std::filesystem::path& recording, const Arguments& more = {},
+                    const Arguments& environment = {});
 
   Process& server(std::size_t index) { return *servers_[index]; }
   std::string address(std::size_t index) const;

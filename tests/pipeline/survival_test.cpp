@@ -3,96 +3,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
-#include <mutex>
+#include <iterator>
+#include <string>
 #include <thread>
+#include <vector>
 
-#include "common/wire/frame_client.h"
 #include "tests/pipeline/running_room.h"
+#include "tests/pipeline/watcher.h"
 
 namespace copresence::testing {
 namespace {
 
-using std::chrono::duration_cast;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-using std::chrono::steady_clock;
 using ::testing::HasSubstr;
-
-// A viewer without a picture: it stays connected as render_client does and notes what comes.
-class Watcher {
- public:
-  explicit Watcher(std::string address)
-      : address_(std::move(address)), thread_([this](std::stop_token stop) { watch(stop); }) {}
-
-  std::uint64_t frames() const { return frames_; }
-  std::string notices() const {
-    const std::lock_guard lock(mutex_);
-    return notices_;
-  }
-
-  // Whether `count` more frames come within `timeout`.
-  bool sees(std::uint64_t count, milliseconds timeout) const {
-    const std::uint64_t wanted = frames_ + count;
-    for (const auto end = steady_clock::now() + timeout; frames_ < wanted;) {
-      if (steady_clock::now() > end) return false;
-      std::this_thread::sleep_for(milliseconds(2));
-    }
-    return true;
-  }
-
-  // Whether no frame comes for `time` within the next ten seconds.
-  bool sees_nothing_for(milliseconds time) const {
-    const auto give_up = steady_clock::now() + seconds(10);
-    auto since = steady_clock::now();
-    for (std::uint64_t last = frames_; steady_clock::now() < give_up;) {
-      if (frames_ != last) {
-        last = frames_;
-        since = steady_clock::now();
-      }
-      if (steady_clock::now() - since > time) return true;
-      std::this_thread::sleep_for(milliseconds(2));
-    }
-    return false;
-  }
-
-  // The longest pause between two frames so far.
-  milliseconds longest_pause() const { return milliseconds(longest_pause_ms_); }
-  void forget_pauses() { longest_pause_ms_ = 0; }
-
- private:
-  void watch(std::stop_token stop) {
-    auto last = steady_clock::now();
-    while (!stop.stop_requested()) {
-      auto client = wire::FrameClient::connect(address_, milliseconds(2000), stop);
-      if (!client) {
-        std::this_thread::sleep_for(milliseconds(100));
-        continue;
-      }
-      client->on_notice([this](const std::string& notice) {
-        const std::lock_guard lock(mutex_);
-        notices_ += "[" + notice + "]";
-      });
-      while (client->receive(stop)) {
-        const auto now = steady_clock::now();
-        if (frames_ > 0)
-          longest_pause_ms_ =
-              std::max<std::int64_t>(longest_pause_ms_, duration_cast<milliseconds>(now - last).count());
-        last = now;
-        ++frames_;
-      }
-    }
-  }
-
-  const std::string address_;
-  std::atomic<std::uint64_t> frames_ = 0;
-  std::atomic<std::int64_t> longest_pause_ms_ = 0;
-  mutable std::mutex mutex_;
-  std::string notices_;
-  std::jthread thread_;
-};
 
 class Survival : public ::testing::Test {
  protected:
@@ -231,6 +158,60 @@ TEST_F(Survival, TheListNamesEveryKinectAndItsModes) {
   EXPECT_THAT(list.output(), HasSubstr("does not open (Could not claim"));
   EXPECT_THAT(list.output(), HasSubstr("plug it in again"));
   EXPECT_THAT(list.output(), HasSubstr("simulated:room?camera=0"));
+}
+
+TEST_F(Survival, AKinectThatTakesLongToOpenAgainIsNotTakenForOneThatHangs) {
+  serve_kinect();
+  plug_in("A1", "transfer_error slow_open=7");  // longer than a working thread may be silent
+  ASSERT_TRUE(watcher_->sees_nothing_for(milliseconds(300)));
+  plug_in("A1", "slow_open=7");
+  EXPECT_TRUE(watcher_->sees(10, seconds(60))) << server_says();
+  EXPECT_THAT(server_says(), HasSubstr("is back"));
+  EXPECT_THAT(server_says(), ::testing::Not(HasSubstr("hung")));
+}
+
+TEST_F(Survival, AKinectWhoseTransfersBlockIsReplacedWithItsProcess) {
+  serve_kinect();
+  plug_in("A1", "blocked stall");  // it is closed after a second without a frame, which blocks
+  ASSERT_TRUE(room_.server(0).says("capture hung", seconds(60))) << server_says();
+  EXPECT_THAT(server_says(), HasSubstr("from its thread \"capture\""));
+  plug_in("A1");
+  EXPECT_TRUE(watcher_->sees(10, seconds(60))) << server_says();
+}
+
+TEST_F(Survival, AKinectThatIsAwayAfterACrashIsWaitedForAloud) {
+  serve_kinect();
+  plug_in("A1", "crash");
+  ASSERT_TRUE(room_.server(0).says("crashed", seconds(5)));
+  unplug("A1");
+  ASSERT_TRUE(room_.server(0).says("does not open", seconds(30))) << server_says();
+  EXPECT_TRUE(room_.server(0).says("waiting for it", seconds(30))) << server_says();
+  plug_in("A1");
+  EXPECT_TRUE(watcher_->sees(30, seconds(30))) << server_says();
+}
+
+TEST_F(Survival, ACameraOfAnInstalledDriverIsListedAndStreams) {
+  const std::string vendor = (program("").parent_path().parent_path() / "tests/vendor_driver").string();
+  const std::string log = room_.file("vendor.log");
+  const std::vector<std::string> environment{"OPENNI2_DRIVERS_PATH=" + vendor,
+                                             "COPRESENCE_VENDOR_LOG=" + log};
+  Process list({program("capture_server"), "--list"}, environment);
+  EXPECT_EQ(list.wait(seconds(60)), 0);
+  EXPECT_THAT(list.output(),
+              HasSubstr("openni:2bc5/0401@1/7\n  Vendor Depth Camera, driver installed, ready"));
+  EXPECT_THAT(list.output(), HasSubstr("openni:freenect://A1"));  // ours go on working beside it
+  EXPECT_TRUE(std::filesystem::exists(log));
+  std::filesystem::remove(log);
+
+  room_.serve("openni:2bc5/0401@1/7", {}, environment);
+  room_.serve("openni:freenect://A1", {}, environment);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Watcher watcher(room_.address(i));
+    EXPECT_TRUE(watcher.sees(10, seconds(60))) << room_.server(i).output();
+  }
+  std::ifstream file(log);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "loaded\n")
+      << "by the one server that needs it";
 }
 
 }  // namespace

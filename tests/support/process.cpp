@@ -49,7 +49,7 @@ int free_port() {
   return ntohs(address.sin_port);
 }
 
-Process::Process(const std::vector<std::string>& arguments) {
+Process::Process(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
   const std::string output = (folder_ / "output").string();
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
@@ -60,6 +60,7 @@ Process::Process(const std::vector<std::string>& arguments) {
     const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
     dup2(file, STDOUT_FILENO);
     dup2(file, STDERR_FILENO);
+    for (const std::string& variable : environment) putenv(const_cast<char*>(variable.c_str()));
     execv(argv[0], argv.data());
     _exit(127);
   }
@@ -77,6 +78,18 @@ void Process::signal(int number) const {
 
 void Process::signal_group(int number) const {
   kill(-pid_, number);
+}
+
+pid_t Process::child() const {
+  const std::string id = std::to_string(pid_);
+  const auto deadline = steady_clock::now() + std::chrono::seconds(10);
+  while (steady_clock::now() < deadline) {
+    std::ifstream file("/proc/" + id + "/task/" + id + "/children");
+    if (pid_t child = 0; file >> child) return child;
+    std::this_thread::sleep_for(milliseconds(2));
+  }
+  ADD_FAILURE() << "process " << id << " has no child";
+  return -1;
 }
 
 std::optional<int> Process::wait(milliseconds timeout) {

@@ -38,7 +38,9 @@ int free_port();
 class Process {
  public:
   /// `arguments[0]` is the program. Its standard output and error go to one file that output() reads.
-  explicit Process(const std::vector<std::string>& arguments);
+  /// `environment`: variables that it gets besides those of the test, NAME=VALUE.
+  explicit Process(const std::vector<std::string>& arguments,
+                   const std::vector<std::string>& environment = {});
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -46,6 +48,9 @@ class Process {
   pid_t pid() const { return pid_; }
   void signal(int number) const;
   void signal_group(int number) const;  ///< the program and its children
+
+  /// Its only child; waits for one, and fails the test where none comes within ten seconds.
+  pid_t child() const;
 
   /// Exit code; 128 + the signal's number where one ended it; nothing when it still runs after `timeout`.
   std::optional<int> wait(std::chrono::milliseconds timeout);

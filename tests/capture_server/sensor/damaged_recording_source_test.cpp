@@ -8,7 +8,7 @@
 #include <ctime>
 #include <random>
 
-#include "capture_server/sensor/core_shortage.h"
+#include "capture_server/sensor/cpu_starvation.h"
 #include "tests/capture_server/sensor/recorded_source.h"
 
 namespace copresence::sensor {

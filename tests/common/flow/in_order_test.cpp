@@ -41,7 +41,7 @@ TEST(InOrder, LosesNothingOfAProducerThatWaits) {
     while (const auto value = queue.take()) taken.push_back(*value);
   });
   for (int i = 0; i < 1000; ++i) {
-    ASSERT_TRUE(queue.wait_for_room({}));
+    ASSERT_TRUE(queue.wait_for_room({}, std::chrono::seconds(60)));
     ASSERT_TRUE(queue.put(i));
   }
   queue.close();
@@ -54,7 +54,7 @@ TEST(InOrder, AWaitingProducerObeysItsStopToken) {
   InOrder<int> queue(1);
   EXPECT_TRUE(queue.put(1));
   std::stop_source stop;
-  std::jthread producer([&] { EXPECT_FALSE(queue.wait_for_room(stop.get_token())); });
+  std::jthread producer([&] { EXPECT_FALSE(queue.wait_for_room(stop.get_token(), std::chrono::seconds(60))); });
   stop.request_stop();
 }
 

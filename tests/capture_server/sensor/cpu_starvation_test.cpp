@@ -1,4 +1,4 @@
-#include "capture_server/sensor/core_shortage.h"
+#include "capture_server/sensor/cpu_starvation.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace copresence::sensor {
 namespace {
 
-TEST(CoreShortage, GrowsWhereThreadsOutnumberCores) {
+TEST(CpuStarvation, GrowsWhereThreadsOutnumberCores) {
   if (!std::filesystem::exists("/proc/self/schedstat")) GTEST_SKIP() << "this kernel does not count it";
   const auto before = waited_for_a_core();
   std::chrono::nanoseconds grown{0};
@@ -28,21 +28,21 @@ TEST(CoreShortage, GrowsWhereThreadsOutnumberCores) {
 }
 
 using std::chrono::milliseconds;
-constexpr Patience kPatience{milliseconds(1000), milliseconds(4000)};
+constexpr StallTimeout kStallTimeout{milliseconds(1000), milliseconds(4000)};
 
-TEST(Patience, IsOverAfterTheUsualTimeWhereCoresWereToBeHad) {
-  EXPECT_FALSE(kPatience.is_over(milliseconds(1000), milliseconds(0)));
-  EXPECT_TRUE(kPatience.is_over(milliseconds(1001), milliseconds(0)));
+TEST(StallTimeout, IsOverAfterTheUsualTimeWhereCoresWereToBeHad) {
+  EXPECT_FALSE(kStallTimeout.is_over(milliseconds(1000), milliseconds(0)));
+  EXPECT_TRUE(kStallTimeout.is_over(milliseconds(1001), milliseconds(0)));
 }
 
-TEST(Patience, LastsLongerByWhatALatePlayerLost) {
-  EXPECT_FALSE(kPatience.is_over(milliseconds(2500), milliseconds(1600)));
-  EXPECT_TRUE(kPatience.is_over(milliseconds(2500), milliseconds(1400)));
+TEST(StallTimeout, LastsLongerByWhatALatePlayerLost) {
+  EXPECT_FALSE(kStallTimeout.is_over(milliseconds(2500), milliseconds(1600)));
+  EXPECT_TRUE(kStallTimeout.is_over(milliseconds(2500), milliseconds(1400)));
 }
 
-TEST(Patience, IsNeverEndless) {
-  EXPECT_FALSE(kPatience.is_over(milliseconds(4000), std::chrono::hours(1)));
-  EXPECT_TRUE(kPatience.is_over(milliseconds(4001), std::chrono::hours(1)));
+TEST(StallTimeout, IsNeverEndless) {
+  EXPECT_FALSE(kStallTimeout.is_over(milliseconds(4000), std::chrono::hours(1)));
+  EXPECT_TRUE(kStallTimeout.is_over(milliseconds(4001), std::chrono::hours(1)));
 }
 
 }  // namespace

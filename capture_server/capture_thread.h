@@ -1,0 +1,48 @@
+#pragma once
+
+// The one thread of a process that calls OpenNI2: it opens, reads and closes the camera or the recording.
+// OpenNI2 (2.2.0.33) keeps the ids of the threads that have called it and later sends them signal 0, which
+// crashes where such a thread has ended. So this thread is made once and lives until the process ends.
+//
+// Thread: begin() and run() on any thread but this one.
+
+#include <pthread.h>
+
+#include <functional>
+#include <future>
+#include <thread>
+#include <utility>
+
+#include "common/flow/in_order.h"
+
+namespace copresence::server {
+
+class CaptureThread {
+ public:
+  CaptureThread() : thread_([this] { work(); }) { pthread_setname_np(thread_.native_handle(), "capture"); }
+  /// Waits for the work in progress.
+  ~CaptureThread() { waiting_.close(); }
+  CaptureThread(const CaptureThread&) = delete;
+  CaptureThread& operator=(const CaptureThread&) = delete;
+
+  /// Runs `work` after what was begun before; the future is ready when it is done.
+  std::future<void> begin(std::function<void()> work) {
+    std::packaged_task<void()> task(std::move(work));
+    auto done = task.get_future();
+    waiting_.put(std::move(task));
+    return done;
+  }
+
+  /// The same, and waits for it.
+  void run(std::function<void()> work) { begin(std::move(work)).get(); }
+
+ private:
+  void work() {
+    while (auto task = waiting_.take()) (*task)();
+  }
+
+  flow::InOrder<std::packaged_task<void()>> waiting_{4};
+  std::jthread thread_;
+};
+
+}  // namespace copresence::server

@@ -5,6 +5,13 @@
 namespace copresence::wire {
 namespace {
 
+/// Characters that make what follows run the other way. A name with one could make a line in a log say
+/// something else.
+bool turns_text(std::uint32_t code) {
+  return code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
 /// Bytes of the printable character at the beginning of `text`; 0 where there is none.
 std::size_t printable_character(std::string_view text) {
   const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
@@ -20,7 +27,7 @@ std::size_t printable_character(std::string_view text) {
   }
   constexpr std::uint32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};
   const bool surrogate = code >= 0xd800 && code <= 0xdfff;
-  const bool control = code < 0xa0;
+  const bool control = code < 0xa0 || code == 0x2028 || code == 0x2029 || turns_text(code);
   return code >= kSmallest[size] && code <= 0x10ffff && !surrogate && !control ? size : 0;
 }
 

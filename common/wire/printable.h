@@ -1,6 +1,6 @@
 #pragma once
 
-// Text from strangers ends on terminals and in logs: UTF-8 without control characters, or not at all.
+// Text from strangers ends on terminals and in logs: UTF-8 without characters that control either.
 // Thread: pure functions.
 
 #include <cstddef>
@@ -9,7 +9,8 @@
 
 namespace copresence::wire {
 
-/// Valid UTF-8 without C0 and C1 control characters and DEL.
+/// Valid UTF-8 without C0 and C1 control characters and DEL, Unicode's line and paragraph separators, and the
+/// characters that turn the direction of text.
 bool is_printable(std::string_view text);
 
 /// The same text with a `?` for every byte that is not part of a printable character, cut between two

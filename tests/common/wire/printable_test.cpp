@@ -15,6 +15,14 @@ TEST(Printable, IsNothingThatMovesACursor) {
   EXPECT_FALSE(is_printable(std::string_view("\0", 1)));
 }
 
+TEST(Printable, IsNothingThatTurnsOrSplitsALine) {
+  for (const char* text : {"\u202e", "\u2066", "\u200f", "\u061c", "\u2028", "\u2029"}) {
+    EXPECT_FALSE(is_printable(text)) << text;
+  }
+  EXPECT_EQ(made_printable("a\u202e\u2028", 100), "a??????");
+  EXPECT_TRUE(is_printable("\u200d\u2013\u2027")) << "neighbours";
+}
+
 TEST(Printable, IsNoBrokenUtf8) {
   for (const char* text :
        {"\x80", "\xc3", "\xc0\xaf", "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xff", "\xe5\x8f"}) {

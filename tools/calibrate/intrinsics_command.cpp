@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -18,6 +17,7 @@
 #include "tools/calibrate/markers/depth_to_color.h"
 #include "tools/calibrate/markers/dictionary.h"
 #include "tools/calibrate/picture_file.h"
+#include "tools/calibrate/report.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -202,9 +202,7 @@ Result<void> calibrate_lens(const LensSettings& settings) {
   fit->dropped.insert(fit->dropped.begin(), dropped.begin(), dropped.end());
   print_fit(*fit, *pictures);
   if (!settings.json.empty()) {
-    std::ofstream file(settings.json);
-    file << to_json(*fit, pictures->camera).dump(2) << '\n';
-    if (!file.flush()) return fail(ErrorCode::kUnavailable, settings.json + ": cannot be written");
+    if (auto written = write_json(to_json(*fit, pictures->camera), settings.json); !written) return written;
   }
   if (!settings.picture.empty()) {
     if (auto shown = pictures->shown.write(*fit, settings.picture); !shown) return shown;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
@@ -19,6 +18,7 @@
 #include "tools/calibrate/markers/dictionary.h"
 #include "tools/calibrate/markers/marker_finder.h"
 #include "tools/calibrate/picture_file.h"
+#include "tools/calibrate/report.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -157,11 +157,7 @@ Result<void> believe(const MarkerReport& report) {
 Result<void> write_results(const MarkerSettings& settings, scene::Scene scene,
                            const std::vector<Looked>& cameras, const MarkerReport& report) {
   if (!settings.json.empty()) {
-    std::ofstream file(settings.json);
-    file << to_json(report).dump(2) << '\n';
-    if (!file.flush()) {
-      return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be written", settings.json));
-    }
+    if (auto written = write_json(to_json(report), settings.json); !written) return written;
   }
   if (const auto believable = believe(report); !believable) return believable;
   if (settings.out.empty()) return {};

@@ -50,7 +50,8 @@ std::string complaint(const alignment::Agreement& agreement, const Limits& limit
 
 Result<void> write_json(const nlohmann::json& json, const std::string& path) {
   std::ofstream file(path);
-  file << json.dump(2) << '\n';
+  // Names and files may hold any bytes; JSON holds UTF-8.
+  file << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   file.close();
   if (!file) return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be written", path));
   return {};

@@ -66,7 +66,7 @@ Result<void> write_json(const std::vector<Row>& rows, const std::string& path) {
                     {"frames", row.frames}});
   }
   std::ofstream file(path);
-  file << list.dump(1) << '\n';
+  file << list.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
   file.close();
   if (!file) return fail(ErrorCode::kUnavailable, fmt::format("{}: the rows cannot be written there", path));
   return {};

@@ -247,8 +247,15 @@ class Pipeline {
 
   void say_what_was_left_out(const sensor::SourceCounters& pictures) const {
     if (pictures.damaged) {
-      spdlog::warn("{}: {} depth or colour pictures were damaged or missing", settings_.name,
-                   pictures.damaged);
+      spdlog::warn("{}: {} depth or colour pictures were damaged{}", settings_.name, pictures.damaged,
+                   is_recording(settings_.source) ? " or are missing from the recording" : "");
+    }
+    if (pictures.late) {
+      spdlog::info(
+          "{}: {} depth or colour pictures came too late and were skipped: this machine{} was too busy to "
+          "take "
+          "them before the next ones",
+          settings_.name, pictures.late, settings_.source.starts_with("openni:") ? " or its USB" : "");
     }
     if (pictures.dark) {
       spdlog::info("{}: {} depth pictures were taken outside its projector's turns and left out",
@@ -308,10 +315,10 @@ class Pipeline {
       auto encoded = encoding_.encode(std::move(captured->frame), keyframe, &workers);
       keyframe_owed = !encoded;
       if (encoded) {
-        server_->send(
-            std::make_shared<const EncodedFrame>(std::move(*encoded)),
-            {sequence, encoder_busy, without_room, captured->pictures.depth_without_color,
-             captured->pictures.color_without_depth, captured->pictures.damaged, captured->pictures.dark});
+        server_->send(std::make_shared<const EncodedFrame>(std::move(*encoded)),
+                      {sequence, encoder_busy, without_room, captured->pictures.depth_without_color,
+                       captured->pictures.color_without_depth, captured->pictures.damaged,
+                       captured->pictures.late, captured->pictures.dark});
       } else if (encoded.error().code == ErrorCode::kUnsupported) {
         if (!rates_before_) return fail(encoded.error());
         ++encoder_busy;

@@ -248,7 +248,7 @@ void DeviceSource::read(openni::VideoStream& stream) {
   const bool is_depth = &stream == &depth_;
   int& last = last_index_[is_depth ? 0 : 1];
   const int index = held.picture.getFrameIndex();
-  if (last > 0 && index > last + 1) counters_.damaged += static_cast<std::uint64_t>(index - last - 1);
+  if (last > 0 && index > last + 1) counters_.late += static_cast<std::uint64_t>(index - last - 1);
   last = index;
   if (is_depth && projector_ && !projector_->lit(held.at)) {
     ++counters_.dark;

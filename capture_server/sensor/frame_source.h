@@ -74,7 +74,10 @@ struct SourceCounters {
   std::uint64_t frames = 0;               ///< handed over
   std::uint64_t depth_without_color = 0;  ///< of those: no colour of their instant, though there is a stream
   std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
-  std::uint64_t damaged = 0;              ///< depth or colour pictures that did not decode, or went missing
+  std::uint64_t damaged = 0;              ///< pictures that did not decode, or that a recording lacks
+  /// Pictures of a camera that never reached this process: its driver had the next one before they were
+  /// taken, or they were lost on their way from the camera.
+  std::uint64_t late = 0;
   std::uint64_t dark = 0;  ///< depth pictures not exposed in the projector's own turn, left out
 };
 

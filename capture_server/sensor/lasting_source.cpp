@@ -8,8 +8,12 @@ namespace copresence::sensor {
 namespace {
 
 SourceCounters sum(const SourceCounters& a, const SourceCounters& b) {
-  return {a.frames + b.frames, a.depth_without_color + b.depth_without_color,
-          a.color_without_depth + b.color_without_depth, a.damaged + b.damaged, a.dark + b.dark};
+  return {a.frames + b.frames,
+          a.depth_without_color + b.depth_without_color,
+          a.color_without_depth + b.color_without_depth,
+          a.damaged + b.damaged,
+          a.late + b.late,
+          a.dark + b.dark};
 }
 
 bool may_pass(const Error& error) {

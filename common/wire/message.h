@@ -20,7 +20,8 @@
 
 namespace copresence::wire {
 
-/// Both ends must have the same: there is no compatibility code. Raise it with every change of the format.
+/// Both ends must have the same: there is no compatibility code. Raise it with every change of a released
+/// format.
 inline constexpr std::uint32_t kProtocolVersion = 5;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
@@ -67,7 +68,7 @@ struct Refusal {
 };
 
 struct Welcome {
-  std::uint64_t clock_id = 0;  ///< same_clock.h: equal where both ends read one monotonic clock; 0 unknown
+  std::uint64_t clock_id = 0;  ///< monotonic_clock_id(): equal where both ends read one clock; 0 unknown
   Instant server_time{};       ///< when this was written: the first answer to "what time is it?"
   StreamDescription description;
   friend bool operator==(const Welcome&, const Welcome&) = default;
@@ -84,8 +85,10 @@ struct FrameCounters {
   // What became of the sensor's pictures.
   std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none
   std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
-  std::uint64_t damaged = 0;              ///< pictures that did not decode or went missing
+  std::uint64_t damaged = 0;              ///< pictures that did not decode, or that a recording lacks
+  std::uint64_t late = 0;                 ///< pictures that the next one replaced before they were taken
   std::uint64_t dark = 0;                 ///< depth pictures that its projector was not to light, left out
+  // `damaged` and `late` travel in 32 bits each and stay at the largest number that these hold.
   friend bool operator==(const FrameCounters&, const FrameCounters&) = default;
 };
 

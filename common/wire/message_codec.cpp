@@ -103,6 +103,12 @@ ReadInstant read_instant(ByteReader& reader) {
   return {Instant(std::chrono::nanoseconds(static_cast<std::int64_t>(nanoseconds))), true};
 }
 
+/// The number, or the largest one that fits.
+std::uint32_t in_32_bits(std::uint64_t number) {
+  return static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(number, std::numeric_limits<std::uint32_t>::max()));
+}
+
 std::uint32_t microseconds(Duration duration) {
   const auto count = std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
   return static_cast<std::uint32_t>(
@@ -226,7 +232,8 @@ FrameHeadMessage encode(const FrameHead& head) {
   to.number(head.depth_bytes);
   to.number(head.counters.depth_without_color);
   to.number(head.counters.color_without_depth);
-  to.number(head.counters.damaged);
+  to.number(in_32_bits(head.counters.damaged));
+  to.number(in_32_bits(head.counters.late));
   to.number(head.counters.dark);
   FrameHeadMessage out;
   assert(bytes.size() == out.size());
@@ -367,7 +374,8 @@ Result<FrameHead> decode_frame_head(std::span<const std::uint8_t, kFrameHeadByte
   head.depth_bytes = from.number<std::uint32_t>();
   head.counters.depth_without_color = from.number<std::uint64_t>();
   head.counters.color_without_depth = from.number<std::uint64_t>();
-  head.counters.damaged = from.number<std::uint64_t>();
+  head.counters.damaged = from.number<std::uint32_t>();
+  head.counters.late = from.number<std::uint32_t>();
   head.counters.dark = from.number<std::uint64_t>();
   const std::size_t access_units = body_bytes - kFrameHeadBytes;
   if (head.sequence == 0 || !sent_at.believable || flags & ~kKeyframe || head.depth_bytes == 0 ||

@@ -18,10 +18,10 @@ REFUSAL, WELCOME, FRAME, END_OF_STREAM, PONG, NOTICE = 17, 18, 19, 20, 21, 22
 WRONG_VERSION, FULL = 1, 2
 
 KEYFRAME = 1  # flag of a frame
-HEAD = struct.Struct("<QQQQQIIIIIIQQQQ")  # of a frame, 96 bytes
+HEAD = struct.Struct("<QQQQQIIIIIIQQIIQ")  # of a frame, 96 bytes
 HEAD_FIELDS = ("sequence", "sent_at", "captured", "encoder_busy", "window_full", "us_capture", "us_fill",
                "us_depth_encode", "us_video_encode", "flags", "depth_bytes", "depth_without_color",
-               "color_without_depth", "damaged", "dark")
+               "color_without_depth", "damaged", "late", "dark")
 
 
 def message(kind, body=b""):

@@ -99,7 +99,7 @@ void stream(benchmark::State& state, const std::string& uri, const std::string& 
   const auto frames = static_cast<double>(state.iterations());
   state.counters["cpu_ms_per_frame"] = (cpu_ms() - before) / frames;
   state.counters["driver_ms_per_frame"] = (driver_ms() - driver_before) / frames;
-  state.counters["lost"] = static_cast<double>((*source)->counters().damaged);
+  state.counters["late"] = static_cast<double>((*source)->counters().late);
 }
 // The first 60 frames are the first period of what moves, from opening on; then another camera's later ones.
 BENCHMARK_CAPTURE(stream, simulated_first_two_seconds, "simulated:room?camera=0", "", 0)

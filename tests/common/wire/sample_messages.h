@@ -41,7 +41,7 @@ inline FrameHead sample_frame_head() {
   head.keyframe = true;
   head.sequence = 300;
   head.sent_at = at_ns(10'000'000'000);
-  head.counters = {301, 4, 2, 5, 6, 7, 8};
+  head.counters = {301, 4, 2, 5, 6, 7, 9, 8};
   head.durations = {microseconds(100), microseconds(1500), microseconds(800), microseconds(6000)};
   head.depth_bytes = 80;
   head.color_bytes = 20;

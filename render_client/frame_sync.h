@@ -40,15 +40,20 @@ class FrameSync {
     std::deque<Instant> instants;    ///< of these
     std::optional<Instant> on_view;  ///< instant of the frame handed on last
     std::optional<Instant> last_arrival;
+    Instant fresh_since{};          ///< when the oldest of `fresh`, or one dropped for it, arrived
+    std::deque<Duration> gaps;      ///< between the instants of the newest frames
+    std::optional<Instant> newest;  ///< instant
+    Duration announced{};           ///< period that the stream announces
     std::optional<Received> chosen;
   };
 
   void add(Camera& camera, Received received, CameraStatistics& statistics);
   void choose(std::deque<CameraStatistics>& statistics, Instant now);
+  static Duration period(const Camera& camera);
+  static bool delivers(const Camera& camera, Instant now);
 
   bool sync_;
   std::vector<Camera> cameras_;
-  Duration period_ = std::chrono::milliseconds(33);
   std::optional<Instant> at_latest_;
 };
 

@@ -2,11 +2,13 @@
 
 // Which frames of several cameras make one view, when they are to be of nearly one instant (--sync).
 //
-// Cameras deliver at one rate and phases of their own. Of two cameras, every frame has one of the other's within half
-// a period before or after it; of more, the narrowest choice spans less than a period. The rule: the newest choice that
-// spans at most half a period; where there is none, the newest of the narrowest. A frame whose neighbour is still
-// under way so waits for it, and never longer than half a period: then it is shown with the nearest there is, and a
-// camera that stops holds up nobody.
+// Cameras deliver at phases of their own. Of two cameras of one rate, every frame has one of the other's
+// within half a period before or after it; of more, the narrowest choice spans less than a period. The rule:
+// the newest choice that spans at most half a period; where there is none, the newest of the narrowest. So a
+// frame whose neighbour is still under way waits for it, but never longer than half a period: then it is
+// shown with the nearest there is, and a camera that stops holds up nobody. Where rates differ, the period is
+// the longest, that of the slowest camera: between two of its frames the others' are shown for as long as
+// they are within half of it.
 //
 // Time comes in as an argument. Thread: pure.
 

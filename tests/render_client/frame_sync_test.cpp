@@ -114,5 +114,80 @@ TEST_F(FrameSyncTest, FollowsAServerThatBeginsAnewWithAnEarlierClock) {
   EXPECT_EQ(taken(frames, 0), 1u);
 }
 
+/// Two cameras of different rates, and a client that looks at them every millisecond.
+struct DifferentRates {
+  int slow_period_ms = 200, slow_phase_ms = 0;
+  double announced_by_slow = 5;
+
+  double worst_skew_ms = 0, worst_wait_ms = 0;
+  int fast_views = 0, slow_views = 0;
+
+  void run(int until_ms) {
+    auto fast_stream = std::make_shared<StreamDescription>(),
+         slow_stream = std::make_shared<StreamDescription>();
+    slow_stream->frames_per_second = announced_by_slow;
+    flow::LatestOfEach<Received> board(2);
+    std::deque<CameraStatistics> statistics(2);
+    FrameSync frames(2, true);
+    std::optional<Instant> shown[2];
+    for (int now = 0; now < until_ms; ++now) {
+      const auto deliver = [&](std::size_t camera, int period, int phase, const auto& stream) {
+        const int captured = now - 20;
+        if (captured < phase || (captured - phase) % period != 0) return;
+        Received received;
+        received.captured_at = at(captured);
+        received.arrived_at = at(now);
+        received.stream = stream;
+        board.put(camera, std::move(received));
+      };
+      deliver(0, 33, 0, fast_stream);
+      deliver(1, slow_period_ms, slow_phase_ms, slow_stream);
+      frames.gather(board, statistics, at(now));
+      bool is_new = false;
+      for (std::size_t camera : {0u, 1u}) {
+        const auto taken = frames.take(camera);
+        if (!taken) continue;
+        is_new = true;
+        shown[camera] = taken->captured_at;
+        ++(camera ? slow_views : fast_views);
+        if (now < 1500) continue;
+        worst_wait_ms = std::max(worst_wait_ms, in_ms(at(now - 20) - taken->captured_at));
+      }
+      if (is_new && shown[0] && shown[1] && now > 1500)
+        worst_skew_ms = std::max(worst_skew_ms, in_ms(std::chrono::abs(*shown[0] - *shown[1])));
+    }
+  }
+  static double in_ms(Duration duration) {
+    return std::chrono::duration<double, std::milli>(duration).count();
+  }
+};
+
+TEST(FrameSyncOfDifferentRates, KeepsTheSlowCameraInAllTheTime) {
+  for (int phase = 0; phase < 200; phase += 23) {
+    DifferentRates room{.slow_phase_ms = phase};
+    room.run(6000);
+    EXPECT_LE(room.worst_skew_ms, 117) << "half a period of the slow camera, and a frame of the fast one";
+    EXPECT_LE(room.worst_wait_ms, 101) << phase;
+    EXPECT_GE(room.slow_views, 28) << phase;
+    EXPECT_GE(room.fast_views, 80) << phase;
+  }
+}
+
+TEST(FrameSyncOfDifferentRates, MeasuresARateThatIsNotTheAnnouncedOne) {
+  DifferentRates room{.announced_by_slow = 30};
+  room.run(6000);
+  EXPECT_LE(room.worst_skew_ms, 117);
+  EXPECT_GE(room.slow_views, 28);
+}
+
+TEST(FrameSyncOfDifferentRates, WaitsForNoneThatComesEverySecond) {
+  for (const double announced : {1.0, 30.0}) {
+    DifferentRates room{.slow_period_ms = 1000, .announced_by_slow = announced};
+    room.run(12'000);
+    EXPECT_GE(room.fast_views, 330) << announced;
+    EXPECT_GE(room.slow_views, 10) << announced;
+  }
+}
+
 }  // namespace
 }  // namespace copresence::client

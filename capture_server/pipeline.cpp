@@ -253,8 +253,7 @@ class Pipeline {
     if (pictures.late) {
       spdlog::info(
           "{}: {} depth or colour pictures came too late and were skipped: this machine{} was too busy to "
-          "take "
-          "them before the next ones",
+          "take them before the next ones",
           settings_.name, pictures.late, settings_.source.starts_with("openni:") ? " or its USB" : "");
     }
     if (pictures.dark) {

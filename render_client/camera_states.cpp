@@ -32,9 +32,14 @@ std::optional<std::string> CameraStates::not_connected(std::size_t camera, std::
 
 void CameraStates::connected(std::size_t camera, std::string name) {
   std::lock_guard lock(mutex_);
-  cameras_[camera] = {};
-  cameras_[camera].is_connected = true;
-  cameras_[camera].name = std::move(name);
+  Camera& of = cameras_[camera];
+  Camera now;
+  now.is_connected = true;
+  now.name = std::move(name);
+  // A welcome alone shows nothing.
+  now.availability = of.availability;
+  now.left_out = std::move(of.left_out);
+  of = std::move(now);
 }
 
 void CameraStates::notice(std::size_t camera, std::string text) {
@@ -48,13 +53,46 @@ void CameraStates::over(std::size_t camera, std::string why) {
   cameras_[camera].over = std::move(why);
 }
 
+void CameraStates::availability(std::size_t camera, Availability availability, std::string reason) {
+  {
+    std::lock_guard lock(mutex_);
+    cameras_[camera].availability = availability;
+    cameras_[camera].left_out = is_left_out(availability) ? std::move(reason) : std::string();
+    const auto is_refused = [](const Camera& of) { return of.availability == Availability::kRefused; };
+    if (all_refused_ || !std::all_of(cameras_.begin(), cameras_.end(), is_refused)) return;
+    std::string what = cameras_.size() == 1 ? "" : "none of the cameras can be shown: ";
+    for (std::size_t i = 0; i < cameras_.size(); ++i) what += (i ? "; " : "") + cameras_[i].left_out;
+    all_refused_ = Error{ErrorCode::kRefused, std::move(what)};
+  }
+  on_all_refused_();
+}
+
 bool CameraStates::all_over() const {
   std::lock_guard lock(mutex_);
-  return std::all_of(cameras_.begin(), cameras_.end(),
-                     [](const Camera& camera) { return !camera.over.empty(); });
+  const auto is_over = [](const Camera& camera) { return !camera.over.empty(); };
+  return std::any_of(cameras_.begin(), cameras_.end(), is_over) &&
+         std::all_of(cameras_.begin(), cameras_.end(), [&](const Camera& camera) {
+           return is_over(camera) || is_left_out(camera.availability);
+         });
+}
+
+std::string CameraStates::left_out(std::size_t camera) const {
+  std::lock_guard lock(mutex_);
+  return cameras_[camera].left_out;
+}
+
+std::string CameraStates::name(std::size_t camera) const {
+  std::lock_guard lock(mutex_);
+  return cameras_[camera].name;
+}
+
+std::optional<Error> CameraStates::all_refused() const {
+  std::lock_guard lock(mutex_);
+  return all_refused_;
 }
 
 std::string CameraStates::awaited(const Camera& camera) {
+  if (!camera.left_out.empty()) return camera.left_out;
   if (!camera.over.empty()) return fmt::format("camera \"{}\": {}", camera.name, camera.over);
   if (camera.is_connected) return camera.notice;
   if (camera.tries == 0) return "connecting";

@@ -14,6 +14,7 @@
 #include "common/flow/thread_priority.h"
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
+#include "common/wire/host_port.h"
 #include "render_client/camera_receiver.h"
 #include "render_client/camera_setup.h"
 #include "render_client/camera_states.h"
@@ -33,14 +34,18 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 Result<std::vector<std::string>> addresses(const ClientSettings& settings, const scene::Scene* scene) {
-  if (!settings.servers.empty()) return settings.servers;
-  std::vector<std::string> out;
-  for (const scene::Camera& camera : scene->cameras) {
-    if (!camera.address.empty()) out.push_back(camera.address);
+  std::vector<std::string> out = settings.servers;
+  if (out.empty()) {
+    for (const scene::Camera& camera : scene->cameras) {
+      if (!camera.address.empty()) out.push_back(camera.address);
+    }
   }
   if (out.empty()) {
     return fail(ErrorCode::kInvalid,
                 fmt::format("{}: no camera has an \"address\" to connect to", settings.scene));
+  }
+  for (const std::string& address : out) {
+    if (const auto understood = wire::parse_host_port(address); !understood) return fail(understood.error());
   }
   if (out.size() > renderer::kMostCameras) {
     return fail(
@@ -86,7 +91,7 @@ class Pipeline {
         eye_(std::move(eye)),
         stop_(std::move(stop)),
         board_(servers_.size()),
-        states_(servers_.size()),
+        states_(servers_.size(), [this] { stop_.request_stop(); }),
         colors_(servers_.size()),
         frames_(servers_.size(), settings_.sync),
         stale_(servers_.size(), seconds(settings_.stale_s)),
@@ -111,19 +116,14 @@ class Pipeline {
     if (!output_.window()) say_what_was_done();
     stop_.request_stop();
     receivers.clear();
-    if (refusal_) return fail(*refusal_);
+    if (const auto refused = states_.all_refused()) return fail(*refused);
     return rendered ? written : rendered;
   }
 
  private:
   void receive(std::size_t slot) {
     pthread_setname_np(pthread_self(), fmt::format("camera {}", slot).c_str());
-    CameraReceiver receiver(servers_[slot], slot, scene_, board_, statistics_[slot], states_);
-    if (auto ended = receiver.run(stop_.get_token()); !ended) {
-      std::lock_guard lock(refusal_mutex_);
-      refusal_ = ended.error();
-      stop_.request_stop();
-    }
+    CameraReceiver(servers_[slot], slot, scene_, board_, statistics_[slot], states_).run(stop_.get_token());
   }
 
   /// Views on arrival of frames, at most settings.fps a second. Ends, too, once every camera has ended for
@@ -170,7 +170,8 @@ class Pipeline {
       const bool has_fresh = !take_frames().empty();
       const auto eye = eye_.at(view_index_, now);
       const bool fades = next_fading_view().value_or(Instant::max()) <= now;
-      if (has_fresh || fades || !last_eye_ || !(eye.world_from_eye == last_eye_->world_from_eye)) {
+      if (has_fresh || fades || must_draw_ || !last_eye_ ||
+          !(eye.world_from_eye == last_eye_->world_from_eye)) {
         if (auto rendered = render(now, eye); !rendered) return rendered;
       } else {
         output_.present_again();
@@ -220,8 +221,13 @@ class Pipeline {
     std::vector<std::size_t> arrived;
     for (std::size_t i = 0; i < shown_.size(); ++i) {
       auto received = frames_.take(i);
-      if (!received) continue;
       Shown& shown = shown_[i];
+      if (!states_.left_out(i).empty()) {
+        if (received) statistics_[i].unshown();
+        leave_out(i);
+        continue;
+      }
+      if (!received) continue;
       if (shown.is_fresh) statistics_[i].unshown();
       shown.newest = std::make_shared<const Received>(std::move(*received));
       const CameraSetup& setup = *shown.newest->setup;
@@ -243,6 +249,30 @@ class Pipeline {
     return arrived;
   }
 
+  /// Takes the camera out of the views, in which its last frame would stay.
+  void leave_out(std::size_t camera) {
+    Shown& shown = shown_[camera];
+    if (!shown.newest) return;
+    if (std::exchange(shown.is_fresh, false)) statistics_[camera].unshown();
+    shown.newest.reset();
+    colors_.forget(camera);
+    is_prepared_ = false;
+    must_draw_ = true;
+  }
+
+  /// Whether the view shows every listed camera but those that are left out, and at least one.
+  bool is_complete() const {
+    std::size_t shown = 0;
+    for (std::size_t i = 0; i < shown_.size(); ++i) {
+      if (shown_[i].newest) {
+        ++shown;
+      } else if (states_.left_out(i).empty()) {
+        return false;
+      }
+    }
+    return shown > 0;
+  }
+
   void note_stale_cameras(Instant now) {
     for (const auto& [camera, change, worth_saying] : stale_.changes(now)) {
       const bool is_stale = change == pacing::StaleCameras::Change::kStale;
@@ -250,8 +280,8 @@ class Pipeline {
         statistics_[camera].stale();
         colors_.forget(camera);  // an old frame says nothing about today's light
       }
-      if (!worth_saying) continue;
-      const std::string& name = shown_[camera].newest->stream->camera;
+      if (!worth_saying || !states_.left_out(camera).empty()) continue;
+      const std::string name = states_.name(camera);
       if (is_stale) {
         spdlog::warn("{}: camera \"{}\" sends no pictures; its last one fades from the view until some come",
                      servers_[camera], name);
@@ -278,9 +308,10 @@ class Pipeline {
     if (auto rendered = output_.render(views, eye); !rendered) return rendered;
     last_eye_ = eye;
     last_view_at_ = begin;
+    must_draw_ = false;
     ++views_drawn_;
     const Instant end = steady_clock::now();
-    const bool complete = views.size() == shown_.size() && colors_are_settled(end);
+    const bool complete = is_complete() && colors_are_settled(end);
     view_statistics_.rendered(begin, end, complete);
     note_skew(end);
     if (complete) ++view_index_;
@@ -288,7 +319,9 @@ class Pipeline {
       Shown& shown = shown_[i];
       if (!shown.is_fresh) continue;
       shown.is_fresh = false;
-      statistics_[i].shown(shown.newest->frame.stamp.sequence, end - shown.newest->captured_at);
+      const Received& frame = *shown.newest;
+      statistics_[i].shown(frame.frame.stamp.sequence,
+                           frame.times_believed ? std::optional(end - frame.captured_at) : std::nullopt);
     }
     return {};
   }
@@ -363,15 +396,14 @@ class Pipeline {
     }
     if (settings_.stats.empty()) return {};
     if (const auto* tracker = eye_.head_tracker()) view_statistics_.head_tracker(*tracker);
-    std::vector<std::string> names;
-    std::vector<CameraStatistics::Snapshot> snapshots;
+    std::vector<CameraReport> reports;
     for (std::size_t i = 0; i < servers_.size(); ++i) {
-      names.push_back(shown_[i].newest ? shown_[i].newest->stream->camera : servers_[i]);
-      snapshots.push_back(statistics_[i].snapshot());
+      const std::string name = states_.name(i);
+      reports.push_back({name.empty() ? servers_[i] : name, states_.left_out(i), statistics_[i].snapshot()});
     }
     if (auto written =
-            write_statistics(settings_.stats, names, snapshots, view_statistics_,
-                             std::string(output_.renderer_name()), settings_.width, settings_.height);
+            write_statistics(settings_.stats, reports, view_statistics_, std::string(output_.renderer_name()),
+                             settings_.width, settings_.height);
         !written) {
       return written;
     }
@@ -403,6 +435,7 @@ class Pipeline {
   std::vector<Shown> shown_;
   std::uint64_t frames_taken_ = 0;
   bool is_prepared_ = false;  ///< the renderer has been given what is in `shown_`
+  bool must_draw_ = false;    ///< the last view shows a camera that has been left out since
   ViewStatistics view_statistics_;
   std::uint64_t views_drawn_ = 0;  ///< also those that do not show every camera
   std::uint64_t view_index_ = 0;
@@ -413,8 +446,6 @@ class Pipeline {
   bool colors_settled_ = false;
   std::string title_;
   Instant title_due_at_{};
-  std::mutex refusal_mutex_;
-  std::optional<Error> refusal_;
 };
 
 }  // namespace

@@ -95,8 +95,8 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
       ->check(one_of({"live", "off"}));
   app.add_option(
          "--frames", settings.frames,
-         "end after N views, counted from the first that shows every camera in matched colours; without "
-         "a window the program also ends when every camera has ended")
+         "end after N views, counted from the first that shows every camera in matched colours, but for "
+         "cameras that cannot be shown; without a window the program also ends when every camera has ended")
       ->check(whole_number<std::uint64_t>(1, 1'000'000'000));
   app.add_option("--screenshot", settings.screenshot, "write the last view to this PNG file")
       ->check(writable_file())

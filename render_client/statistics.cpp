@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
+
+#include "render_client/stream/frame_times.h"
 
 namespace copresence::client {
 namespace {
@@ -17,25 +20,52 @@ ordered_json percentiles(const flow::StageTiming& timing, std::initializer_list<
   return out;
 }
 
+constexpr auto kCounters = {&wire::FrameCounters::captured,
+                            &wire::FrameCounters::encoder_busy,
+                            &wire::FrameCounters::window_full,
+                            &wire::FrameCounters::depth_without_color,
+                            &wire::FrameCounters::color_without_depth,
+                            &wire::FrameCounters::damaged,
+                            &wire::FrameCounters::late,
+                            &wire::FrameCounters::dark};
+
+/// Whether an honest server's totals can have grown from `before` to `totals` in this time.
+bool can_follow(const wire::FrameCounters& totals, const wire::FrameCounters& before, Duration elapsed) {
+  // Twice the fastest camera, since two pictures make a frame, and all that a server held back while it stood
+  // still.
+  constexpr double kPicturesPerSecond = 2000, kHeldBack = 2000;
+  const double most = kHeldBack + kPicturesPerSecond * std::chrono::duration<double>(elapsed).count();
+  const bool plausible = std::all_of(kCounters.begin(), kCounters.end(), [&](const auto counter) {
+    return totals.*counter >= before.*counter &&
+           static_cast<double>(totals.*counter - before.*counter) <= most;
+  });
+  return plausible && totals.captured > before.captured;
+}
+
 double microseconds(Duration duration) {
   return std::chrono::duration<double, std::micro>(duration).count();
 }
 
-ordered_json to_json(const std::string& name, const CameraStatistics::Snapshot& s) {
-  ordered_json camera{{"name", name},
-                      {"frames_captured", s.captured},
+ordered_json to_json(const CameraReport& report) {
+  const CameraStatistics::Snapshot& s = report.statistics;
+  ordered_json camera{{"name", report.name},
+                      {"left_out", report.left_out.empty() ? ordered_json() : ordered_json(report.left_out)},
+                      {"connections", s.connections},
+                      {"frames_captured", s.totals.captured},
                       {"frames_received", s.received},
                       {"frames_decoded", s.decoded},
                       {"frames_dropped", s.dropped},
                       {"drops", s.drops},
-                      {"frames_shown", s.latency.count()},
+                      {"frames_shown", s.shown},
                       {"frames_unshown", s.unshown},
+                      {"times_not_believed", s.times_not_believed},
                       {"pictures",
-                       {{"depth_without_color", s.pictures.depth_without_color},
-                        {"color_without_depth", s.pictures.color_without_depth},
+                       {{"depth_without_color", s.totals.depth_without_color},
+                        {"color_without_depth", s.totals.color_without_depth},
                         {"color_repeated", s.color_repeated},
-                        {"damaged", s.pictures.damaged},
-                        {"dark", s.pictures.dark}}},
+                        {"damaged", s.totals.damaged},
+                        {"late", s.totals.late},
+                        {"dark", s.totals.dark}}},
                       {"times_stale", s.times_stale},
                       {"last_shown_sequence", s.last_shown_sequence},
                       {"mbps", s.mbps},
@@ -52,18 +82,21 @@ ordered_json to_json(const std::string& name, const CameraStatistics::Snapshot& 
 
 }  // namespace
 
-void CameraStatistics::received(std::uint64_t captured, std::uint64_t encoder_busy, std::uint64_t window_full,
-                                std::size_t bytes, Instant now) {
+void CameraStatistics::connected() {
   std::lock_guard lock(mutex_);
-  if (!last_ || captured <= last_->captured || encoder_busy < last_->encoder_busy ||
-      window_full < last_->window_full) {
-    sums_.captured += 1;  // joined a stream: what it captured before is not ours to count
+  ++sums_.connections;
+  last_.reset();
+}
+
+void CameraStatistics::received(const wire::FrameCounters& totals, std::size_t bytes, Instant now) {
+  std::lock_guard lock(mutex_);
+  if (last_ && can_follow(totals, *last_, now - last_at_)) {
+    for (const auto counter : kCounters) sums_.totals.*counter += totals.*counter - (*last_).*counter;
   } else {
-    sums_.captured += captured - last_->captured;
-    encoder_busy_ += encoder_busy - last_->encoder_busy;
-    window_full_ += window_full - last_->window_full;
+    sums_.totals.captured += 1;
   }
-  last_ = Totals{captured, encoder_busy, window_full};
+  last_ = totals;
+  last_at_ = now;
   sums_.received += 1;
   if (!first_) {
     first_ = now;
@@ -71,21 +104,6 @@ void CameraStatistics::received(std::uint64_t captured, std::uint64_t encoder_bu
     bytes_ += bytes;  // the first frame opens the interval that the rate is measured over
   }
   newest_ = now;
-}
-
-void CameraStatistics::sensor(const Pictures& totals) {
-  std::lock_guard lock(mutex_);
-  // A total that falls is a server's that started anew.
-  const auto growth = [&](std::uint64_t Pictures::*total) {
-    return last_pictures_ && totals.*total >= (*last_pictures_).*total
-               ? totals.*total - (*last_pictures_).*total
-               : std::uint64_t{0};
-  };
-  for (auto total : {&Pictures::depth_without_color, &Pictures::color_without_depth, &Pictures::damaged,
-                     &Pictures::dark}) {
-    sums_.pictures.*total += growth(total);
-  }
-  last_pictures_ = totals;
 }
 
 void CameraStatistics::decoded() {
@@ -113,10 +131,26 @@ void CameraStatistics::unshown() {
   ++sums_.unshown;
 }
 
-void CameraStatistics::shown(std::uint64_t sequence, Duration latency) {
+void CameraStatistics::shown(std::uint64_t sequence, std::optional<Duration> latency) {
   std::lock_guard lock(mutex_);
+  ++sums_.shown;
   sums_.last_shown_sequence = sequence;
-  sums_.latency.add(latency);
+  if (latency) sums_.latency.add(*latency);
+}
+
+void CameraStatistics::timed(std::optional<Duration> wire, const StageDurations& durations) {
+  if (wire) {
+    stage(Stage::kWire, *wire);
+  } else {
+    std::lock_guard lock(mutex_);
+    ++sums_.times_not_believed;
+  }
+  for (const auto& [stage_of_server, took] : {std::pair{Stage::kCapture, durations.capture},
+                                             {Stage::kFill, durations.fill},
+                                             {Stage::kDepthEncode, durations.depth_encode},
+                                             {Stage::kVideoEncode, durations.video_encode}}) {
+    if (took <= kOldestBelieved) stage(stage_of_server, took);
+  }
 }
 
 void CameraStatistics::stage(Stage stage, Duration duration) {
@@ -133,10 +167,10 @@ void CameraStatistics::clock(Duration offset, Duration uncertainty) {
 CameraStatistics::Snapshot CameraStatistics::snapshot() const {
   std::lock_guard lock(mutex_);
   Snapshot s = sums_;
-  const std::uint64_t missing = s.captured - std::min(s.captured, s.received);
-  const std::uint64_t known = encoder_busy_ + window_full_;
-  s.drops = {{"encoder_busy", encoder_busy_},
-             {"window_full", window_full_},
+  const std::uint64_t missing = s.totals.captured - std::min(s.totals.captured, s.received);
+  const std::uint64_t known = s.totals.encoder_busy + s.totals.window_full;
+  s.drops = {{"encoder_busy", s.totals.encoder_busy},
+             {"window_full", s.totals.window_full},
              {"decode_error", not_decoded_},
              {"unaccounted", missing - std::min(missing, known)}};
   s.dropped = missing + not_decoded_;
@@ -161,14 +195,12 @@ double ViewStatistics::fps() const {
   return static_cast<double>(frames_ - 1) / std::chrono::duration<double>(last_ - first_).count();
 }
 
-Result<void> write_statistics(const std::string& path, const std::vector<std::string>& cameras,
-                              const std::vector<CameraStatistics::Snapshot>& snapshots,
+Result<void> write_statistics(const std::string& path, const std::vector<CameraReport>& cameras,
                               const ViewStatistics& view, const std::string& renderer, int width,
                               int height) {
   ordered_json root;
   root["cameras"] = ordered_json::array();
-  for (std::size_t i = 0; i < cameras.size(); ++i)
-    root["cameras"].push_back(to_json(cameras[i], snapshots[i]));
+  for (const CameraReport& camera : cameras) root["cameras"].push_back(to_json(camera));
   root["view"] = {{"frames", view.frames()},
                   {"fps", view.fps()},
                   {"render_ms", percentiles(view.render_time(), {50, 95})},
@@ -182,15 +214,17 @@ Result<void> write_statistics(const std::string& path, const std::vector<std::st
                                     {"not_finite", tracker->not_finite},
                                     {"out_of_range", tracker->out_of_range}};
   }
-  const auto least_sure = std::max_element(
-      snapshots.begin(), snapshots.end(),
-      [](const auto& a, const auto& b) { return a.clock_uncertainty < b.clock_uncertainty; });
-  if (least_sure != snapshots.end()) {
-    root["clock"] = {{"offset_us", microseconds(least_sure->clock_offset)},
-                     {"uncertainty_us", microseconds(least_sure->clock_uncertainty)}};
+  const auto least_sure =
+      std::max_element(cameras.begin(), cameras.end(), [](const CameraReport& a, const CameraReport& b) {
+        return a.statistics.clock_uncertainty < b.statistics.clock_uncertainty;
+      });
+  if (least_sure != cameras.end()) {
+    root["clock"] = {{"offset_us", microseconds(least_sure->statistics.clock_offset)},
+                     {"uncertainty_us", microseconds(least_sure->statistics.clock_uncertainty)}};
   }
   std::ofstream file(path);
-  file << root.dump(2) << '\n';
+  // Names and addresses may hold any bytes; JSON holds UTF-8.
+  file << root.dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
   file.flush();
   if (!file)
     return fail(ErrorCode::kUnavailable, fmt::format("{}: the statistics cannot be written there", path));

@@ -17,6 +17,7 @@
 #include "common/flow/stage_timing.h"
 #include "common/frame/rgbd_frame.h"
 #include "common/result.h"
+#include "common/wire/message.h"
 #include "render_client/viewpoint/opentrack_view.h"
 
 namespace copresence::client {
@@ -26,37 +27,34 @@ enum class Stage { kCapture, kFill, kDepthEncode, kVideoEncode, kWire, kVideoDec
 inline constexpr std::array<const char*, 7> kStageNames{
     "capture", "fill", "depth_encode", "video_encode", "wire", "video_decode", "depth_decode"};
 
-/// Pictures of a sensor that found no partner of their instant, came damaged, or fell into another
-/// projector's turn.
-struct Pictures {
-  std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none
-  std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
-  std::uint64_t damaged = 0;              ///< pictures that did not decode or went missing
-  std::uint64_t dark = 0;                 ///< depth pictures that its projector was not to light, left out
-};
-
 class CameraStatistics {
  public:
-  /// Everything is counted from the first received() on. `captured`, `encoder_busy`, `window_full`: the
-  /// server's running totals as they came with this frame; a total that falls means that the server started
-  /// anew.
-  void received(std::uint64_t captured, std::uint64_t encoder_busy, std::uint64_t window_full,
-                std::size_t bytes, Instant now);
-  /// What became of the sensor's pictures, the server's running totals; counted like these.
-  void sensor(const Pictures& totals);
+  /// A connection to the camera's server begins. What the server captured before its first frame here, or
+  /// between two connections, is not ours to count: its totals are compared within one connection only.
+  void connected();
+  /// `totals`: the server's running totals as they came with this frame. A server that makes totals up (they
+  /// fall, or grow faster than any camera delivers) begins anew with each of them.
+  void received(const wire::FrameCounters& totals, std::size_t bytes, Instant now);
   void decoded();
-  void stale();           ///< no frame has come for so long that the camera fades from the view
+  void not_decoded();     ///< received, but damaged or dependent on something that is missing
   void color_repeated();  ///< decoded without colour, and shown with an earlier frame's
-  void not_decoded();  ///< received, but damaged or dependent on something that is missing
-  void unshown();      ///< decoded, but replaced before any view
-  void shown(std::uint64_t sequence, Duration latency);
+  void unshown();         ///< decoded, but replaced before any view
+  /// In a view. `latency`: nothing where the frame's times are not believed.
+  void shown(std::uint64_t sequence, std::optional<Duration> latency);
+  /// How long the server's stages and the wire took. Stages beyond any belief are left out; no `wire` means
+  /// that the frame's times are not believed, which is counted.
+  void timed(std::optional<Duration> wire, const StageDurations& durations);
   void stage(Stage stage, Duration duration);
   void clock(Duration offset, Duration uncertainty);
+  void stale();  ///< no frame has come for so long that the camera fades from the view
 
   struct Snapshot {
-    Pictures pictures;
+    std::uint64_t connections = 0;
+    wire::FrameCounters
+        totals;  ///< growth since the first frame of each connection; `captured` counts that one, too
+    std::uint64_t received = 0, decoded = 0, shown = 0, unshown = 0, last_shown_sequence = 0;
     std::uint64_t color_repeated = 0, times_stale = 0;
-    std::uint64_t captured = 0, received = 0, decoded = 0, unshown = 0, last_shown_sequence = 0;
+    std::uint64_t times_not_believed = 0;        ///< decoded frames
     std::map<std::string, std::uint64_t> drops;  ///< by cause; every cause is there, also with 0
     std::uint64_t dropped = 0;
     double mbps = 0;
@@ -67,14 +65,10 @@ class CameraStatistics {
   Snapshot snapshot() const;
 
  private:
-  struct Totals {
-    std::uint64_t captured, encoder_busy, window_full;
-  };
-
   mutable std::mutex mutex_;
-  std::optional<Totals> last_;
-  std::optional<Pictures> last_pictures_;
-  std::uint64_t encoder_busy_ = 0, window_full_ = 0, not_decoded_ = 0, bytes_ = 0;
+  std::optional<wire::FrameCounters> last_;  // of this connection
+  Instant last_at_{};                        // when they came
+  std::uint64_t not_decoded_ = 0, bytes_ = 0;
   std::optional<Instant> first_, newest_;
   Snapshot sums_;
 };
@@ -103,9 +97,15 @@ class ViewStatistics {
   std::optional<viewpoint::OpentrackView::Counters> head_tracker_;
 };
 
-/// Writes design section 7's JSON. Fails with a sentence that names the file.
-Result<void> write_statistics(const std::string& path, const std::vector<std::string>& cameras,
-                              const std::vector<CameraStatistics::Snapshot>& snapshots,
+/// One camera as the JSON tells of it.
+struct CameraReport {
+  std::string name;      ///< or its address where no server has told a name
+  std::string left_out;  ///< why no view shows it; empty where views do
+  CameraStatistics::Snapshot statistics;
+};
+
+/// Writes the JSON of --stats. Fails with a sentence that names the file.
+Result<void> write_statistics(const std::string& path, const std::vector<CameraReport>& cameras,
                               const ViewStatistics& view, const std::string& renderer, int width, int height);
 
 }  // namespace copresence::client

@@ -71,8 +71,8 @@ void StopOnSignal::wait_for_stop(const std::stop_token& own_end) {
     const int signal = next_of(awaited);
     if (own_end.stop_requested()) return;
     if (signal == SIGINT) {
-      // Before the stop is requested, since whoever is told of it may block. This thread alone lets the signal in; it
-      // ends the whole process.
+      // Before the stop is requested, since whoever is told of it may block. This thread alone lets the
+      // signal in; it ends the whole process.
       sigdelset(&awaited, SIGINT);
       let_interrupts_kill();
     }

@@ -8,15 +8,16 @@
 
 namespace copresence::flow {
 
-/// While one of these lives, SIGTERM and the first SIGINT request a stop instead of ending the process. The second
-/// SIGINT (Ctrl-C) ends the process at once, whatever its threads are doing; its exit status says so. A second SIGTERM
-/// changes nothing: service managers send it to each process of a group, and a parent hands it on.
+/// While one of these lives, SIGTERM and the first SIGINT request a stop instead of ending the process. The
+/// second SIGINT (Ctrl-C) ends the process at once, whatever its threads are doing; its exit status says so.
+/// A second SIGTERM changes nothing: service managers send it to each process of a group, and a parent hands
+/// it on.
 ///
-/// With `on_hangup`, SIGHUP calls that on a thread of its own instead of ending the process. Hang-ups that come
-/// meanwhile cause one more call. The destructor waits until the call returns.
+/// With `on_hangup`, SIGHUP calls that on a thread of its own instead of ending the process. Hang-ups that
+/// come meanwhile cause one more call. The destructor waits until the call returns.
 ///
-/// Requires to be made and destroyed on the main thread, before any other thread is made: new threads inherit the
-/// blocked signals. One at a time.
+/// Requires to be made and destroyed on the main thread, before any other thread is made: new threads inherit
+/// the blocked signals. One at a time.
 class StopOnSignal {
  public:
   explicit StopOnSignal(std::function<void()> on_hangup = {});

@@ -90,24 +90,24 @@ class FrameClient::Connection {
       endpoints_ = {tcp::endpoint(numeric, target.port)};
       return {};
     }
-    const NameLookup lookup(
-        io_, target.host, target.port,
-        [this](const asio::error_code& error, std::vector<tcp::endpoint> found) {
-          endpoints_ = std::move(found);
-          if (endpoints_.empty())
-            fail_with(ErrorCode::kNotFound, fmt::format("no host has this name ({})", error.message()));
-        });
+    const NameLookup lookup(io_, target.host, target.port,
+                            [this](const asio::error_code& error, std::vector<tcp::endpoint> found) {
+                              endpoints_ = std::move(found);
+                              if (endpoints_.empty())
+                                fail_with(ErrorCode::kNotFound,
+                                          fmt::format("no host has this name ({})", error.message()));
+                            });
     return run_until([this] { return !endpoints_.empty(); }, stop, {}, "");
   }
 
   void connect() {
     asio::async_connect(socket_, endpoints_, [this](const asio::error_code& error, const tcp::endpoint&) {
       if (error == asio::error::connection_refused) {
-        return fail_with(ErrorCode::kUnavailable,
-                         "connection refused: start a capture_server there (without --loop it "
-                         "ends with its recording)");
+        return fail_with(
+            ErrorCode::kNotFound,
+            "connection refused: start a capture_server there (without --loop it ends with its recording)");
       }
-      if (error) return lost(error);
+      if (error) return fail_with(ErrorCode::kNotFound, error.message());
       tune(socket_);
       reader_.start();
       hello_at_ = Clock::now();
@@ -122,8 +122,7 @@ class FrameClient::Connection {
       if (error) return lost(error);
       const auto header = decode_header(header_);
       if (!header) return fail_with(header.error());
-      if (header->type == MessageType::kFrame)
-        return welcomed_ ? read_frame(header->body_bytes) : confused();
+      if (header->type == MessageType::kFrame) return welcomed_ ? read_frame(header->body_bytes) : confused();
       body_.resize(header->body_bytes);
       reader_.read({asio::buffer(body_)}, [this, type = header->type](const asio::error_code& body_error) {
         if (body_error) return lost(body_error);
@@ -219,8 +218,8 @@ class FrameClient::Connection {
     timer_.expires_after(pings_ < kFirst ? kFirstPings : kPings);
     timer_.async_wait([this](const asio::error_code& error) {
       if (error) return;
-      // Any byte is a sign of life: on a slow path a frame takes longer than this. What waits in the socket because
-      // receive() was not called is no silence either.
+      // Any byte is a sign of life: on a slow path a frame takes longer than this. What waits in the socket
+      // because receive() was not called is no silence either.
       if (Clock::now() - std::max(reader_.last_arrival(), listening_since_) > kSilence) {
         return fail_with(ErrorCode::kTimeout, fmt::format("silent for {} s", kSilence.count()));
       }

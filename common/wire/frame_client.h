@@ -3,8 +3,9 @@
 // One connection to a capture_server: frames in, acknowledgements and pings out.
 //
 // Errors  kRefused is final: the releases differ. kEndOfStream carries the server's own words. All others
-//         (kUnavailable, kTimeout, kCorrupt, kNotFound) may pass: connect anew after a while. After any of
-//         them the connection is over, but for receive() that was stopped or too late.
+//         may pass: connect anew after a while. kNotFound: nobody answers there. kUnavailable: somebody does,
+//         but is full or hung up. kCorrupt: it is no capture_server, or damaged. kTimeout: it fell silent.
+//         After any of them the connection is over, but for receive() that was stopped or too late.
 // Thread  one thread; request_keyframe() may be called from any.
 
 #include <chrono>
@@ -32,8 +33,8 @@ struct ReceivedFrame {
 
 class FrameClient {
  public:
-  /// Connects and shakes hands within `timeout`. Looking a host's name up comes before that and takes as long as the
-  /// system's resolver does. Returns kUnavailable at once when asked to stop.
+  /// Connects and shakes hands within `timeout`. Looking a host's name up comes before that and takes as long
+  /// as the system's resolver does. Returns kUnavailable at once when asked to stop.
   static Result<FrameClient> connect(const std::string& host_port, std::chrono::milliseconds timeout,
                                      std::stop_token stop);
   FrameClient(FrameClient&&) noexcept;
@@ -42,13 +43,13 @@ class FrameClient {
 
   const StreamDescription& description() const;
 
-  /// Calls `heard` from within receive() whenever the server says what keeps its camera from sending frames, and with an
-  /// empty text when nothing does any more.
+  /// Calls `heard` from within receive() whenever the server says what keeps its camera from sending frames,
+  /// and with an empty text when nothing does any more.
   void on_notice(std::function<void(const std::string&)> heard);
 
   /// Waits for the next frame and acknowledges it: call again when ready for one more, that is what keeps the
-  /// latency bounded. Returns kUnavailable when asked to stop, and kTimeout when no byte has come for 5 s. Returns
-  /// kTimeout, too, when no frame has come until `latest`; the connection then goes on.
+  /// latency bounded. Returns kUnavailable when asked to stop, and kTimeout when no byte has come for 5 s.
+  /// Returns kTimeout, too, when no frame has come until `latest`; the connection then goes on.
   Result<ReceivedFrame> receive(std::stop_token stop, std::optional<Instant> latest = {});
 
   /// What comes cannot be decoded: asks for a keyframe. Sent at once, or from within the next receive().

@@ -84,7 +84,8 @@ Instant TimedReader::arrival_of(msghdr& message) const {
     timespec queued, wall_now;
     std::memcpy(&queued, CMSG_DATA(note), sizeof queued);
     ::clock_gettime(CLOCK_REALTIME, &wall_now);
-    // The kernel's times are wall-clock times. Should the wall clock be set meanwhile, the limits hold the error.
+    // The kernel's times are wall-clock times. Should the wall clock be set meanwhile, the limits hold the
+    // error.
     const Instant arrived = now - (nanoseconds_of(wall_now) - nanoseconds_of(queued));
     return std::clamp(arrived, last_arrival_, now);
   }

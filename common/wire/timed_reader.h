@@ -1,11 +1,12 @@
 #pragma once
 
-// Reads from a TCP socket and knows when the bytes arrived, however late they are read. Private to this module: it shows
-// Asio.
+// Reads from a TCP socket and knows when the bytes arrived, however late they are read. Private to this
+// module: it shows Asio.
 //
-// The kernel notes when it queued each segment (SO_TIMESTAMPNS). A client that decodes between two reads so measures
-// the network and not its own decoder. The kernel may merge neighbouring segments that nobody has read yet; their time is
-// then that of the last one. Where the kernel gives no time, bytes count as arrived when they are read.
+// The kernel notes when it queued each segment (SO_TIMESTAMPNS). A client that decodes between two reads so
+// measures the network and not its own decoder. The kernel may merge neighbouring segments that nobody has
+// read yet; their time is then that of the last one. Where the kernel gives no time, bytes count as arrived
+// when they are read.
 //
 // Thread: the one that runs the socket's io_context.
 
@@ -32,8 +33,8 @@ class TimedReader {
   /// Call once the socket is connected: no byte can have arrived before now.
   void start();
 
-  /// Fills all `buffers` and then calls `done` from the io_context, never from within this call. The memory must live
-  /// until then. Requires at most kMostBuffers buffers and no other read under way.
+  /// Fills all `buffers` and then calls `done` from the io_context, never from within this call. The memory
+  /// must live until then. Requires at most kMostBuffers buffers and no other read under way.
   void read(std::initializer_list<asio::mutable_buffer> buffers, Done done);
 
   /// When the newest byte that was read arrived. Never decreases and is never in the future.

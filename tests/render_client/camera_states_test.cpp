@@ -81,5 +81,46 @@ TEST(CameraStates, OrdinalsAreEnglish) {
     EXPECT_EQ(ordinal(number), text);
 }
 
+TEST(CameraStates, ACameraThatIsLeftOutIsNamedAndHoldsNobodyUp) {
+  CameraStates states(2);
+  states.connected(0, "left");
+  states.connected(1, "right");
+  EXPECT_EQ(states.left_out(1), "");
+  states.availability(1, Availability::kLeftOut, "127.0.0.1:7002: the server hung up");
+  EXPECT_EQ(states.left_out(1), "127.0.0.1:7002: the server hung up");
+  EXPECT_EQ(states.left_out(0), "");
+  EXPECT_EQ(states.name(1), "right");
+  EXPECT_THAT(states.title("Copresence"), HasSubstr("7002: the server hung up"));
+  states.connected(1, "right");
+  EXPECT_NE(states.left_out(1), "") << "a welcome alone shows nothing";
+  EXPECT_FALSE(states.all_over()) << "the other one goes on";
+  states.over(0, "the recording is over");
+  EXPECT_TRUE(states.all_over());
+  states.availability(1, Availability::kShown, "");
+  EXPECT_EQ(states.left_out(1), "");
+  EXPECT_FALSE(states.all_over());
+}
+
+TEST(CameraStates, SaysOnceThatEveryCameraIsRefused) {
+  int told = 0;
+  CameraStates states(2, [&] { ++told; });
+  states.availability(0, Availability::kRefused, "a:1: install the same release");
+  states.availability(1, Availability::kLeftOut, "b:2: the server hung up");
+  EXPECT_EQ(told, 0) << "the second may come back";
+  states.availability(1, Availability::kRefused, "b:2: codec \"h265\" is unknown");
+  states.availability(1, Availability::kRefused, "b:2: codec \"h266\" is unknown");
+  EXPECT_EQ(told, 1);
+  ASSERT_TRUE(states.all_refused());
+  EXPECT_EQ(states.all_refused()->what,
+            "none of the cameras can be shown: a:1: install the same release; b:2: codec \"h265\" is unknown");
+}
+
+TEST(CameraStates, OfOneCameraSaysNothingButWhyItIsRefused) {
+  CameraStates states(1);
+  states.availability(0, Availability::kRefused, "a:1: install the same release");
+  ASSERT_TRUE(states.all_refused());
+  EXPECT_EQ(states.all_refused()->what, "a:1: install the same release");
+}
+
 }  // namespace
 }  // namespace copresence::client

@@ -6,6 +6,7 @@
 
 #include "common/wire/frame_client.h"
 #include "render_client/frame_decoding.h"
+#include "render_client/stream/limited_log.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -20,7 +21,9 @@ class StreamSource : public sensor::FrameSource {
       : client_(std::move(client)), decoding_(std::move(decoding)) {
     client_.on_notice([this, address](const std::string& notice) {
       notice_ = notice;
-      if (!notice.empty()) fmt::print(stderr, "{}: {}\n", address, notice);
+      if (notice.empty()) return;
+      log_.say(client::LimitedLog::Topic::kNotice, client::LimitedLog::Severity::kWarning,
+               fmt::format("{}: {}", address, notice), std::chrono::steady_clock::now());
     });
     const StreamDescription& stream = client_.description();
     description_.name = stream.camera;
@@ -65,6 +68,8 @@ class StreamSource : public sensor::FrameSource {
   StreamSource& operator=(const StreamSource&) = delete;
 
   wire::FrameClient client_;
+  client::LimitedLog log_{
+      [](client::LimitedLog::Severity, const std::string& line) { fmt::print(stderr, "{}\n", line); }};
   std::string notice_;  // what keeps the camera from sending, in the server's words; empty where nothing does
   client::FrameDecoding decoding_;
   sensor::SensorDescription description_;

@@ -84,7 +84,7 @@ TEST(FrameClient, SaysThatNothingListens) {
   }
   const auto client = FrameClient::connect(address, 2s, {});
   ASSERT_FALSE(client);
-  EXPECT_EQ(client.error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(client.error().code, ErrorCode::kNotFound);
   EXPECT_THAT(client.error().what, HasSubstr(address + ": connection refused"));
 }
 

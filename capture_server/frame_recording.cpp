@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "capture_server/recording/oni_check.h"
 
 namespace copresence::server {
 namespace {
@@ -39,12 +42,28 @@ Result<FrameRecording> FrameRecording::open(const std::string& path, const senso
   content.max_depth = 65535;  // whatever the sensor gives
   auto writer = recording::OniWriter::create_numbered(path, content);
   if (!writer) return fail(writer.error());
-  return FrameRecording(std::move(*writer), sensor.has_color);
+  return FrameRecording(std::move(*writer), sensor);
+}
+
+Result<void> FrameRecording::note_start(const RgbdFrame& first, microseconds offset) {
+  if (std::exchange(start_is_noted_, true)) return {};
+  if (sensor_unix_zero_us_) return writer_.note_unix_zero(*sensor_unix_zero_us_ - offset.count());
+  const auto ago = std::chrono::steady_clock::now() - first.stamp.captured_at;
+  const auto captured = std::chrono::system_clock::now().time_since_epoch() - ago;
+  const auto zero = std::chrono::duration_cast<microseconds>(captured) - first.sensor_times.depth - offset;
+  return writer_.note_unix_zero(zero.count());
+}
+
+Result<void> FrameRecording::finish() {
+  auto finished = writer_.finish();
+  if (!finished || frames_ == 0 || frames_ > kMostChecked) return finished;
+  return recording::check_written(writer_.path());
 }
 
 Result<void> FrameRecording::write(const RgbdFrame& frame) {
   const SensorTimes& times = frame.sensor_times;
   const microseconds offset = clock_.offset_for(times.depth, frame.stamp.captured_at);
+  if (auto noted = note_start(frame, offset); !noted) return noted;
   if (auto written = writer_.write_depth(times.depth + offset, frame.depth); !written) return written;
   ++frames_;
   if (!has_color_ || !frame.color || times.color_is_repeated) return {};

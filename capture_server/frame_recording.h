@@ -10,6 +10,7 @@
 //
 // Thread: one thread at a time.
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -36,7 +37,8 @@ class RecordingClock {
 
 class FrameRecording {
  public:
-  /// `camera_name` goes into the camera's note.
+  /// `camera_name` goes into the camera's note. When the recording began by the clock (UTC) is noted with its first
+  /// frame: a copy of a recording keeps the original's start, everything else began now.
   /// Fails (kUnavailable, kInvalid) where the file cannot be made.
   static Result<FrameRecording> open(const std::string& path, const sensor::SensorDescription& sensor,
                                      const std::string& camera_name);
@@ -49,18 +51,25 @@ class FrameRecording {
   /// What was written so far survives this process.
   Result<void> checkpoint() { return writer_.checkpoint(); }
 
-  /// Call once, last.
-  Result<void> finish() { return writer_.finish(); }
+  /// Call once, last. The file is then checked as a replay would check it, up to kMostChecked frames: longer ones take
+  /// more time than a stop has.
+  Result<void> finish();
 
   std::uint64_t frames() const { return frames_; }
   std::uint64_t bytes() const { return writer_.bytes(); }
 
+  static constexpr std::uint64_t kMostChecked = 20'000;
+
  private:
-  FrameRecording(recording::OniWriter writer, bool has_color)
-      : writer_(std::move(writer)), has_color_(has_color) {}
+  FrameRecording(recording::OniWriter writer, const sensor::SensorDescription& sensor)
+      : writer_(std::move(writer)), has_color_(sensor.has_color), sensor_unix_zero_us_(sensor.unix_zero_us) {}
+
+  Result<void> note_start(const RgbdFrame& first, std::chrono::microseconds offset);
 
   recording::OniWriter writer_;
   bool has_color_;
+  std::optional<std::int64_t> sensor_unix_zero_us_;
+  bool start_is_noted_ = false;
   RecordingClock clock_;
   std::chrono::microseconds last_color_{};
   std::uint64_t frames_ = 0;

@@ -265,7 +265,9 @@ class Pipeline {
   // A camera may be plugged in again, and a damaged recording may have better places; one that fails stays
   // so.
   bool goes_on(const Error& error) const {
-    if (is_recording(settings_.source)) return error.code == ErrorCode::kCorrupt;
+    if (is_recording(settings_.source)) {
+      return error.code == ErrorCode::kCorrupt || error.code == ErrorCode::kUnavailable;
+    }
     return error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kTimeout;
   }
 

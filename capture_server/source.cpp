@@ -4,19 +4,23 @@
 
 #include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/recording/oni_check.h"
+#include "common/frame/nominal_camera.h"
 
 namespace copresence {
 namespace {
 
 constexpr std::string_view kDevicePrefix = "openni:";
 
-// A Kinect v1's nominal field of view, radians, for recordings that do not tell theirs.
-constexpr recording::RecordedStream::FieldOfView kNominal{1.0144686, 0.7898090};
+CameraModel camera_of(const recording::RecordedStream& stream) {
+  const auto& view = stream.field_of_view;
+  return view ? camera_of_sensor(stream.width, stream.height, view->horizontal, view->vertical)
+              : nominal_kinect(stream.width, stream.height);
+}
 
-CameraModel camera_of(const recording::RecordedStream& stream,
-                      const recording::RecordedStream::FieldOfView& field_of_view) {
-  return camera_from_field_of_view(stream.width, stream.height, field_of_view.horizontal,
-                                   field_of_view.vertical);
+// Of a colour camera whose recording does not tell: that of depth, in its size.
+CameraModel color_camera_of(const recording::RecordedStream& color, const recording::RecordedStream& depth) {
+  if (color.field_of_view || !depth.field_of_view) return camera_of(color);
+  return camera_of_sensor(color.width, color.height, depth.field_of_view->horizontal, depth.field_of_view->vertical);
 }
 
 sensor::CheckedRecording describe(const std::string& path, const recording::RecordingSummary& summary) {
@@ -25,9 +29,13 @@ sensor::CheckedRecording describe(const std::string& path, const recording::Reco
   const recording::RecordedStream* color = summary.find(Kind::kColor);
   sensor::CheckedRecording checked;
   checked.path = path;
-  checked.period_us = recording::mean_period_us(depth);
+  checked.period_us = recording::usual_period_us(depth);
   checked.duration_us = summary.duration.count();
   checked.last_depth_frame = depth.last_frame;
+  checked.first_us = static_cast<std::int64_t>(depth.timestamps_us.front());
+  if (summary.unix_zero_us && recording::steps_without_time(depth) == 0) {
+    checked.began_unix_us = *summary.unix_zero_us + checked.first_us;
+  }
 
   sensor::SensorDescription& description = checked.description;
   description.name = path.substr(path.find_last_of('/') + 1);
@@ -37,8 +45,8 @@ sensor::CheckedRecording describe(const std::string& path, const recording::Reco
   description.unit = depth.unit;
   description.frames_per_second = 1e6 / checked.period_us;
   const auto& note = summary.camera_note;
-  const auto field_of_view = depth.field_of_view.value_or(kNominal);
-  description.depth = note ? note->model : camera_of(depth, field_of_view);
+  description.depth = note ? note->model : camera_of(depth);
+  description.unix_zero_us = summary.unix_zero_us;
   if (note) description.world_from_camera = note->world_from_camera;
   // A colour stream without a single frame is none: OpenNI2 would wait for it.
   if (color && color->frames() > 0) {
@@ -46,9 +54,7 @@ sensor::CheckedRecording describe(const std::string& path, const recording::Reco
     description.has_color = true;
     const bool same_size = color->width == depth.width && color->height == depth.height;
     description.registered = same_size && (!note || note->registered);
-    description.color = description.registered
-                            ? description.depth
-                            : camera_of(*color, color->field_of_view.value_or(field_of_view));
+    description.color = description.registered ? description.depth : color_camera_of(*color, depth);
     if (!description.registered && note && note->color && note->color->model.width == color->width &&
         note->color->model.height == color->height) {
       description.color = note->color->model;
@@ -74,6 +80,8 @@ Result<std::unique_ptr<sensor::FrameSource>> open_source(const std::string& sour
     return sensor::open_lasting_device(source.substr(kDevicePrefix.size()), settings.controls);
   const auto summary = recording::check(source);
   if (!summary) return fail(summary.error());
+  const recording::RecordedStream& depth = *summary->find(recording::RecordedStream::Kind::kDepth);
+  if (auto plays = recording::check_playable(depth, source); !plays) return fail(plays.error());
   return sensor::open_recording(describe(source, *summary), settings);
 }
 

@@ -1,8 +1,12 @@
 #include "capture_server/recording/oni_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <filesystem>
 
 #include "capture_server/recording/input_file.h"
+#include "capture_server/recording/oni_format.h"
 #include "capture_server/recording/record_bytes.h"
 #include "capture_server/recording/record_walk.h"
 
@@ -14,12 +18,43 @@ const RecordedStream* RecordingSummary::find(RecordedStream::Kind kind) const {
   return found == streams.end() ? nullptr : &*found;
 }
 
-double mean_period_us(const RecordedStream& stream) {
+std::size_t steps_without_time(const RecordedStream& stream) {
   const auto& times = stream.timestamps_us;
-  if (times.size() >= 2 && times.back() > times.front()) {
-    return static_cast<double>(times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  std::size_t steps = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) steps += times[i] <= times[i - 1];
+  return steps;
+}
+
+double usual_period_us(const RecordedStream& stream) {
+  const auto& times = stream.timestamps_us;
+  const double nominal = 1e6 / std::max(stream.frames_per_second, 1);
+  // Where more steps than a fourth stand still, the others are no frame's period either.
+  if (times.size() < 2 || 4 * steps_without_time(stream) > times.size() - 1) return nominal;
+  std::vector<std::uint64_t> steps;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
   }
-  return 1e6 / std::max(stream.frames_per_second, 1);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  double sum = 0;
+  std::size_t count = 0;
+  for (const std::uint64_t step : steps) {
+    // Rounded times alternate about their mean; pauses do not count.
+    if (2 * step < *middle || step > *middle + *middle / 2) continue;
+    sum += static_cast<double>(step);
+    ++count;
+  }
+  const double period = sum / static_cast<double>(count);
+  return period < 1e6 / kFastestRate ? nominal : period;
+}
+
+Result<void> check_playable(const RecordedStream& depth, std::string_view name) {
+  const double period_s = usual_period_us(depth) * 1e-6;
+  if (period_s <= 1 / kSlowestRate) return {};
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("{}: a depth frame every {:.3g} s, but a recording is played at {} to {} frames a second; if "
+                          "its times are in another unit, make it again with record from-images --times",
+                          name, period_s, kSlowestRate, kFastestRate));
 }
 
 Result<RecordingSummary> check(const std::string& path) {
@@ -27,6 +62,14 @@ Result<RecordingSummary> check(const std::string& path) {
   if (!file) return fail(file.error());
   RecordBytes bytes = file->bytes();
   return RecordWalk(bytes, path).run();
+}
+
+Result<void> check_written(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  const auto summary = check(path);
+  if (!summary) return fail(summary.error());
+  return check_playable(*summary->find(RecordedStream::Kind::kDepth), path);
 }
 
 Result<RecordingSummary> check(std::span<const std::uint8_t> bytes, std::string_view name) {

@@ -60,20 +60,35 @@ struct RecordedStream {
 struct RecordingSummary {
   std::vector<RecordedStream> streams;    ///< at most one of each kind
   std::optional<CameraNote> camera_note;  ///< where there is one; of the depth stream's size and unit
+  /// Microseconds from 1970 (UTC) to time zero of the timestamps, where the recorder noted it.
+  std::optional<std::int64_t> unix_zero_us;
   std::chrono::microseconds duration{};   ///< of the depth stream, first frame to one period after the last
 
   const RecordedStream* find(RecordedStream::Kind kind) const;
 };
 
-/// Mean time between frames, microseconds; from the nominal rate where there are fewer than two frames.
-double mean_period_us(const RecordedStream& stream);
+/// Usual time between frames, microseconds: the median of the steps between their times. The nominal rate's where there
+/// are fewer than two frames, and where the times say nothing: many stand still or go back, or they are closer together
+/// than kFastestRate allows.
+double usual_period_us(const RecordedStream& stream);
+
+/// How many frames have the time of the one before, or an earlier one.
+std::size_t steps_without_time(const RecordedStream& stream);
+
+/// Whether a depth stream's frames come at a rate that a recording can be played at. `name` stands for the recording.
+/// Fails  kUnsupported: its frames are too far apart.
+Result<void> check_playable(const RecordedStream& depth, std::string_view name);
 
 /// Walks the record chain of the file at `path`; frames' payloads are skipped, not read.
 /// Fails  kNotFound (no such file, not readable), kCorrupt (not a recording, cut off, damaged: where), kUnsupported
 ///        (a recording, but without depth, cropped, of odd size, or in a format that nothing here decodes).
 Result<RecordingSummary> check(const std::string& path);
 
-/// The same on bytes in memory; `name` stands for the path in sentences.
+/// What every writer asks of a file before it calls it done: check() and check_playable(). Only for what is a file:
+/// what was written into a device or a pipe passes.
+Result<void> check_written(const std::string& path);
+
+/// The same as check(path) on bytes in memory; `name` stands for the path in sentences.
 Result<RecordingSummary> check(std::span<const std::uint8_t> bytes, std::string_view name);
 
 }  // namespace copresence::recording

@@ -12,6 +12,7 @@
 #include "capture_server/recording/oni_format.h"
 #include "capture_server/recording/oni_salvage.h"
 #include "capture_server/recording/output_file.h"
+#include "capture_server/recording/record_bytes.h"
 #include "capture_server/recording/record_end.h"
 
 namespace copresence::recording {
@@ -118,11 +119,66 @@ struct Wanted {
   std::size_t stream;
 };
 
+// Where a stream's definition lies in a part.
+struct DefinitionPlace {
+  std::uint64_t added_position = 0, counts_position = 0;
+};
+
+// The records of an old file before its first frame, as today's records. Returns where each stream's definition lies.
+Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& input, const Salvage& found,
+                                                           OutputFile& file, const std::string& name) {
+  const auto unreadable = [&] {
+    return fail(ErrorCode::kCorrupt, fmt::format("{}: its streams' definitions cannot be read", name));
+  };
+  std::vector<DefinitionPlace> places(found.streams.size());
+  Bytes out = file_header(0, found.largest_node);
+  Bytes record;
+  for (std::uint64_t at = kHeaderBytes; at < found.first_frame_position; at += record.size()) {
+    record.resize(kOldRecordBytes);
+    if (!input.read(at, record)) return unreadable();
+    FieldReader head(std::span<const std::uint8_t>(record).subspan(4));
+    const auto type = static_cast<RecordType>(head.u32());
+    const std::uint32_t node = head.u32(), size = head.u32();
+    if (size < kOldRecordBytes || size > found.first_frame_position - at) return unreadable();
+    record.resize(size);
+    if (!input.read(at, record)) return unreadable();
+    const auto fields = std::span<const std::uint8_t>(record).subspan(kOldRecordBytes);
+    const auto stream = std::find_if(found.streams.begin(), found.streams.end(),
+                                     [&](const SalvagedStream& s) { return s.added_position == at; });
+    if (stream != found.streams.end()) {
+      FieldReader words(fields);
+      const std::string_view stream_name = words.text();
+      const auto node_type = static_cast<NodeType>(words.u32());
+      DefinitionPlace& place = places[static_cast<std::size_t>(stream - found.streams.begin())];
+      place.added_position = out.size();
+      append_node_added(out, node, stream_name, node_type, words.u32());
+      place.counts_position = out.size() - kNodeCountsBytes;
+    } else if (type == RecordType::kDataBegin) {
+      append_record(out, type, node, Bytes(kFrameFieldBytes, 0xFF));
+    } else {
+      append_record(out, type, node, fields);
+    }
+  }
+  if (auto written = file.append(out); !written) return fail(written.error());
+  return places;
+}
+
+// What comes before a part's first frame.
+Result<std::vector<DefinitionPlace>> write_definitions(const InputFile& input, const Salvage& found, OutputFile& file,
+                                                       const std::string& name) {
+  if (found.is_old) return modernise_definitions(input, found, file, name);
+  if (auto copied = copy_bytes(input, 0, found.first_frame_position, file, name, [](double) {}); !copied) {
+    return fail(copied.error());
+  }
+  std::vector<DefinitionPlace> places;
+  for (const SalvagedStream& stream : found.streams) places.push_back({stream.added_position, stream.counts_position});
+  return places;
+}
+
 Result<void> write_part(const InputFile& input, const Salvage& found, const std::vector<Wanted>& wanted,
                         OutputFile& file, const std::string& name, const ProgressReport& progress) {
-  if (auto copied = copy_bytes(input, 0, found.first_frame_position, file, name, [](double) {}); !copied) {
-    return copied;
-  }
+  const auto definitions = write_definitions(input, found, file, name);
+  if (!definitions) return fail(definitions.error());
   std::vector<std::vector<FramePlace>> places(found.streams.size());
   Bytes record;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -143,27 +199,43 @@ Result<void> write_part(const InputFile& input, const Salvage& found, const std:
   }
   std::vector<EndedStream> ended;
   for (std::size_t i = 0; i < found.streams.size(); ++i) {
-    const SalvagedStream& stream = found.streams[i];
-    ended.push_back({stream.node, stream.added_position, stream.counts_position, places[i]});
+    const DefinitionPlace& place = (*definitions)[i];
+    ended.push_back({found.streams[i].node, place.added_position, place.counts_position, places[i]});
   }
   if (auto done = write_end(file, ended, SeekTables::kYes, {}); !done) return fail(done.error());
   return file.close();
 }
 
+// Every frame of a recording of OpenNI 1.0 to 1.3, in today's format.
+Result<void> rewrite(const InputFile& input, const Salvage& found, OutputFile& file, const std::string& name,
+                     const ProgressReport& progress) {
+  std::vector<Wanted> all;
+  for (std::size_t i = 0; i < found.streams.size(); ++i) {
+    for (const SalvagedFrame& frame : found.streams[i].frames) all.push_back({&frame, i});
+  }
+  std::sort(all.begin(), all.end(),
+            [](const Wanted& a, const Wanted& b) { return a.frame->position < b.frame->position; });
+  return write_part(input, found, all, file, name, progress);
+}
+
 }  // namespace
 
-Result<RepairReport> repair(const std::string& path, const std::string& out, const ProgressReport& progress) {
+Result<RepairReport> repair(const std::string& path, const std::string& out, Existing existing,
+                            const ProgressReport& progress) {
   const auto input = InputFile::open(path);
   if (!input) return fail(input.error());
   RecordBytes bytes = input->bytes();
   const auto found = salvage(bytes, path);
   if (!found) return fail(found.error());
   RepairReport report;
-  report.frames = found->frames();
+  report.depth_frames = found->frames(NodeType::kDepth);
+  report.color_frames = found->frames(NodeType::kImage);
+  report.infrared_frames = found->frames(NodeType::kInfrared);
   report.gaps = found->gaps.size();
   report.dropped_bytes = found->has_end ? 0 : input->size() - found->whole_until;
-  report.was_whole =
-      found->has_end && found->has_seek_tables && found->gaps.empty() && check(path).has_value();
+  // The old format could do without seek tables, and so can every player.
+  report.was_whole = found->has_end && (found->has_seek_tables || found->is_old) && found->gaps.empty() &&
+                     check(path).has_value();
   if (report.was_whole && out.empty()) return report;
   if (out.empty() && !found->gaps.empty()) {
     return fail(
@@ -172,21 +244,30 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, con
                     "into another file",
                     path, found->gaps.front().from));
   }
+  if (out.empty() && found->is_old) {
+    return fail(ErrorCode::kCorrupt,
+                fmt::format("{}: written by OpenNI 1.0 to 1.3, whose files are not finished in place; give --out FILE to "
+                            "write what is whole into another file",
+                            path));
+  }
   if (out.empty()) {
     auto file = OutputFile::open(path);
     if (!file) return fail(file.error());
     if (auto finished = finish(*file, *found, path); !finished) return fail(finished.error());
-    if (const auto plays = check(path); !plays) return fail(plays.error());
+    if (const auto plays = check_written(path); !plays) return fail(plays.error());
   } else {
     if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());
-    auto copy = OutputFile::create(out, Existing::kReplace);
+    auto copy = OutputFile::create(out, existing);
     if (!copy) return fail(copy.error());
-    const std::uint64_t end = report.was_whole ? input->size() : found->whole_until;
-    auto done = copy_bytes(*input, 0, end, *copy, path, progress);
-    if (done) done = report.was_whole ? copy->close() : finish(*copy, *found, path);
-    if (done) {
-      if (const auto plays = check(out); !plays) done = fail(plays.error());
+    Result<void> done;
+    if (found->is_old && !report.was_whole) {
+      done = rewrite(*input, *found, *copy, path, progress);
+    } else {
+      const std::uint64_t end = report.was_whole ? input->size() : found->whole_until;
+      done = copy_bytes(*input, 0, end, *copy, path, progress);
+      if (done) done = report.was_whole ? copy->close() : finish(*copy, *found, path);
     }
+    if (done) done = check_written(out);
     if (!done) {
       copy->discard();
       return fail(done.error());
@@ -195,7 +276,7 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, con
   return report;
 }
 
-Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out,
+Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out, Existing existing,
                       const ProgressReport& progress) {
   const auto whole = check(path);
   if (!whole) return fail(whole.error());
@@ -231,17 +312,22 @@ Result<CutReport> cut(const std::string& path, double from_s, double to_s, const
                             from_s, to_s, static_cast<double>(whole->duration.count()) * 1e-6));
   }
 
-  auto file = OutputFile::create(out, Existing::kReplace);
+  auto file = OutputFile::create(out, existing);
   if (!file) return fail(file.error());
-  if (auto written = write_part(*input, *found, wanted, *file, path, progress); !written) {
+  auto done = write_part(*input, *found, wanted, *file, path, progress);
+  if (done) done = check_written(out);
+  if (!done) {
     file->discard();
-    return fail(written.error());
+    return fail(done.error());
   }
-
-  const auto summary = check(out);
-  if (!summary) return fail(summary.error());
-  const RecordedStream* color = summary->find(RecordedStream::Kind::kColor);
-  return CutReport{summary->find(RecordedStream::Kind::kDepth)->frames(), color ? color->frames() : 0};
+  CutReport report;
+  for (const Wanted& frame : wanted) {
+    const NodeType type = found->streams[frame.stream].type;
+    report.depth_frames += type == NodeType::kDepth;
+    report.color_frames += type == NodeType::kImage;
+  }
+  report.whole_s = static_cast<double>(whole->duration.count()) * 1e-6;
+  return report;
 }
 
 }  // namespace copresence::recording

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::uint32_t kMaxFields = 1 << 20, kMaxPayload = 1 << 26;
 constexpr std::uint32_t kSearchStep = 1 << 16;
-constexpr std::uint32_t kFrameHeadBytes = kRecordBytes + kFrameFieldBytes;
 
 struct Record {
   std::uint64_t at = 0, end = 0;
@@ -34,6 +33,8 @@ class Search {
     if (!header || !std::equal(std::begin(kFileMagic), std::end(kFileMagic), header->begin())) {
       return fail(ErrorCode::kCorrupt, fmt::format("{}: not an OpenNI recording; give an .oni file", name_));
     }
+    found_.is_old = is_old_version(FieldReader(header->subspan(sizeof(kFileMagic))).u64());
+    if (found_.is_old) record_bytes_ = kOldRecordBytes;
     std::uint64_t at = kHeaderBytes;
     while (at < bytes_.size()) {
       const auto record = record_at(at);
@@ -59,7 +60,7 @@ class Search {
 
  private:
   std::optional<Record> record_at(std::uint64_t at) {
-    const auto bytes = bytes_.at(at, kRecordBytes);
+    const auto bytes = bytes_.at(at, record_bytes_);
     if (!bytes) return std::nullopt;
     FieldReader fields(*bytes);
     Record record;
@@ -71,7 +72,7 @@ class Search {
     record.payload_bytes = fields.u32();
     if (!has_payload(record.type)) record.payload_bytes = 0;
     if (record.type < RecordType::kNodeAddedOld || record.type > RecordType::kSeekTable ||
-        record.fields_bytes < kRecordBytes || record.fields_bytes > kMaxFields ||
+        record.fields_bytes < record_bytes_ || record.fields_bytes > kMaxFields ||
         record.payload_bytes > kMaxPayload) {
       return std::nullopt;
     }
@@ -89,12 +90,12 @@ class Search {
   // A frame that goes on where its stream stands.
   std::optional<SalvagedFrame> frame_of(const Record& record) {
     const SalvagedStream* stream = find(record.node);
-    if (record.type != RecordType::kNewData || !stream || record.fields_bytes != kFrameHeadBytes) {
+    if (record.type != RecordType::kNewData || !stream || record.fields_bytes != frame_head_bytes()) {
       return std::nullopt;
     }
-    const auto bytes = bytes_.at(record.at, kFrameHeadBytes);
+    const auto bytes = bytes_.at(record.at, frame_head_bytes());
     if (!bytes) return std::nullopt;
-    FieldReader fields(bytes->subspan(kRecordBytes));
+    FieldReader fields(bytes->subspan(record_bytes_));
     const std::uint64_t timestamp = fields.u64();
     const std::uint32_t number = fields.u32();
     const std::uint32_t last = stream->frames.empty() ? 0 : stream->frames.back().number;
@@ -111,7 +112,7 @@ class Search {
   std::optional<std::uint64_t> next_frame(std::uint64_t from) {
     const std::uint8_t magic[] = {kRecordMagic & 0xff, kRecordMagic >> 8 & 0xff, kRecordMagic >> 16 & 0xff,
                                   0};
-    while (from + kFrameHeadBytes <= bytes_.size()) {
+    while (from + frame_head_bytes() <= bytes_.size()) {
       const auto left = bytes_.size() - from;
       const auto bytes =
           bytes_.at(from, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, kSearchStep)));
@@ -141,11 +142,9 @@ class Search {
         return true;
       }
       case RecordType::kNodeAdded:
-        if (record.fields_bytes < kRecordBytes + kNodeCountsBytes || find(record.node)) return false;
-        found_.largest_node = std::max(found_.largest_node, record.node);
-        found_.streams.push_back(
-            {record.node, record.at, record.at + record.fields_bytes - kNodeCountsBytes, {}});
-        return true;
+      case RecordType::kNodeAddedOld:
+      case RecordType::kNodeAddedOlder:
+        return take_node(record);
       case RecordType::kNodeRemoved:
         if (!end_begins_) {
           end_begins_ = record.at;
@@ -168,8 +167,26 @@ class Search {
     }
   }
 
+  bool take_node(const Record& record) {
+    if (!found_.is_old && record.type != RecordType::kNodeAdded) return false;
+    const auto bytes = bytes_.at(record.at, record.fields_bytes);
+    if (!bytes || find(record.node)) return false;
+    FieldReader fields(bytes->subspan(record_bytes_));
+    fields.text();
+    const auto type = static_cast<NodeType>(fields.u32());
+    fields.u32();  // codec
+    if (!fields.ok() || (!found_.is_old && record.fields_bytes < kRecordBytes + kNodeCountsBytes)) return false;
+    const std::uint64_t counts_at = found_.is_old ? 0 : record.at + record.fields_bytes - kNodeCountsBytes;
+    found_.largest_node = std::max(found_.largest_node, record.node);
+    found_.streams.push_back({record.node, type, record.at, counts_at, {}});
+    return true;
+  }
+
+  std::uint32_t frame_head_bytes() const { return record_bytes_ + kFrameFieldBytes; }
+
   RecordBytes& bytes_;
   const std::string& name_;
+  std::uint32_t record_bytes_ = kRecordBytes;
   Salvage found_;
   std::optional<std::uint64_t> end_begins_;  // the first kNodeRemoved after the last frame
 };
@@ -186,6 +203,12 @@ std::vector<FramePlace> SalvagedStream::places() const {
 std::uint64_t Salvage::frames() const {
   std::uint64_t sum = 0;
   for (const SalvagedStream& stream : streams) sum += stream.frames.size();
+  return sum;
+}
+
+std::uint64_t Salvage::frames(NodeType type) const {
+  std::uint64_t sum = 0;
+  for (const SalvagedStream& stream : streams) sum += stream.type == type ? stream.frames.size() : 0;
   return sum;
 }
 

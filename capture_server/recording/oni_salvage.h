@@ -24,8 +24,9 @@ struct SalvagedFrame {
 
 struct SalvagedStream {
   std::uint32_t node = 0;
+  NodeType type{};
   std::uint64_t added_position = 0;   ///< of its kNodeAdded
-  std::uint64_t counts_position = 0;  ///< of that record's last kNodeCountsBytes
+  std::uint64_t counts_position = 0;  ///< of that record's last kNodeCountsBytes; 0 in a file that is_old
   std::vector<SalvagedFrame> frames;  ///< in the file's order, numbers rising
 
   std::vector<FramePlace> places() const;
@@ -37,6 +38,7 @@ struct Gap {
 };
 
 struct Salvage {
+  bool is_old = false;                  ///< of OpenNI 1.0 to 1.3, see oni_format.h
   std::vector<SalvagedStream> streams;  ///< at least one; those that may have frames
   std::uint32_t largest_node = 0;
   std::uint64_t first_frame_position = 0;  ///< the streams' definitions lie before it
@@ -48,6 +50,8 @@ struct Salvage {
   std::vector<Gap> gaps;            ///< damage before whole_until
 
   std::uint64_t frames() const;
+  /// Of the streams of one type.
+  std::uint64_t frames(NodeType type) const;
 };
 
 /// Looks through a recording of `bytes.size()` bytes; `name` stands for it in sentences.

@@ -9,11 +9,38 @@
 
 #include "capture_server/recording/depth_16z.h"
 #include "capture_server/recording/oni_format.h"
+#include "capture_server/recording/stream_format.h"
 
 namespace copresence::recording {
 namespace {
 
 using Bytes = RecordBytesOut;
+
+RecordedStream::FieldOfView view_of(const CameraModel& model) {
+  return {2 * std::atan(0.5 * model.width / model.fx), 2 * std::atan(0.5 * model.height / model.fy)};
+}
+
+// What the check would refuse in the finished file is refused before it is written.
+Result<void> check_stream(RecordedStream::Kind kind, const CameraModel& model, const OniContent& content) {
+  if (!is_sane(view_of(model))) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("a camera of {}x{} pixels with fx {:g} and fy {:g} has no field of view that a camera can "
+                            "have; check its intrinsics",
+                            model.width, model.height, model.fx, model.fy));
+  }
+  const bool is_depth = kind == RecordedStream::Kind::kDepth;
+  StreamFormat format;
+  format.width = static_cast<std::uint32_t>(model.width);
+  format.height = static_cast<std::uint32_t>(model.height);
+  format.frames_per_second = static_cast<std::uint32_t>(content.frames_per_second);
+  format.has_cropping = true;
+  format.has_max_depth = true;
+  RecordedStream stream;
+  stream.kind = kind;
+  stream.name = is_depth ? "of depth" : "of colour";
+  stream.codec = "NONE";
+  return format.describe(stream);
+}
 
 Result<void> check_content(const OniContent& content) {
   if (auto usable = check(content.camera.model); !usable) return fail(usable.error());
@@ -26,7 +53,10 @@ Result<void> check_content(const OniContent& content) {
   if (content.camera.color) {
     if (auto usable = check(content.camera.color->model); !usable) return fail(usable.error());
   }
-  return {};
+  if (auto plays = check_stream(RecordedStream::Kind::kDepth, content.camera.model, content); !plays) return plays;
+  if (!content.color) return {};
+  const CameraModel& color = content.camera.color ? content.camera.color->model : content.camera.model;
+  return check_stream(RecordedStream::Kind::kColor, color, content);
 }
 
 }  // namespace
@@ -54,7 +84,18 @@ Result<OniWriter> OniWriter::begin(const OniContent& content, Result<OutputFile>
     append_record(bytes, RecordType::kDataBegin, stream->node, Bytes(12, 0xFF));
   }
   if (auto written = writer.file_.append(bytes); !written) return fail(written.error());
+  if (content.unix_zero_us) {
+    if (auto noted = writer.note_unix_zero(*content.unix_zero_us); !noted) return fail(noted.error());
+  }
   return writer;
+}
+
+Result<void> OniWriter::note_unix_zero(std::int64_t unix_zero_us) {
+  assert(depth_.frames.empty() && color_.frames.empty());
+  Bytes value, record;
+  append_number(value, std::bit_cast<std::uint64_t>(unix_zero_us), 8);
+  append_general(record, depth_.node, kUnixZeroProperty, value);
+  return file_.append(record);
 }
 
 const CameraModel& OniWriter::camera_of(const Stream& stream) const {
@@ -87,8 +128,9 @@ void OniWriter::append_definition(Bytes& bytes, Stream& stream) {
   append_number(mode, static_cast<std::uint64_t>(model.height), 4);
   append_number(mode, static_cast<std::uint64_t>(content_.frames_per_second), 4);
   Bytes field_of_view;
-  append_number(field_of_view, std::bit_cast<std::uint64_t>(2 * std::atan(0.5 * model.width / model.fx)), 8);
-  append_number(field_of_view, std::bit_cast<std::uint64_t>(2 * std::atan(0.5 * model.height / model.fy)), 8);
+  const RecordedStream::FieldOfView view = view_of(model);
+  append_number(field_of_view, std::bit_cast<std::uint64_t>(view.horizontal), 8);
+  append_number(field_of_view, std::bit_cast<std::uint64_t>(view.vertical), 8);
   const OniPixelFormat format = !is_depth ? OniPixelFormat::kRgb888
                                 : content_.camera.unit == DepthUnit::kMillimetre
                                     ? OniPixelFormat::kDepthMillimetre
@@ -159,6 +201,9 @@ Result<void> OniWriter::append_frame(Stream& stream, std::chrono::microseconds t
   if (timestamp.count() < 0 || (!stream.frames.empty() && static_cast<std::uint64_t>(timestamp.count()) <
                                                               stream.frames.back().timestamp_us)) {
     return fail(ErrorCode::kInvalid, path_ + ": a frame lies before the one written before it");
+  }
+  if (static_cast<std::uint64_t>(timestamp.count()) > kMaxTimestamp) {
+    return fail(ErrorCode::kInvalid, path_ + ": a frame's time lies more than two thousand years after zero");
   }
   if (stream.frames.size() >= kMostFrames) {
     return fail(

@@ -37,6 +37,8 @@ struct OniContent {
   int frames_per_second = 30;
   /// Largest depth value, for viewers that size tables by it; nothing: kMaxDepth... of oni_format.h.
   std::optional<std::uint16_t> max_depth = std::nullopt;
+  /// Microseconds from 1970 (UTC) to the recording's time zero, where it is known before the first frame.
+  std::optional<std::int64_t> unix_zero_us = std::nullopt;
 };
 
 class OniWriter {
@@ -50,6 +52,10 @@ class OniWriter {
   static Result<OniWriter> create_numbered(const std::string& path, const OniContent& content);
 
   const std::string& path() const { return path_; }
+
+  /// Notes when the recording's time zero was by the clock: OniContent::unix_zero_us, where only the first frame tells it.
+  /// Requires that no frame has been written. Fails  kUnavailable when the disk is full.
+  Result<void> note_unix_zero(std::int64_t unix_zero_us);
 
   /// One depth picture, in the note's unit, of its size. `timestamp` is on the device's clock, at least 0 and
   /// not before that of the stream's last frame.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <utility>
 
 namespace copresence::recording {
 namespace {
@@ -14,13 +16,6 @@ constexpr std::size_t kMaxName = 79;
 // The player reads a record's fields into a buffer without asking for their size. The largest real ones are
 // tables of a device's depth levels, 20 kB.
 constexpr std::uint32_t kMaxFields = 1 << 20;
-
-constexpr auto kNodeAddedOlder =
-    static_cast<RecordType>(0x0C);  // of OpenNI 1.0.0.5; RecordType::kNodeAddedOld of 1.0.0.4
-// u8 major, u8 minor, u16 maintenance, u32 build: the only version in use since 2011.
-constexpr std::uint64_t kVersion = 0x10001;
-// Microseconds: two thousand years, far from where sums of times overflow.
-constexpr std::uint64_t kMaxTimestamp = std::uint64_t{1} << 56;
 
 }  // namespace
 
@@ -75,10 +70,11 @@ Result<void> RecordWalk::header() {
   const std::uint64_t version = fields.u64();
   max_timestamp_ = fields.u64();
   max_node_ = fields.u32();
-  if (version != kVersion) {
+  is_old_ = is_old_version(version);
+  if (version != kFileVersion && !is_old_) {
     return unusable(
-        fmt::format("written in version {}.{}.{}.{} of the format, only 1.0.1.0 can be read; record it "
-                    "again with OpenNI 1.5 or 2",
+        fmt::format("written in version {}.{}.{}.{} of the format, only 1.0.0.4 to 1.0.1.0 can be read; record it "
+                    "again with OpenNI 2",
                     version & 0xff, version >> 8 & 0xff, version >> 16 & 0xffff, version >> 32));
   }
   if (max_timestamp_ > kMaxTimestamp) return damaged(kHeaderTimestampAt, "its last time makes no sense");
@@ -92,7 +88,7 @@ Result<void> RecordWalk::header() {
 
 Result<RecordWalk::Record> RecordWalk::next_record() {
   const std::uint64_t at = position_;
-  const auto bytes = bytes_.at(at, kRecordBytes);
+  const auto bytes = bytes_.at(at, record_bytes());
   if (!bytes) {
     return fail(
         ErrorCode::kCorrupt,
@@ -109,11 +105,15 @@ Result<RecordWalk::Record> RecordWalk::next_record() {
   record.node = fields.u32();
   record.fields_bytes = fields.u32();
   record.payload_bytes = fields.u32();
-  if (record.fields_bytes < kRecordBytes || record.fields_bytes > kMaxFields) {
+  if (record.fields_bytes < record_bytes() || record.fields_bytes > kMaxFields) {
     return damaged(at, fmt::format("a record's fields take {} bytes", record.fields_bytes));
   }
-  // Only these two have a payload; the player does not look at the number elsewhere, nor skip anything.
-  if (record.type != RecordType::kNewData && record.type != RecordType::kSeekTable) record.payload_bytes = 0;
+  // Only these two have a payload; elsewhere the player does not look at the number, but where it searches the records
+  // of an old file for the number of frames.
+  if (record.type != RecordType::kNewData && record.type != RecordType::kSeekTable) {
+    if (is_old_ && record.payload_bytes) return damaged(at, "a record has a payload that it cannot have");
+    record.payload_bytes = 0;
+  }
   const std::uint64_t end = at + record.fields_bytes + record.payload_bytes;
   if (end > bytes_.size()) return cut_off(at);
   position_ = end;
@@ -125,14 +125,19 @@ Result<void> RecordWalk::read(const Record& record) {
   // in it sends the player into a recursion.
   const bool defines =
       (record.type >= RecordType::kIntProperty && record.type <= RecordType::kGeneralProperty) ||
-      record.type == RecordType::kNodeAdded || record.type == RecordType::kStateReady ||
+      record.type == RecordType::kNodeAdded || record.type == RecordType::kNodeAddedOlder ||
+      record.type == RecordType::kNodeAddedOld || record.type == RecordType::kStateReady ||
       record.type == RecordType::kDataBegin;
   if (configuring_ && !defines) return damaged(record.at, "a stream's definition breaks off here");
   const auto bytes = bytes_.at(record.at, record.fields_bytes);
   if (!bytes) return cut_off(record.at);
-  const FieldReader fields(bytes->subspan(kRecordBytes));
+  const FieldReader fields(bytes->subspan(record_bytes()));
   switch (record.type) {
+    case RecordType::kNodeAddedOld:
+      if (!is_old_) return damaged(record.at, "a stream is described as an older version does");
+      [[fallthrough]];
     case RecordType::kNodeAdded:
+    case RecordType::kNodeAddedOlder:
       return node_added(record, fields);
     case RecordType::kIntProperty:
     case RecordType::kRealProperty:
@@ -149,9 +154,6 @@ Result<void> RecordWalk::read(const Record& record) {
       return new_data(record, fields);
     case RecordType::kSeekTable:
       return seek_table(record);
-    case RecordType::kNodeAddedOld:
-    case RecordType::kNodeAddedOlder:
-      return unusable("its streams are described as OpenNI 1.0 did; record it again with OpenNI 1.5 or 2");
     default:
       return damaged(record.at,
                      fmt::format("record type {} is unknown", static_cast<std::uint32_t>(record.type)));
@@ -164,10 +166,14 @@ Result<void> RecordWalk::node_added(const Record& record, FieldReader fields) {
   std::string codec;
   for (std::uint32_t fourcc = fields.u32(), i = 0; i < 4; ++i, fourcc >>= 8)
     codec += static_cast<char>(fourcc & 0xff);
-  const std::uint32_t frames = fields.u32();
-  fields.u64();  // first and last timestamp: the frames say it themselves
-  fields.u64();
-  const std::uint64_t seek_table_at = fields.u64();
+  std::uint32_t frames = 0;
+  std::uint64_t seek_table_at = 0;
+  if (record.type != RecordType::kNodeAddedOld) {
+    frames = fields.u32();
+    fields.u64();  // first and last timestamp: the frames say it themselves
+    fields.u64();
+  }
+  if (record.type == RecordType::kNodeAdded) seek_table_at = is_old_ ? fields.u32() : fields.u64();
   if (!fields.whole() || name.empty() || name.size() > kMaxName) {
     return damaged(record.at, "a stream's definition is not one");
   }
@@ -182,6 +188,7 @@ Result<void> RecordWalk::node_added(const Record& record, FieldReader fields) {
   node.stream.name = name;
   node.stream.codec = codec;
   node.frames_claimed = frames;
+  node.is_counted_at_data = record.type == RecordType::kNodeAddedOld;
   node.seek_table_at = frames ? seek_table_at : 0;
   if (node.is_stream) {
     using Kind = RecordedStream::Kind;
@@ -223,6 +230,16 @@ Result<void> RecordWalk::property(const Record& record, FieldReader fields) {
     camera_note_ = std::move(*note);
     return {};
   }
+  if (key == kUnixZeroProperty) {
+    FieldReader number(value);
+    const auto unix_zero = std::bit_cast<std::int64_t>(number.u64());
+    const auto limit = static_cast<std::int64_t>(kMaxTimestamp);
+    if (record.type != RecordType::kGeneralProperty || !number.whole() || unix_zero < -limit || unix_zero > limit) {
+      return damaged(record.at, "the time at which it began is not one");
+    }
+    unix_zero_us_ = unix_zero;
+    return {};
+  }
   if (!node->is_stream) return {};
   const StreamFormat before = node->format;
   if (!node->format.apply(node->stream.kind, record.type, key, value)) {
@@ -259,11 +276,16 @@ Result<void> RecordWalk::node_removed(const Record& record) {
 }
 
 Result<void> RecordWalk::data_begin(const Record& record, FieldReader fields) {
-  fields.u32();  // frames and last timestamp, which recorders leave empty
-  fields.u64();
-  const Node* node = find(record.node);
+  const std::uint32_t frames = fields.u32();
+  fields.u64();  // last timestamp; later recorders leave both empty
+  Node* node = find(record.node);
   if (!fields.whole() || !node || !node->is_stream)
     return damaged(record.at, "data begins for an unknown stream");
+  if (std::exchange(node->is_counted_at_data, false)) {
+    if (frames > kMostFrames)
+      return damaged(record.at, fmt::format("stream {} claims {} frames", node->stream.name, frames));
+    node->frames_claimed = frames;
+  }
   data_begun_ = true;
   return {};
 }
@@ -301,7 +323,8 @@ Result<void> RecordWalk::seek_table(const Record& record) {
   const auto found = nodes_.find(record.node);  // its node may have been removed
   if (found == nodes_.end()) return damaged(record.at, "a seek table of an unknown stream");
   Node& node = found->second;
-  const std::uint64_t expected = kSeekEntryBytes * (std::uint64_t{node.frames_claimed} + 1);
+  const std::uint64_t entry = is_old_ ? kOldSeekEntryBytes : kSeekEntryBytes;
+  const std::uint64_t expected = entry * (std::uint64_t{node.frames_claimed} + 1);
   if (record.at == node.seek_table_at && record.payload_bytes == expected) node.has_seek_table = true;
   return {};
 }
@@ -323,9 +346,10 @@ Result<RecordingSummary> RecordWalk::summary() {
     return unusable("its camera's note is about another size or unit than its depth stream; record it again");
   }
   summary.camera_note = std::move(camera_note_);
-  const auto [first, last] = std::minmax(depth->timestamps_us.front(), depth->timestamps_us.back());
-  summary.duration = std::chrono::microseconds(static_cast<std::int64_t>(last - first) +
-                                               static_cast<std::int64_t>(mean_period_us(*depth)));
+  summary.unix_zero_us = unix_zero_us_;
+  const auto [first, last] = std::minmax_element(depth->timestamps_us.begin(), depth->timestamps_us.end());
+  summary.duration = std::chrono::microseconds(static_cast<std::int64_t>(*last - *first) +
+                                               static_cast<std::int64_t>(usual_period_us(*depth)));
   return summary;
 }
 

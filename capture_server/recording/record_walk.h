@@ -33,6 +33,7 @@ class RecordWalk {
     Life life = Life::kConfiguring;
     bool is_stream = false;
     std::uint32_t frames_claimed = 0;
+    bool is_counted_at_data = false;  ///< its kDataBegin says how many frames there are
     std::uint64_t seek_table_at = 0;  ///< as its definition says; 0 = none
     bool has_seek_table = false;      ///< one of the right size was there
     std::uint64_t max_payload = 0;
@@ -52,6 +53,7 @@ class RecordWalk {
   Result<void> seek_table(const Record& record);
   Result<RecordingSummary> summary();
 
+  std::uint32_t record_bytes() const { return is_old_ ? kOldRecordBytes : kRecordBytes; }
   Node* find(std::uint32_t id);
   tl::unexpected<Error> damaged(std::uint64_t at, const std::string& what) const;
   tl::unexpected<Error> cut_off(std::uint64_t at) const;
@@ -67,6 +69,8 @@ class RecordWalk {
   std::uint32_t configuring_ = 0;  ///< nodes between their definition and their "ready"; definitions may nest
   std::map<std::uint32_t, Node> nodes_;
   std::optional<CameraNote> camera_note_;
+  std::optional<std::int64_t> unix_zero_us_;
+  bool is_old_ = false;  ///< of OpenNI 1.0 to 1.3, with shorter records
 };
 
 }  // namespace copresence::recording

@@ -26,12 +26,12 @@ constexpr std::uint64_t kFromOpenNi1[] = {kRgb888, 201, kGray8, 203, 204};
 // The player's buffer for one decoded frame.
 constexpr std::uint64_t kMaxPlayerFrame = 1600 * 1200 * 3;
 
+}  // namespace
+
 bool is_sane(const RecordedStream::FieldOfView& view) {
   const auto sane = [](double angle) { return angle > 0.01 && angle < std::numbers::pi - 0.01; };
   return sane(view.horizontal) && sane(view.vertical);
 }
-
-}  // namespace
 
 std::string_view name(Kind kind) {
   switch (kind) {
@@ -122,7 +122,7 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
   if (width == 0 || height == 0) return corrupt("has no size");
   if (width % 2 || height % 2 || width > 4096 || height > 4096) {
     return unsupported(fmt::format(
-        "is {}x{} pixels, only even sizes up to 4096 can be used; record another mode", width, height));
+        "is {}x{} pixels, only even sizes up to 4096 can be used; use another mode or scale the images", width, height));
   }
   const std::uint64_t format = pixel_format                  ? pixel_format
                                : stream.kind == Kind::kDepth ? kDepthMillimetre
@@ -139,7 +139,9 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
   const std::uint64_t frame_bytes = std::uint64_t{width} * height * bytes_per_pixel(stream.kind);
   if (frame_bytes > kMaxPlayerFrame) {
     return unsupported(
-        fmt::format("is {}x{} pixels, more than OpenNI2 can play; record a smaller mode", width, height));
+        fmt::format("is {}x{} pixels, more than OpenNI2 can play ({} bytes a frame, {} are too many); use a smaller mode or scale "
+                    "the images down",
+                    width, height, kMaxPlayerFrame, frame_bytes));
   }
   if (frame_buffer && frame_buffer < frame_bytes) {
     return corrupt(fmt::format("claims frames of {} bytes, they take {}", frame_buffer, frame_bytes));

@@ -43,6 +43,9 @@ struct StreamFormat {
   std::uint64_t bytes_per_pixel(RecordedStream::Kind kind) const;
 };
 
+/// Whether both angles can be those of a camera.
+bool is_sane(const RecordedStream::FieldOfView& view);
+
 /// "depth", "colour", "infrared".
 std::string_view name(RecordedStream::Kind kind);
 

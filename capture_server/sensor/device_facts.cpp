@@ -4,15 +4,9 @@
 #include <tuple>
 
 #include "capture_server/drivers/contract/device_properties.h"
+#include "common/frame/nominal_camera.h"
 
 namespace copresence::sensor {
-namespace {
-
-// The nominal field of view of a Kinect v1 and its PrimeSense siblings, radians: for drivers that do not
-// tell.
-constexpr double kNominalHorizontal = 1.0144686, kNominalVertical = 0.7898090;
-
-}  // namespace
 
 bool is_usable(const openni::VideoMode& mode, bool is_depth) {
   const openni::PixelFormat format = mode.getPixelFormat();
@@ -51,13 +45,10 @@ CameraModel camera_of(const openni::VideoStream& stream) {
         mode.getResolutionX(), mode.getResolutionY(), known[0], known[1], known[2], known[3], {}};
     if (check(told)) return told;
   }
-  double horizontal = stream.getHorizontalFieldOfView(), vertical = stream.getVerticalFieldOfView();
+  const double horizontal = stream.getHorizontalFieldOfView(), vertical = stream.getVerticalFieldOfView();
   const auto sane = [](double angle) { return angle > 0.01 && angle < 3.13; };
-  if (!sane(horizontal) || !sane(vertical)) {
-    horizontal = kNominalHorizontal;
-    vertical = kNominalVertical;
-  }
-  return camera_from_field_of_view(mode.getResolutionX(), mode.getResolutionY(), horizontal, vertical);
+  if (!sane(horizontal) || !sane(vertical)) return nominal_kinect(mode.getResolutionX(), mode.getResolutionY());
+  return camera_of_sensor(mode.getResolutionX(), mode.getResolutionY(), horizontal, vertical);
 }
 
 std::optional<Rigid3> pose_of(const openni::Device& device) {

@@ -43,6 +43,8 @@ struct SensorDescription {
   std::optional<Rigid3> world_from_camera;  ///< where the recording says it
   bool is_recording = false;
   std::optional<std::uint64_t> frames;  ///< depth frames of one pass of a recording
+  /// Microseconds from 1970 (UTC) to the zero of the sensor's times, where a recording says it.
+  std::optional<std::int64_t> unix_zero_us;
 };
 
 /// How a camera exposes its colour pictures, and when it lights the room; the device's own way where nothing is said.
@@ -63,8 +65,9 @@ struct SourceSettings {
   };
   Pace pace = Pace::kReal;
   bool loop = false;  ///< begin again after the last frame, one mean period later
-  std::optional<Instant> begin =
-      {};  ///< at real pace: when the first frame is due; at once by default, or if it has passed
+  /// At real pace: when the first frame is due. By default in step with the other replays of its session on this machine
+  /// (session_clock.h), else at once; also at once where it has passed.
+  std::optional<Instant> begin = {};
   CameraControls controls = {};  ///< of a camera
 };
 
@@ -94,7 +97,8 @@ class FrameSource {
   /// reading and converting took, without waiting for the sensor.
   /// Fails  kEndOfStream (a recording's end, and when asked to stop), kCorrupt (for a second, up to four where this process gets
   ///        no core, or to its end, no depth of a recording could be decoded), kTimeout (nothing came for a second; for four where this process gets no core),
-  ///        kUnavailable (the camera is gone). After kCorrupt: call again, the recording plays on at its pace. After kTimeout
+  ///        kUnavailable (the camera is gone; of a recording: its session shows nothing of it for a second). After kCorrupt,
+  ///        and after a recording's kUnavailable: call again, the recording plays on at its pace. After kTimeout
   ///        and kUnavailable: open the source again, unless it does that itself (lasting_source.h).
   virtual Result<RgbdFrame> next(std::stop_token stop) = 0;
 };
@@ -106,8 +110,11 @@ struct CheckedRecording {
   std::uint64_t last_depth_frame =
       0;  ///< number of the last frame of each stream, which count from 1; at least 1
   std::uint64_t last_color_frame = 0;  ///< ... where there is colour
-  double period_us = 33333;            ///< mean time between depth frames
+  double period_us = 33333;            ///< usual time between depth frames
   std::int64_t duration_us = 0;  ///< of one pass: from the first depth frame to one period after the last
+  /// When the first depth frame was taken, microseconds since 1970; only where the recording notes it and its times rise.
+  std::optional<std::int64_t> began_unix_us;
+  std::int64_t first_us = 0;  ///< that frame's timestamp in the recording
 };
 
 /// Plays a checked recording through OpenNI2. Requires that recording::check() accepted the file: OpenNI2 crashes

@@ -23,34 +23,47 @@ class PlaybackSchedule {
   static constexpr Duration kStep =
       std::chrono::milliseconds(200);  ///< whole periods at 5, 10, 15, 25, 30 and 60 Hz
 
-  /// `begin`: when the first frame is due; at the next step where none is given, or where it has passed.
-  explicit PlaybackSchedule(std::optional<Instant> begin = std::nullopt) : begin_(begin) {}
+  /// `period`: a frame's usual time, for where the recording's times say nothing. `begin`: when the first frame is due; at
+  /// the next step where none is given, or where it has passed.
+  explicit PlaybackSchedule(Duration period, std::optional<Instant> begin = std::nullopt)
+      : period_(period), begin_(begin) {}
 
   /// The instant at which the frame with this timestamp is due, when it is `now`. A pause of more than a second is
-  /// shortened to one, a step back counts as none. Whoever comes more than two tenths of a second late (a suspended
-  /// process, say) has the rest moved instead of getting a burst of frames.
+  /// shortened to one. Frames whose times stand still or go back follow each other by the period; what that puts them
+  /// ahead of the recording's times, up to a second, the next steps forward are shortened by, but not below the period.
+  /// Whoever comes more than two tenths of a second late (a suspended process, say) has the rest moved instead of
+  /// getting a burst of frames.
   Instant due(std::int64_t timestamp_us, Instant now) {
     using std::chrono::microseconds;
     if (!begun_) {
       begun_ = true;
       due_ = begin_ && *begin_ > now ? *begin_ : in_step(now);
     } else {
-      due_ += microseconds(std::clamp<std::int64_t>(timestamp_us - last_us_, 0, 1'000'000));
+      const Duration step = microseconds(std::clamp<std::int64_t>(timestamp_us - last_us_, 0, kLongestPauseUs));
+      Duration advance = step - ahead_;
+      if (step == Duration::zero() || ahead_ > Duration::zero()) advance = std::max(advance, period_);
+      ahead_ = std::clamp<Duration>(ahead_ + advance - step, Duration::zero(), microseconds(kLongestPauseUs));
+      due_ += advance;
       if (now - due_ > kLate) due_ = now;
     }
     last_us_ = timestamp_us;
     return due_;
   }
 
+  /// The next whole step of the clock.
+  static Instant in_step(Instant now) { return now + (kStep - now.time_since_epoch() % kStep) % kStep; }
+
  private:
   static constexpr Duration kLate = std::chrono::milliseconds(200);
 
-  static Instant in_step(Instant now) { return now + (kStep - now.time_since_epoch() % kStep) % kStep; }
+  static constexpr std::int64_t kLongestPauseUs = 1'000'000;
 
+  Duration period_;
   std::optional<Instant> begin_;
   bool begun_ = false;
   std::int64_t last_us_ = 0;
   Instant due_{};
+  Duration ahead_{};  // of the recording's times, since they stood still
 };
 
 }  // namespace copresence::sensor

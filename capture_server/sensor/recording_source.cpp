@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cassert>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 #include "capture_server/drivers/contract/driver_choice.h"
@@ -16,6 +17,7 @@
 #include "capture_server/sensor/playback_schedule.h"
 #include "capture_server/sensor/read_position.h"
 #include "capture_server/sensor/recording_track.h"
+#include "capture_server/sensor/session_clock.h"
 #include "common/frame/waiting.h"
 
 namespace copresence::sensor {
@@ -34,6 +36,10 @@ constexpr int kSliceMs = 50;  // how long a stop request may go unseen
 // What counts as silence of a slice that took longer: this process was suspended then.
 constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;
+// A frame that its session showed longer ago is left out.
+constexpr Duration kLate = milliseconds(200);
+// A replay that is not looped leaves out so much of its beginning at most to be in step with its session.
+constexpr Duration kLatestJoin = std::chrono::seconds(10);
 constexpr std::size_t kDepthsAhead = 4;  // how far a recording's colour may lag behind its depth in the file
 
 // A path of the player's own: it crashes on characters beyond ASCII and takes 255 of them.
@@ -86,7 +92,7 @@ class RecordingSource final : public FrameSource {
         depth_track_(recording_.last_depth_frame, recording_.duration_us),
         color_track_(recording_.last_color_frame, recording_.duration_us),
         pairing_(static_cast<std::int64_t>(recording_.period_us / 2), kReuseColorUs),
-        schedule_(settings_.begin) {}
+        schedule_(std::chrono::microseconds(std::llround(recording_.period_us)), settings_.begin) {}
 
   ~RecordingSource() override { close(); }
 
@@ -104,6 +110,9 @@ class RecordingSource final : public FrameSource {
   Result<void> refused(const std::string& what) const;
   Result<void> open_player();
   Result<Pairing::Pair> next_pair(const std::stop_token& stop);
+  Result<Pairing::Pair> next_shown(const std::stop_token& stop, Instant& due);
+  std::optional<Instant> due_of(const Pairing::Pair& pair);
+  void join_session(Instant now);
   Result<RgbdFrame> wait_out(const std::stop_token& stop);
   bool read_one();
   Result<void> reach_end();
@@ -135,6 +144,12 @@ class RecordingSource final : public FrameSource {
   Pairing pairing_;
   PlaybackSchedule schedule_;
   SourceCounters counters_;
+
+  bool session_is_looked_for_ = false;
+  std::optional<SessionClock> replays_;     // of which this replay is one, where it is
+  std::int64_t first_round_ = 0;            // of the session, in which this replay's first pass lies
+  std::optional<Pairing::Pair> pending_;    // read, but due only later
+  Instant pending_due_{};
 };
 
 Result<void> RecordingSource::refused(const std::string& what) const {
@@ -240,7 +255,7 @@ Result<void> RecordingSource::reach_end() {
     close();
     end_.begin_again();
     const auto opened = open_player();
-    return opened ? Result<void>() : fail(ErrorCode::kUnavailable, opened.error().what);
+    return opened ? Result<void>() : fail(ErrorCode::kNotFound, opened.error().what);
   }
   halt();
   count_missing_until(depth_track_.pass() + 1);
@@ -332,11 +347,67 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
   }
 }
 
+void RecordingSource::join_session(Instant now) {
+  if (std::exchange(session_is_looked_for_, true) || settings_.begin || !recording_.began_unix_us) return;
+  const SessionSpan own{*recording_.began_unix_us, *recording_.began_unix_us + recording_.duration_us};
+  replays_ = SessionClock::join(SessionClock::default_folder(), own, PlaybackSchedule::in_step(now));
+  if (!replays_) return;
+  const SessionTimeline& timeline = replays_->timeline();
+  first_round_ = timeline.round_at(own, now);
+  const Instant own_begin = timeline.due(std::max(own.from_us, timeline.span().from_us), 0);
+  if (!settings_.loop && (first_round_ > 0 || now - own_begin > kLatestJoin)) replays_.reset();
+}
+
+// Nothing where the session does not show this pair, or has shown it already.
+std::optional<Instant> RecordingSource::due_of(const Pairing::Pair& pair) {
+  const Instant now = steady_clock::now();
+  join_session(now);
+  if (!replays_) return schedule_.due(pair.timestamp_us, now);
+  const std::int64_t since_first = pair.timestamp_us - recording_.first_us;
+  const std::int64_t session_us = *recording_.began_unix_us + since_first % recording_.duration_us;
+  const SessionTimeline& timeline = replays_->timeline();
+  const Instant due = timeline.due(session_us, first_round_ + since_first / recording_.duration_us);
+  if (!timeline.contains(session_us) || now - due > kLate) return std::nullopt;
+  return due;
+}
+
+// The next pair that is shown, at most kSignOfLife before it is due.
+Result<RecordingSource::Pairing::Pair> RecordingSource::next_shown(const std::stop_token& stop, Instant& due) {
+  const Instant begin = steady_clock::now();
+  while (true) {
+    if (!pending_) {
+      auto pair = next_pair(stop);
+      if (!pair) return fail(pair.error());
+      const auto when = due_of(*pair);
+      if (!when && steady_clock::now() - begin < kSignOfLife) continue;
+      if (!when) {
+        return fail(ErrorCode::kUnavailable,
+                    fmt::format("{}: goes forward to where the other replays of its session are", recording_.path));
+      }
+      pending_ = std::move(*pair);
+      pending_due_ = *when;
+    }
+    const Instant now = steady_clock::now();
+    if (replays_ && pending_due_ - now > kSignOfLife) {
+      wait_until(now + kSignOfLife, stop);
+      if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
+      return fail(ErrorCode::kUnavailable,
+                  fmt::format("{}: its session has begun, but this camera's part of it has not", recording_.path));
+    }
+    due = pending_due_;
+    Pairing::Pair pair = std::move(*pending_);
+    pending_.reset();
+    return pair;
+  }
+}
+
 Result<RgbdFrame> RecordingSource::next(std::stop_token stop) {
   const Instant begin = steady_clock::now();
   if (!begun_) begun_ = begin;
   if (pass_ends_) return wait_out(stop);
-  auto pair = next_pair(stop);
+  const bool keeps_pace = settings_.pace == SourceSettings::Pace::kReal;
+  Instant due{};
+  auto pair = keeps_pace ? next_shown(stop, due) : next_pair(stop);
   if (!pair) return fail(pair.error());
   RgbdFrame frame;
   copy_depth(pair->depth, recording_.description.depth, frame);
@@ -344,8 +415,7 @@ Result<RgbdFrame> RecordingSource::next(std::stop_token stop) {
   const Instant ready = steady_clock::now();
   frame.durations.capture = ready - begin;
   frame.stamp.captured_at = ready;
-  if (settings_.pace == SourceSettings::Pace::kReal) {
-    const Instant due = schedule_.due(pair->timestamp_us, ready);
+  if (keeps_pace) {
     wait_until(due, stop);
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     frame.stamp.captured_at = steady_clock::now();

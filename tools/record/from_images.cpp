@@ -6,13 +6,14 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
+#include "capture_server/recording/oni_check.h"
 #include "capture_server/recording/oni_writer.h"
 #include "common/frame/camera_model.h"
+#include "common/frame/nominal_camera.h"
+#include "tools/record/image_file.h"
 #include "tools/record/image_folder.h"
 
 namespace copresence::record {
@@ -20,174 +21,210 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr double kTumPerMetre = 5000, kUsualPerMetre = 1000;
-// 7-Scenes' word for a hole; elsewhere the largest value that the file can hold, and so no measurement either.
-constexpr std::uint16_t kNotMeasured = 65535;
-// The nominal field of view of a Kinect v1, radians.
-constexpr double kKinectHorizontal = 1.0144686, kKinectVertical = 0.7898090;
-
-Result<std::vector<std::uint8_t>> bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file.is_open() || bytes.empty()) {
-    return fail(ErrorCode::kNotFound, fmt::format("{}: cannot be read, or is empty", path.string()));
-  }
-  return bytes;
-}
-
-cv::Mat decode(const std::vector<std::uint8_t>& bytes, int how) {
-  try {
-    return cv::imdecode(bytes, how);
-  } catch (const cv::Exception&) {
-    return {};
-  }
-}
-
-tl::unexpected<Error> not_an_image(const std::filesystem::path& path) {
-  return fail(ErrorCode::kCorrupt,
-              fmt::format("{}: not a PNG or JPEG image, or damaged; take another copy of it", path.string()));
-}
-
-Result<cv::Mat> read_depth(const std::filesystem::path& path) {
-  const auto bytes = bytes_of(path);
-  if (!bytes) return fail(bytes.error());
-  const cv::Mat image = decode(*bytes, cv::IMREAD_UNCHANGED);
-  if (image.empty()) return not_an_image(path);
-  if (image.type() != CV_16UC1) {
-    return fail(
-        ErrorCode::kInvalid,
-        fmt::format("{}: {} channels of {} bits, but depth must be a PNG of one channel of 16 bits; it may "
-                    "be a picture for people, not the depth",
-                    path.string(), image.channels(), 8 * image.elemSize1()));
-  }
-  if (image.cols % 2 != 0 || image.rows % 2 != 0 || image.cols > 4096 || image.rows > 4096) {
-    return fail(ErrorCode::kInvalid, fmt::format("{}: {}x{} pixels, but both must be even and at most 4096",
-                                                 path.string(), image.cols, image.rows));
-  }
-  return image;
-}
-
-// OpenNI2's player takes three components only, and shows a picture as it is stored, not as its camera was held.
-bool is_playable(const cv::Mat& as_stored, const cv::Mat& as_meant) {
-  return as_stored.type() == as_meant.type() && as_stored.size() == as_meant.size() &&
-         cv::norm(as_stored, as_meant, cv::NORM_INF) == 0;
-}
+constexpr double kTumPerMetre = 5000, kUsualPerMetre = 1000, kFloatPerMetre = 1;
+// Floating-point depth with a larger middle is in millimetres.
+constexpr double kFarthestMiddle = 100;
+// The middle depth of a room, metres. Outside it the scale is probably another.
+constexpr double kNearestRoom = 0.35, kFarthestRoom = 12;
 
 struct Size {
   int width = 0, height = 0;
   friend bool operator==(const Size&, const Size&) = default;
 };
 
+Size size_of(const cv::Mat& image) {
+  return {image.cols, image.rows};
+}
+
 Result<void> check_size(const std::filesystem::path& path, const cv::Mat& image, const Size& size) {
-  if (Size{image.cols, image.rows} == size) return {};
+  if (size_of(image) == size) return {};
   return fail(ErrorCode::kInvalid,
-              fmt::format("{}: {}x{} pixels, but the first image has {}x{}", path.string(), image.cols,
-                          image.rows, size.width, size.height));
+              fmt::format("{}: {}x{} pixels, but the first image has {}x{}; take them out or into a set of their own",
+                          path.string(), image.cols, image.rows, size.width, size.height));
+}
+
+// The same view in another size, with the same shape of its pixels; of another aspect about the same middle.
+CameraModel scaled(const CameraModel& model, const Size& size) {
+  const double scale = static_cast<double>(size.width) / model.width;
+  CameraModel other = model;
+  other.fx *= scale;
+  other.fy *= scale;
+  other.cx = (model.cx - 0.5 * (model.width - 1)) * scale + 0.5 * (size.width - 1);
+  other.cy = (model.cy - 0.5 * (model.height - 1)) * scale + 0.5 * (size.height - 1);
+  other.width = size.width;
+  other.height = size.height;
+  return other;
 }
 
 class Making {
  public:
   Making(const FromImagesSettings& settings, ImageFolder images)
       : settings_(settings), images_(std::move(images)) {
-    report_.depth_per_metre =
-        settings.depth_per_metre.value_or(images_.has_lists ? kTumPerMetre : kUsualPerMetre);
-    units_per_value_ = 1e6 / static_cast<int>(settings.unit) / report_.depth_per_metre;
+    report_.remarks = images_.remarks;
+    // Times before zero, which nothing forbids in a list, begin at zero.
+    zero_ = std::min(images_.depth.front().time, microseconds(0));
+    if (!images_.color.empty()) zero_ = std::min(images_.color.front().time, zero_);
   }
 
   Result<FromImagesReport> run(const recording::ProgressReport& progress) {
-    auto content = describe();
+    const auto times = times_of_depth();
+    if (auto plays = recording::check_playable(times, settings_.folder); !plays) return fail(plays.error());
+    remark_on_times(times);
+    auto content = describe(times);
     if (!content) return fail(content.error());
-    auto writer = recording::OniWriter::create(settings_.out, *content, recording::Existing::kReplace);
+    auto writer = recording::OniWriter::create(
+        settings_.out, *content,
+        settings_.overwrite ? recording::Existing::kReplace : recording::Existing::kKeep);
     if (!writer) return fail(writer.error());
-    if (auto written = write(*writer, progress); !written) {
+    auto done = write(*writer, progress);
+    if (done) done = recording::check_written(settings_.out);
+    if (!done) {
       writer->discard();
-      return fail(written.error());
+      return fail(done.error());
     }
     return report_;
   }
 
  private:
-  Result<recording::OniContent> describe() {
-    const auto first = read_depth(images_.depth.front().path);
-    if (!first) return fail(first.error());
-    depth_size_ = {first->cols, first->rows};
-    recording::OniContent content;
-    CameraModel model =
-        camera_from_field_of_view(depth_size_.width, depth_size_.height, kKinectHorizontal, kKinectVertical);
-    if (settings_.intrinsics) {
-      const Intrinsics& given = *settings_.intrinsics;
-      model = {depth_size_.width, depth_size_.height, given.fx,        given.fy,
-               given.cx,          given.cy,           given.distortion};
+  microseconds time_of(const TimedImage& image) const { return image.time - zero_; }
+
+  // What the recording's depth stream will say about its times.
+  recording::RecordedStream times_of_depth() const {
+    recording::RecordedStream stream;
+    stream.frames_per_second = static_cast<int>(std::lround(settings_.frames_per_second));
+    for (const TimedImage& image : images_.depth) {
+      stream.timestamps_us.push_back(static_cast<std::uint64_t>(time_of(image).count()));
     }
+    return stream;
+  }
+
+  void remark_on_times(const recording::RecordedStream& times) {
+    const double seconds =
+        static_cast<double>((images_.depth.back().time - images_.depth.front().time).count()) * 1e-6;
+    std::string text = fmt::format("times are taken for {}", name(images_.unit));
+    if (images_.unit == TimeUnit::kFrames) text += fmt::format(" at {:g} frames/s", settings_.frames_per_second);
+    text += fmt::format(": {:.2f} s, {:.1f} frames/s", seconds, 1e6 / recording::usual_period_us(times));
+    if (images_.since_1970) text += ", from " + utc_text(images_.depth.front().time);
+    report_.remarks.push_back(std::move(text));
+    const std::size_t standing = recording::steps_without_time(times);
+    if (standing) {
+      report_.remarks.push_back(fmt::format(
+          "{} depth images have the time of the one before; they are played at {} frames/s", standing,
+          times.frames_per_second));
+    }
+  }
+
+  Result<recording::OniContent> describe(const recording::RecordedStream& times) {
+    const std::filesystem::path& path = images_.depth.front().path;
+    const auto first = read_depth(path);
+    if (!first) return fail(first.error());
+    coding_ = find_coding(*first, path);
+    choose_scale(*first);
+    depth_size_ = size_of(*first);
+    const auto depth_is_odd = is_odd(path);
+    if (!depth_is_odd) return fail(depth_is_odd.error());
+    if (*depth_is_odd) remark_on_odd_size("depth", depth_size_);
+
+    recording::OniContent content;
     content.camera.name = settings_.name;
-    content.camera.model = model;
+    content.camera.model = camera_of(depth_size_);
     content.camera.unit = settings_.unit;
-    content.camera.registered = settings_.registered;
+    content.camera.registered = is_registered();
     content.max_depth = 65535;
     content.color.reset();
     content.jpeg_quality = settings_.jpeg_quality;
-    content.frames_per_second = nominal_rate();
-    if (images_.color.empty()) return content;
-
-    const auto bytes = bytes_of(images_.color.front().path);
-    if (!bytes) return fail(bytes.error());
-    const cv::Mat color = decode(*bytes, cv::IMREAD_COLOR);
-    if (color.empty()) return not_an_image(images_.color.front().path);
-    if (color.cols % 2 != 0 || color.rows % 2 != 0) {
-      return fail(ErrorCode::kInvalid,
-                  fmt::format("{}: {}x{} pixels, but both must be even", images_.color.front().path.string(),
-                              color.cols, color.rows));
+    content.frames_per_second =
+        static_cast<int>(std::lround(std::clamp(1e6 / recording::usual_period_us(times), 1.0, 1000.0)));
+    if (images_.since_1970) content.unix_zero_us = zero_.count();
+    if (!images_.color.empty()) {
+      if (auto colored = describe_color(content); !colored) return fail(colored.error());
     }
-    color_size_ = {color.cols, color.rows};
-    content.color = recording::ColorCoding::kJpeg;
-    content.camera.registered = settings_.registered && color_size_ == depth_size_;
-    if (!content.camera.registered) {
-      content.camera.color = recording::ColorCameraNote{scaled(model, color_size_), {}};
+    if (!settings_.intrinsics) {
+      report_.remarks.push_back(
+          fmt::format("no --fx, so square pixels and a Kinect's nominal field of view: fx = fy = {:.1f}",
+                      content.camera.model.fx));
     }
     return content;
   }
 
-  // The same view in another size.
-  static CameraModel scaled(CameraModel model, const Size& size) {
-    const double x = static_cast<double>(size.width) / model.width;
-    const double y = static_cast<double>(size.height) / model.height;
-    model.fx *= x;
-    model.cx = (model.cx + 0.5) * x - 0.5;
-    model.fy *= y;
-    model.cy = (model.cy + 0.5) * y - 0.5;
-    model.width = size.width;
-    model.height = size.height;
-    return model;
+  Result<void> describe_color(recording::OniContent& content) {
+    const std::filesystem::path& path = images_.color.front().path;
+    const auto picture = read_color(path);
+    if (!picture) return fail(picture.error());
+    color_size_ = size_of(picture->bgr);
+    const auto color_is_odd = is_odd(path);
+    if (!color_is_odd) return fail(color_is_odd.error());
+    if (*color_is_odd) remark_on_odd_size("colour", color_size_);
+    content.color = recording::ColorCoding::kJpeg;
+    content.camera.registered = is_registered() && color_size_ == depth_size_;
+    if (!content.camera.registered) content.camera.color = recording::ColorCameraNote{camera_of(color_size_), {}};
+    return {};
   }
 
-  int nominal_rate() const {
-    const auto& depth = images_.depth;
-    const double seconds = depth.back().time_s - depth.front().time_s;
-    const double rate = depth.size() > 1 && seconds > 0 ? static_cast<double>(depth.size() - 1) / seconds
-                                                        : settings_.frames_per_second;
-    return static_cast<int>(std::lround(std::clamp(rate, 1.0, 1000.0)));
+  bool is_registered() const {
+    return settings_.registered && coding_ != DepthCoding::kKinectDisparity &&
+           coding_ != DepthCoding::kSwappedDisparity;
+  }
+
+  CameraModel camera_of(const Size& size) const {
+    if (!settings_.intrinsics) return nominal_kinect(size.width, size.height);
+    const Intrinsics& given = *settings_.intrinsics;
+    const CameraModel depth{depth_size_.width, depth_size_.height, given.fx,        given.fy,
+                            given.cx,          given.cy,           given.distortion};
+    return size == depth_size_ ? depth : scaled(depth, size);
+  }
+
+  void remark_on_odd_size(const char* what, const Size& even) {
+    report_.remarks.push_back(
+        fmt::format("{} has an odd width or height: its last column or row is left out, {}x{} remain", what,
+                    even.width, even.height));
+  }
+
+  void choose_scale(const cv::Mat& first) {
+    const double middle = median_depth(first, coding_);
+    switch (coding_) {
+      case DepthCoding::kKinectDisparity:
+      case DepthCoding::kSwappedDisparity:
+        report_.remarks.push_back(
+            "depth is a Kinect's raw disparity of 11 bits: metres by 351.3 / (1092.5 - raw), colour not registered");
+        return;
+      case DepthCoding::kSwapped:
+        report_.remarks.push_back("depth has the two bytes of each number exchanged: they are exchanged again");
+        break;
+      case DepthCoding::kFloat:
+        report_.depth_per_metre =
+            settings_.depth_per_metre.value_or(middle > kFarthestMiddle ? kUsualPerMetre : kFloatPerMetre);
+        return;
+      case DepthCoding::kWhole:
+        break;
+    }
+    report_.depth_per_metre =
+        settings_.depth_per_metre.value_or(images_.has_tum_depth ? kTumPerMetre : kUsualPerMetre);
+    if (settings_.depth_per_metre || middle == 0) return;
+    const auto is_a_room = [&](double per_metre) {
+      return middle / per_metre >= kNearestRoom && middle / per_metre <= kFarthestRoom;
+    };
+    const double other = images_.has_tum_depth ? kUsualPerMetre : kTumPerMetre;
+    if (!is_a_room(report_.depth_per_metre) && is_a_room(other)) {
+      report_.remarks.push_back(
+          fmt::format("the middle depth of the first image is {:.2f} m at {:g} to a metre, but {:.2f} m at {:g}: if "
+                      "that is right, give --depth-scale {:g}",
+                      middle / report_.depth_per_metre, report_.depth_per_metre, middle / other, other, other));
+    }
   }
 
   Result<void> write(recording::OniWriter& writer, const recording::ProgressReport& progress) {
-    const double first_s = images_.color.empty()
-                               ? images_.depth.front().time_s
-                               : std::min(images_.depth.front().time_s, images_.color.front().time_s);
-    // Times before zero, which nothing forbids in a list, begin at zero.
-    const double zero_s = std::min(first_s, 0.0);
-    const auto time_of = [&](const TimedImage& image) {
-      return microseconds(std::llround((image.time_s - zero_s) * 1e6));
-    };
     const std::size_t count = images_.depth.size() + images_.color.size();
     auto depth = images_.depth.begin();
     auto color = images_.color.begin();
     for (std::size_t done = 0; done < count; ++done) {
       const bool depth_next =
-          color == images_.color.end() || (depth != images_.depth.end() && depth->time_s <= color->time_s);
+          color == images_.color.end() || (depth != images_.depth.end() && depth->time <= color->time);
       if (depth_next) {
-        if (auto written = write_depth(writer, time_of(*depth), depth->path); !written) return written;
+        if (auto written = write_depth(writer, *depth); !written) return written;
         ++depth;
       } else {
-        if (auto written = write_color(writer, time_of(*color), color->path); !written) return written;
+        if (auto written = write_color(writer, *color); !written) return written;
         ++color;
       }
       progress(static_cast<double>(done + 1) / static_cast<double>(count));
@@ -196,45 +233,37 @@ class Making {
     return writer.finish();
   }
 
-  Result<void> write_depth(recording::OniWriter& writer, microseconds time,
-                           const std::filesystem::path& path) {
-    const auto image = read_depth(path);
+  Result<void> write_depth(recording::OniWriter& writer, const TimedImage& timed) {
+    const auto image = read_depth(timed.path);
     if (!image) return fail(image.error());
-    if (auto fits = check_size(path, *image, depth_size_); !fits) return fits;
-    DepthImage depth(image->cols, image->rows, 0);
-    for (int y = 0; y < image->rows; ++y) {
-      const auto* from = image->ptr<std::uint16_t>(y);
-      for (int x = 0; x < image->cols; ++x) {
-        if (from[x] == kNotMeasured) continue;
-        const double units = from[x] * units_per_value_ + 0.5;
-        report_.too_far += units >= 65536.0;
-        depth(x, y) = units < 65536.0 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
-      }
+    if (auto fits = check_size(timed.path, *image, depth_size_); !fits) return fits;
+    if ((image->type() == CV_32FC1) != (coding_ == DepthCoding::kFloat)) {
+      return fail(ErrorCode::kInvalid,
+                  fmt::format("{}: holds other numbers than the first depth image, 16 bits or floating-point; take "
+                              "it out of the set",
+                              timed.path.string()));
     }
     ++report_.depth_frames;
-    return writer.write_depth(time, depth);
+    return writer.write_depth(time_of(timed), convert_depth(*image, coding_, report_.depth_per_metre, settings_.unit,
+                                                            report_.too_far));
   }
 
-  Result<void> write_color(recording::OniWriter& writer, microseconds time,
-                           const std::filesystem::path& path) {
-    const auto bytes = bytes_of(path);
-    if (!bytes) return fail(bytes.error());
-    const cv::Mat bgr = decode(*bytes, cv::IMREAD_COLOR);
-    if (bgr.empty()) return not_an_image(path);
-    if (auto fits = check_size(path, bgr, color_size_); !fits) return fits;
+  Result<void> write_color(recording::OniWriter& writer, const TimedImage& timed) {
+    const auto picture = read_color(timed.path);
+    if (!picture) return fail(picture.error());
+    if (auto fits = check_size(timed.path, picture->bgr, color_size_); !fits) return fits;
     ++report_.color_frames;
-    const bool is_jpeg = bytes->size() > 2 && (*bytes)[0] == 0xFF && (*bytes)[1] == 0xD8;
-    if (is_jpeg && is_playable(decode(*bytes, cv::IMREAD_UNCHANGED), bgr))
-      return writer.write_jpeg(time, *bytes);
-    ColorImage color(bgr.cols, bgr.rows);
-    cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, color.data());
-    cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
-    return writer.write_color(time, color);
+    if (!picture->jpeg_as_is.empty()) return writer.write_jpeg(time_of(timed), picture->jpeg_as_is);
+    ColorImage color(picture->bgr.cols, picture->bgr.rows);
+    cv::Mat rgb(picture->bgr.rows, picture->bgr.cols, CV_8UC3, color.data());
+    cv::cvtColor(picture->bgr, rgb, cv::COLOR_BGR2RGB);
+    return writer.write_color(time_of(timed), color);
   }
 
   const FromImagesSettings& settings_;
   const ImageFolder images_;
-  double units_per_value_ = 1;
+  microseconds zero_{};
+  DepthCoding coding_ = DepthCoding::kWhole;
   Size depth_size_, color_size_;
   FromImagesReport report_;
 };
@@ -243,7 +272,10 @@ class Making {
 
 Result<FromImagesReport> make_from_images(const FromImagesSettings& settings,
                                           const recording::ProgressReport& progress) {
-  auto images = find_images(settings.folder, settings.frames_per_second);
+  auto images = find_images(settings.folder, {.frames_per_second = settings.frames_per_second,
+                                              .times = settings.times,
+                                              .depth = settings.depth,
+                                              .color = settings.color});
   if (!images) return fail(images.error());
   return Making(settings, std::move(*images)).run(progress);
 }

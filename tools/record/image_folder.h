@@ -2,39 +2,45 @@
 
 // Which images of a folder are depth, which are colour, and when each was taken: public RGB-D sets are folders.
 
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/result.h"
+#include "tools/record/time_reading.h"
 
 namespace copresence::record {
 
 struct TimedImage {
   std::filesystem::path path;
-  double time_s = 0;
+  std::chrono::microseconds time{};  ///< since 1970 where ImageFolder::since_1970, else from the set's own zero
   friend bool operator==(const TimedImage&, const TimedImage&) = default;
 };
 
-/// Each by rising time.
+/// Each stream by rising time.
 struct ImageFolder {
   std::vector<TimedImage> depth, color;
-  bool has_lists = false;  ///< TUM's: times and pairs come from them
+  bool has_tum_depth = false;  ///< by TUM's lists, whose depth is 5000 to a metre
+  TimeUnit unit = TimeUnit::kFrames;
+  bool since_1970 = false;
+  /// Sentences for the user: what was taken, what was left, and what the times were taken for.
+  std::vector<std::string> remarks;
 };
 
-/// The folder's images: by associations.txt, else by depth.txt and rgb.txt, else by name. In names the last group of
-/// digits counts frames, at `frames_per_second`; a name that is a number of seconds ("1305031102.175304.png") is a time. Lists
-/// give seconds, or count frames where all their times are whole numbers below a million (ICL-NUIM's do).
-/// Fails  kNotFound (no such folder, an image that a list names, no depth image), kInvalid (a list's line that is none).
-Result<ImageFolder> find_images(const std::filesystem::path& folder, double frames_per_second);
+/// What decides where a folder leaves a choice.
+struct FolderChoice {
+  double frames_per_second = 30;  ///< of frame numbers
+  std::optional<TimeUnit> times = {};  ///< recognised where not given
+  std::string depth = {}, color = {};  ///< a folder or a label of ImageGroup; the likeliest where empty
+};
 
-/// The lines of one of TUM's lists: "time file", comments begin with #. `name` stands for it in sentences.
-Result<std::vector<TimedImage>> parse_list(std::string_view text, const std::filesystem::path& folder,
-                                           const std::string& name);
-
-/// The lines of a file of pairs: "time file time file", colour first or depth first.
-Result<ImageFolder> parse_associations(std::string_view text, const std::filesystem::path& folder,
-                                       const std::string& name);
+/// The folder's images. Their times and pairs come from associations.txt or the like, else from depth.txt and rgb.txt or
+/// color.txt, else from names: a date, a time in some unit (recognise_times()), or a frame's number.
+/// Fails  kNotFound (no such folder, an image that a list names, no depth), kInvalid (a line that is none, times or
+///        groups of images that can be read in two ways).
+Result<ImageFolder> find_images(const std::filesystem::path& folder, const FolderChoice& choice);
 
 }  // namespace copresence::record

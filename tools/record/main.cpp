@@ -15,6 +15,7 @@ namespace copresence::record {
 namespace {
 
 constexpr int kSteps = 100;
+constexpr double kNoEnd = 1e18;  // seconds
 
 /// A bar in hundredths.
 class Bar {
@@ -41,14 +42,24 @@ Result<std::string> run(const InfoSettings& settings) {
   return settings.json ? to_json(*info) : to_table(*info);
 }
 
+recording::Existing existing(bool overwrite) {
+  return overwrite ? recording::Existing::kReplace : recording::Existing::kKeep;
+}
+
+std::string frames(const recording::RepairReport& report) {
+  std::string text = fmt::format("{} frames of depth, {} of colour", report.depth_frames, report.color_frames);
+  if (report.infrared_frames) text += fmt::format(", {} of infrared", report.infrared_frames);
+  return text;
+}
+
 Result<std::string> run(const RepairSettings& settings) {
   Bar bar(settings.recording);
-  const auto done = recording::repair(settings.recording, settings.out, bar.report());
+  const auto done =
+      recording::repair(settings.recording, settings.out, existing(settings.overwrite), bar.report());
   if (!done) return fail(done.error());
   const std::string& file = settings.out.empty() ? settings.recording : settings.out;
-  if (done->was_whole)
-    return fmt::format("{}: whole, with {} frames; nothing to repair\n", file, done->frames);
-  std::string text = fmt::format("{}: finished with {} frames", file, done->frames);
+  if (done->was_whole) return fmt::format("{}: whole, with {}; nothing to repair\n", file, frames(*done));
+  std::string text = fmt::format("{}: finished with {}", file, frames(*done));
   if (done->dropped_bytes)
     text += fmt::format("; {} bytes of an incomplete one dropped", done->dropped_bytes);
   if (done->gaps) text += fmt::format("; damage in {} places passed over", done->gaps);
@@ -57,20 +68,29 @@ Result<std::string> run(const RepairSettings& settings) {
 
 Result<std::string> run(const CutSettings& settings) {
   Bar bar(settings.out);
-  const auto done =
-      recording::cut(settings.recording, settings.from_s, settings.to_s, settings.out, bar.report());
+  const auto done = recording::cut(settings.recording, settings.from_s, settings.to_s.value_or(kNoEnd), settings.out,
+                                   existing(settings.overwrite), bar.report());
   if (!done) return fail(done.error());
-  return fmt::format("{}: {} frames of depth, {} of colour\n", settings.out, done->depth_frames,
-                     done->color_frames);
+  std::string text = fmt::format("{}: {} frames of depth, {} of colour\n", settings.out, done->depth_frames,
+                                 done->color_frames);
+  if (settings.to_s && *settings.to_s > done->whole_s) {
+    text += fmt::format("{} is only {:.1f} s long, so the part ends there and not at {:g} s\n", settings.recording,
+                        done->whole_s, *settings.to_s);
+  }
+  return text;
 }
 
 Result<std::string> run(const FromImagesSettings& settings) {
   Bar bar(settings.out);
   const auto done = make_from_images(settings, bar.report());
   if (!done) return fail(done.error());
-  std::string text = fmt::format(
-      "{}: {} frames of depth ({:g} to a metre in the images), {} of colour, {:.1f} MB\n", settings.out,
-      done->depth_frames, done->depth_per_metre, done->color_frames, static_cast<double>(done->bytes) * 1e-6);
+  std::string text;
+  for (const std::string& remark : done->remarks) text += remark + '\n';
+  text += fmt::format("{}: {} frames of depth{}, {} of colour, {:.1f} MB\n", settings.out, done->depth_frames,
+                      done->depth_per_metre
+                          ? fmt::format(" ({:g} to a metre in the images)", done->depth_per_metre)
+                          : std::string(),
+                      done->color_frames, static_cast<double>(done->bytes) * 1e-6);
   if (done->too_far) {
     text += fmt::format(
         "{} depth pixels lie beyond what the unit holds and are holes now; --unit mm holds more\n",

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "capture_server/recording/input_file.h"
 #include "capture_server/recording/oni_reader.h"
 #include "capture_server/recording/oni_salvage.h"
+#include "tools/record/time_reading.h"
 
 namespace copresence::record {
 namespace {
@@ -41,12 +43,16 @@ StreamInfo describe(const RecordedStream& stream) {
   info.frames = stream.frames();
   info.frames_missing = stream.last_frame - info.frames;
   info.nominal_fps = stream.frames_per_second;
-  const double period_us = mean_period_us(stream);
+  const double period_us = usual_period_us(stream);
   info.fps = 1e6 / period_us;
   if (stream.frames() == 0) return info;
   const auto& times = stream.timestamps_us;
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   info.seconds = (static_cast<double>(*last - *first) + period_us) * 1e-6;
+  info.without_time = recording::steps_without_time(stream);
+  // As long as it plays: where times stand still, frames follow each other by the period.
+  const bool has_times = 4 * info.without_time < times.size();
+  if (!has_times) info.seconds = static_cast<double>(times.size()) * period_us * 1e-6;
   double bytes = 0;
   for (const auto& payload : stream.payloads) bytes += payload.bytes;
   info.mbps = bytes * 8e-6 / info.seconds;
@@ -110,6 +116,15 @@ std::optional<double> color_after_depth(const RecordedStream& depth, const Recor
   return median(distances);
 }
 
+std::optional<std::int64_t> start_of(const recording::RecordingSummary& summary) {
+  if (!summary.unix_zero_us) return std::nullopt;
+  std::optional<std::uint64_t> first;
+  for (const RecordedStream& stream : summary.streams) {
+    for (const std::uint64_t time : stream.timestamps_us) first = std::min(first.value_or(time), time);
+  }
+  return *summary.unix_zero_us + static_cast<std::int64_t>(first.value_or(0));
+}
+
 }  // namespace
 
 Result<RecordingInfo> look_into(const std::string& path, const recording::ProgressReport& progress) {
@@ -119,23 +134,28 @@ Result<RecordingInfo> look_into(const std::string& path, const recording::Progre
   info.file = path;
   info.bytes = reader->file_bytes();
   const recording::RecordingSummary& summary = reader->summary();
-  info.seconds = static_cast<double>(summary.duration.count()) * 1e-6;
-  for (const RecordedStream& stream : summary.streams) info.streams.push_back(describe(stream));
+  for (const RecordedStream& stream : summary.streams) {
+    info.streams.push_back(describe(stream));
+    if (stream.kind == Kind::kDepth) info.seconds = info.streams.back().seconds;
+  }
   info.depth = look_at_depth(*reader, progress);
   info.color_after_depth_ms = color_after_depth(*summary.find(Kind::kDepth), summary.find(Kind::kColor));
   info.camera = summary.camera_note;
+  info.started_unix_us = start_of(summary);
   if (const auto file = recording::InputFile::open(path)) {
     recording::RecordBytes bytes = file->bytes();
     const auto found = recording::salvage(bytes, path);
-    info.finished = found && found->has_end && found->has_seek_tables;
+    info.finished = found && found->has_end && (found->has_seek_tables || found->is_old);
   }
   return info;
 }
 
 std::string to_table(const RecordingInfo& info) {
   std::string text = fmt::format(
-      "{}: {:.1f} s, {:.1f} MB{}\n\n", info.file, info.seconds, static_cast<double>(info.bytes) * 1e-6,
-      info.finished ? "" : ", unfinished: its recorder was stopped (record repair)");
+      "{}: {:.1f} s, {:.1f} MB{}\n{}", info.file, info.seconds, static_cast<double>(info.bytes) * 1e-6,
+      info.finished ? "" : ", unfinished: its recorder was stopped (record repair)",
+      info.started_unix_us ? "" : "\n");
+  if (info.started_unix_us) text += "began " + utc_text(std::chrono::microseconds(*info.started_unix_us)) + "\n\n";
   text += fmt::format("{:<9}{:>10}{:>7}{:>8}{:>9}{:>8}{:>8}{:>12}{:>9}\n", "stream", "size", "coding",
                       "frames", "missing", "rate/s", "gaps", "longest ms", "Mbit/s");
   for (const StreamInfo& stream : info.streams) {
@@ -167,6 +187,10 @@ std::string to_table(const RecordingInfo& info) {
         info.camera->world_from_camera ? "with a" : "no");
   }
   for (const StreamInfo& stream : info.streams) {
+    if (stream.without_time) {
+      text += fmt::format("{}: the times of {} frames stand still or go back; they are played at {:.4g} frames/s\n",
+                          name(stream.kind), stream.without_time, stream.fps);
+    }
     for (std::size_t i = 0; i < std::min(stream.pauses.size(), kPausesShown); ++i) {
       const auto& pause = stream.pauses[i];
       text += fmt::format("{}: {:.0f} ms without a frame after frame {}, at {:.2f} s\n", name(stream.kind),
@@ -183,6 +207,10 @@ std::string to_json(const RecordingInfo& info) {
   using nlohmann::ordered_json;
   ordered_json root{
       {"file", info.file}, {"bytes", info.bytes}, {"finished", info.finished}, {"duration_s", info.seconds}};
+  if (info.started_unix_us) {
+    root["started_unix_s"] = static_cast<double>(*info.started_unix_us) * 1e-6;
+    root["started_utc"] = utc_text(std::chrono::microseconds(*info.started_unix_us));
+  }
   root["streams"] = ordered_json::array();
   for (const StreamInfo& stream : info.streams) {
     ordered_json out{{"kind", name(stream.kind)},
@@ -194,6 +222,7 @@ std::string to_json(const RecordingInfo& info) {
                      {"frames_missing", stream.frames_missing},
                      {"fps_nominal", stream.nominal_fps},
                      {"fps", stream.fps},
+                     {"frames_without_time", stream.without_time},
                      {"duration_s", stream.seconds},
                      {"mbps", stream.mbps}};
     out["gaps"] = ordered_json::array();

@@ -30,6 +30,7 @@ struct StreamInfo {
   double seconds = 0;                ///< from the first frame to one period after the last
   double mbps = 0;
   std::vector<Pause> pauses;
+  std::size_t without_time = 0;  ///< frames with the time of the one before, or an earlier one
 };
 
 /// What the depth pictures themselves say.
@@ -51,6 +52,8 @@ struct RecordingInfo {
   std::optional<double>
       color_after_depth_ms;  ///< median distance of a depth frame to the nearest colour frame
   std::optional<recording::CameraNote> camera;
+  /// When its first frame was taken, microseconds since 1970 (UTC), where the recorder noted it.
+  std::optional<std::int64_t> started_unix_us;
 };
 
 /// Reads the whole file. Fails as OniReader::open().

@@ -8,6 +8,11 @@
 #include "common/command_line/values.h"
 
 namespace copresence::record {
+namespace {
+
+constexpr const char* kOverwrite = "replace the file of --out where it exists; without it an existing file is kept";
+
+}  // namespace
 
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv) {
   using namespace command_line;
@@ -32,6 +37,7 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
                    "write the whole recording here and leave FILE.oni as it is; needed where it is "
                    "damaged in the middle")
       ->check(file_name());
+  repair_command->add_flag("--overwrite", repair.overwrite, kOverwrite);
 
   CutSettings cut;
   auto* cut_command = app.add_subcommand("cut", "copies a part of a recording, pictures unchanged");
@@ -42,32 +48,47 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       ->add_option("--to", cut.to_s, "seconds after the recording's first frame, not included [its end]")
       ->check(number(0, 1e6));
   cut_command->add_option("--out", cut.out, "the part")->required()->check(file_name());
+  cut_command->add_flag("--overwrite", cut.overwrite, kOverwrite);
 
   FromImagesSettings images;
   Intrinsics intrinsics;
   std::vector<double> distortion;
   auto* images_command = app.add_subcommand(
       "from-images",
-      "makes a recording of a folder of images: depth as 16-bit PNG, colour as JPEG or PNG; with TUM's lists "
-      "(depth.txt and rgb.txt, or associations.txt) by their times, else by their names: files or folders "
-      "with "
-      "\"depth\" in their name are depth, the others colour, numbered alike");
+      "makes a recording of a folder of images: depth as 16-bit PNG, PGM or TIFF or as floating-point TIFF or PFM, "
+      "colour as JPEG, PNG, PPM or TIFF. Times and pairs come from associations.txt, or depth.txt and rgb.txt or "
+      "color.txt, else from the names. What is depth and what is colour is recognised by names and contents");
   images_command->add_option("FOLDER", images.folder, "the images")
       ->required()
       ->check(some("a folder's name"));
   images_command->add_option("--out", images.out, "the recording")->required()->check(file_name());
   images_command->add_option("--name", images.name, "the camera's name [the folder's]")
       ->check(some("a name"));
+  images_command->add_flag("--overwrite", images.overwrite, kOverwrite);
   images_command->add_option("--fps", images.frames_per_second, "frames a second, where images have no times")
       ->capture_default_str()
       ->check(number(1, 1000));
   images_command
+      ->add_option("--times", images.times,
+                   "what the numbers in lists and names are: s, ms, us or ns, or frame for frames' numbers "
+                   "[recognised]")
+      ->transform(one_of<TimeUnit>({{"s", TimeUnit::kSeconds},
+                                    {"ms", TimeUnit::kMilliseconds},
+                                    {"us", TimeUnit::kMicroseconds},
+                                    {"ns", TimeUnit::kNanoseconds},
+                                    {"frame", TimeUnit::kFrames}}));
+  images_command
+      ->add_option("--depth", images.depth, "take depth from this folder in FOLDER, and no lists [the likeliest]")
+      ->check(some("a folder's name"));
+  images_command->add_option("--color", images.color, "likewise colour")->check(some("a folder's name"));
+  images_command
       ->add_option("--depth-scale", images.depth_per_metre,
-                   "what a depth of 1 m is in the PNGs [5000 with TUM's lists, else 1000]")
-      ->check(number(1, 65535));
+                   "what a depth of 1 m is in the images [5000 with TUM's lists, 1 in floating-point images, else "
+                   "1000]")
+      ->check(number_above_zero(65535));
   images_command->add_option("--unit", images.unit, "depth unit of the recording: mm or 0.1mm [mm]")
       ->transform(one_of<DepthUnit>({{"mm", DepthUnit::kMillimetre}, {"0.1mm", DepthUnit::k100Micrometres}}));
-  const char* together = "pixels; fx, fy, cx and cy go together [a Kinect's]";
+  const char* together = "pixels; fx, fy, cx and cy go together [square pixels, a Kinect's field of view]";
   std::vector<CLI::Option*> lens{
       images_command->add_option("--fx", intrinsics.fx, together)->check(number_above_zero(1e6)),
       images_command->add_option("--fy", intrinsics.fy, together)->check(number_above_zero(1e6)),
@@ -83,14 +104,17 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       ->check(number(-1e6, 1e6))
       ->needs(lens[0]);
   images_command->add_flag("!--unregistered", images.registered,
-                           "colour is not as the depth camera sees it (it is taken to be otherwise)");
-  images_command->add_option("--jpeg-quality", images.jpeg_quality, "of colour that comes as PNG, 1 to 100")
+                           "colour is not as the depth camera sees it (it is taken to be, but for raw disparities)");
+  images_command->add_option("--jpeg-quality", images.jpeg_quality, "of colour that is not a JPEG already, 1 to 100")
       ->check(whole_number(1, 100))
       ->capture_default_str();
 
   try {
     app.parse(argc, argv);
-    if (*cut_command && cut.to_s <= cut.from_s) throw CLI::ValidationError("--to", "must lie after --from");
+    if (*cut_command && cut.to_s && *cut.to_s <= cut.from_s) throw CLI::ValidationError("--to", "must lie after --from");
+    if (repair.overwrite && repair.out.empty()) {
+      throw CLI::ValidationError("--overwrite", "without --out the recording itself is repaired: leave it out");
+    }
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(explain(app, error));
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/frame/depth_unit.h"
+#include "tools/record/time_reading.h"
 
 namespace copresence::record {
 
@@ -21,11 +22,14 @@ struct InfoSettings {
 struct RepairSettings {
   std::string recording;
   std::string out;  ///< empty: in place
+  bool overwrite = false;
 };
 
 struct CutSettings {
   std::string recording, out;
-  double from_s = 0, to_s = 1e18;  ///< seconds after the first frame
+  double from_s = 0;            ///< seconds after the first frame
+  std::optional<double> to_s;  ///< likewise; the recording's end where not given
+  bool overwrite = false;
 };
 
 struct Intrinsics {
@@ -37,12 +41,14 @@ struct FromImagesSettings {
   std::string folder, out;
   std::string name;               ///< of the camera; the folder's by default
   double frames_per_second = 30;  ///< where the images have no times
-  std::optional<double>
-      depth_per_metre;  ///< what a depth of one metre is in the PNGs; by the lists where not given
+  std::optional<TimeUnit> times;  ///< what numbers in lists and names are; recognised where not given
+  std::string depth, color;       ///< folders or groups of images to take; the likeliest where empty
+  std::optional<double> depth_per_metre;  ///< what a depth of one metre is in the images; by the set where not given
   DepthUnit unit = DepthUnit::kMillimetre;
   std::optional<Intrinsics> intrinsics;  ///< a Kinect's where not given
   bool registered = true;                ///< colour is as the depth camera sees it
   int jpeg_quality = 95;
+  bool overwrite = false;
 };
 
 using Settings = std::variant<InfoSettings, RepairSettings, CutSettings, FromImagesSettings>;

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <numbers>
 
+#include "capture_server/recording/oni_check.h"
 #include "capture_server/recording/oni_writer.h"
 #include "capture_server/simulation/simulated_kinect.h"
 #include "render_client/viewpoint/eye_path.h"
@@ -30,6 +33,19 @@ std::chrono::microseconds time_of(int frame) {
   return std::chrono::microseconds((static_cast<std::int64_t>(frame) * 1'000'000 + 15) / 30);
 }
 
+// When the session is said to have begun: some second of the years from 2000 on, the same for all cameras and for the
+// same arguments, so that the same seed gives the same bytes and two sessions are not taken for one.
+std::chrono::microseconds invented_start(const Settings& settings) {
+  constexpr std::uint32_t kSecondsOfTenYears = 10 * 365 * 24 * 3600;
+  constexpr std::chrono::seconds kYear2000{946'684'800};
+  std::uint32_t hash = 2'166'136'261;  // FNV-1a
+  for (const char c : fmt::format("{} {} {} {} {}x{}", settings.world, settings.cameras, settings.frames,
+                                  settings.seed, settings.width, settings.height)) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 16'777'619;
+  }
+  return kYear2000 + std::chrono::seconds(hash % kSecondsOfTenYears);
+}
+
 Result<void> record(const Settings& settings, const std::shared_ptr<const simulation::World>& world,
                     const std::vector<Rigid3>& poses, std::size_t index) {
   const CameraModel model = simulation::kinect_model(settings.width, settings.height);
@@ -39,6 +55,7 @@ Result<void> record(const Settings& settings, const std::shared_ptr<const simula
   recording::OniContent content;
   content.camera = {name, model, true, settings.unit, poses[index]};
   content.jpeg_quality = settings.jpeg_quality;
+  content.unix_zero_us = invented_start(settings).count();
   auto writer = recording::OniWriter::create(
       (settings.folder / (name + ".oni")).string(), content,
       settings.overwrite ? recording::Existing::kReplace : recording::Existing::kKeep);
@@ -62,7 +79,8 @@ Result<void> record(const Settings& settings, const std::shared_ptr<const simula
       if (auto written = write_truth(truth, frame, kinect->truth()); !written) return written;
     }
   }
-  return writer->finish();
+  if (auto finished = writer->finish(); !finished) return finished;
+  return recording::check_written(writer->path());
 }
 
 Result<void> show_truth(const Settings& settings, const std::shared_ptr<const simulation::World>& world,

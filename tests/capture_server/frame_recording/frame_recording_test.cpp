@@ -141,6 +141,30 @@ TEST_F(FrameRecordingTest, NeverOverwritesARecording) {
   }
 }
 
+TEST_F(FrameRecordingTest, NotesWhenItBeganByTheClock) {
+  auto recording = FrameRecording::open(path(), sensor_, "left");
+  ASSERT_TRUE(recording);
+  RgbdFrame first = frame(0);
+  first.stamp.captured_at = std::chrono::steady_clock::now() - seconds(2);
+  const auto captured = std::chrono::system_clock::now() - seconds(2);
+  ASSERT_TRUE(recording->write(first));
+  ASSERT_TRUE(recording->finish());
+  const auto summary = recording::check(path());
+  ASSERT_TRUE(summary) << summary.error().what;
+  ASSERT_TRUE(summary->unix_zero_us);
+  const microseconds began(*summary->unix_zero_us + 1'000'000);  // its first frame's time
+  EXPECT_NEAR(std::chrono::duration<double>(began - captured.time_since_epoch()).count(), 0, 0.5);
+}
+
+TEST_F(FrameRecordingTest, ACopyKeepsTheStartOfTheOriginal) {
+  sensor_.unix_zero_us = 1'650'000'000'000'000;
+  auto recording = FrameRecording::open(path(), sensor_, "left");
+  ASSERT_TRUE(recording);
+  ASSERT_TRUE(recording->write(frame(0)));
+  ASSERT_TRUE(recording->finish());
+  EXPECT_EQ(recording::check(path())->unix_zero_us, 1'650'000'000'000'000);
+}
+
 TEST_F(FrameRecordingTest, SaysWhereItCannotWrite) {
   const auto nowhere = FrameRecording::open("/nonexistent/a.oni", sensor_, "left");
   ASSERT_FALSE(nowhere);

@@ -21,7 +21,7 @@ void require_promises(const RecordingSummary& summary) {
   require(summary.duration.count() > 0);
   for (const RecordedStream& stream : summary.streams) {
     require(stream.width >= 2 && stream.width % 2 == 0 && stream.height >= 2 && stream.height % 2 == 0);
-    require(std::isfinite(mean_period_us(stream)) && mean_period_us(stream) > 0);
+    require(std::isfinite(usual_period_us(stream)) && usual_period_us(stream) > 0);
     require(stream.frames_per_second > 0 && !stream.name.empty());
   }
   if (summary.camera_note) require(check(summary.camera_note->model).has_value());

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "tests/support/old_recording.h"
 #include "tests/support/real_recordings.h"
 #include "tests/support/recording_scene.h"
 
@@ -255,6 +256,78 @@ TEST_F(OniCheck, TakesRealRecordings) {
     EXPECT_EQ(summary->find(Kind::kDepth)->width, 640);
     EXPECT_EQ(summary->find(Kind::kColor) == nullptr, std::string(name) == "person.oni");
   }
+}
+
+TEST_F(OniCheck, ReadsTheVersionsOfOpenNi1) {
+  const Bytes today = whole();
+  for (const std::uint32_t build : {4u, 5u, 6u}) {
+    const auto summary = check(test::as_old_version(today, build), "x.oni");
+    ASSERT_TRUE(summary) << build << ": " << summary.error().what;
+    EXPECT_EQ(summary->find(Kind::kDepth)->frames(), 12u);
+    EXPECT_EQ(summary->find(Kind::kColor)->timestamps_us.back(), 5'007'000u + 11 * 33'333);
+  }
+}
+
+TEST_F(OniCheck, SurvivesEveryFlippedByteOfAnOldVersion) {
+  for (const std::uint32_t build : {4u, 6u}) {
+    const Bytes old = test::as_old_version(whole({.width = 16, .height = 16, .frames = 2}), build);
+    for (std::size_t at = 0; at < old.size(); ++at) {
+      Bytes damaged = old;
+      damaged[at] ^= 0xff;
+      const auto summary = check(damaged, "x.oni");
+      EXPECT_TRUE(summary || !summary.error().what.empty()) << at;
+    }
+  }
+}
+
+RecordedStream stream_at(std::vector<std::uint64_t> times) {
+  RecordedStream stream;
+  stream.frames_per_second = 30;
+  stream.timestamps_us = std::move(times);
+  return stream;
+}
+
+TEST(UsualPeriod, IsTheNominalOneWhereTimesSayNothing) {
+  EXPECT_NEAR(usual_period_us(stream_at({})), 33'333.3, 0.1);
+  EXPECT_NEAR(usual_period_us(stream_at({5, 5, 5, 5})), 33'333.3, 0.1);
+  EXPECT_NEAR(usual_period_us(stream_at({0, 0, 0, 0, 0, 1'000'000})), 33'333.3, 0.1);
+  EXPECT_NEAR(usual_period_us(stream_at({0, 33, 66, 100})), 33'333.3, 0.1) << "milliseconds, not microseconds";
+  EXPECT_NEAR(usual_period_us(stream_at({0, 40'000, 80'000, 9'000'000, 9'040'000})), 40'000, 0.1) << "one jump";
+  EXPECT_NEAR(usual_period_us(stream_at({0, 33'000, 67'000, 100'000})), 33'333.3, 0.1);
+}
+
+TEST(CheckPlayable, NamesFileAndMendWhereFramesAreTooFarApart) {
+  EXPECT_TRUE(check_playable(stream_at({0, 33'333}), "a.oni"));
+  EXPECT_TRUE(check_playable(stream_at({0, 5'000'000}), "a.oni"));
+  const auto slow = check_playable(stream_at({0, 20'000'000, 40'000'000}), "a.oni");
+  ASSERT_FALSE(slow);
+  EXPECT_THAT(slow.error().what,
+              testing::AllOf(testing::StartsWith("a.oni: "), HasSubstr("20 s"), HasSubstr("--times")));
+}
+
+TEST(OniWriterContent, RefusesBeforeItWritesWhatNobodyCouldPlay) {
+  const test::TemporaryFolder folder;
+  OniContent content;
+  content.camera.model = {640, 480, 575, 575, 320, 240, {}};
+  content.camera.registered = true;
+  const auto refusal = [&](const OniContent& wrong) {
+    const auto writer = OniWriter::create(folder.file("a.oni"), wrong);
+    EXPECT_FALSE(std::filesystem::exists(folder.file("a.oni")));
+    return writer ? "accepted" : writer.error().what;
+  };
+  OniContent large = content;
+  large.camera.model.width = large.camera.model.height = 4096;
+  EXPECT_THAT(refusal(large), testing::HasSubstr("4096x4096"));
+  OniContent large_color = content;
+  large_color.camera.registered = false;
+  large_color.camera.color = ColorCameraNote{{1920, 1080, 1000, 1000, 960, 540, {}}, {}};
+  EXPECT_THAT(refusal(large_color), testing::HasSubstr("1920x1080"));
+  OniContent flat = content;
+  flat.camera.model.fx = 1e-300;
+  EXPECT_NE(refusal(flat), "accepted");
+  auto writer = OniWriter::create(folder.file("a.oni"), content);
+  ASSERT_TRUE(writer) << writer.error().what;
+  EXPECT_FALSE(writer->write_depth(std::chrono::microseconds(std::int64_t{1} << 57), DepthImage(640, 480, 900)));
 }
 
 }  // namespace

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <thread>
 
 #include "tests/capture_server/sensor/recorded_source.h"
+#include "tests/support/old_recording.h"
 #include "tests/support/real_recordings.h"
 
 namespace copresence::sensor {
@@ -191,6 +193,75 @@ TEST_F(RecordingSource, RefusesWhatIsNotThereOrNoRecording) {
   EXPECT_EQ(open_source(folder_.file(""), kFast).error().code, ErrorCode::kNotFound);
   test::write_bytes(folder_.file("empty.oni"), {});
   EXPECT_EQ(open_source(folder_.file("empty.oni"), kFast).error().code, ErrorCode::kCorrupt);
+}
+
+TEST_F(RecordingSource, PlaysRecordingsOfOpenNi1) {
+  const RecordingScene scene{.frames = 5};
+  const auto today = test::bytes_of(recording(scene));
+  for (const std::uint32_t build : {4u, 5u, 6u}) {
+    test::write_bytes(folder_.file("old.oni"), test::as_old_version(today, build));
+    const auto source = open(folder_.file("old.oni"), kFast);
+    ASSERT_TRUE(source) << build;
+    for (int i = 0; i < scene.frames; ++i) {
+      const auto frame = source->next({});
+      ASSERT_TRUE(frame) << build << ": " << frame.error().what;
+      EXPECT_EQ(frame->depth, scene.depth_of(i));
+      EXPECT_EQ(*frame->color, scene.color_of(i));
+    }
+    EXPECT_EQ(source->next({}).error().code, ErrorCode::kEndOfStream);
+  }
+}
+
+TEST_F(RecordingSource, PlaysTimesThatStandStillAtTheNominalRate) {
+  const auto source = open(recording({.frames = 6, .period_us = 0, .color_after_us = 0}), kRealLoop);
+  EXPECT_NEAR(source->description().frames_per_second, 30, 0.01);
+  ASSERT_TRUE(source->next({}));
+  const auto begin = steady_clock::now();
+  for (int i = 0; i < 15; ++i) ASSERT_TRUE(source->next({})) << i;  // twice over the seam
+  EXPECT_GT(steady_clock::now() - begin, milliseconds(15 * 33 - 50));
+}
+
+TEST_F(RecordingSource, NamesTheFileAndTheMendWhereFramesAreTooFarApart) {
+  const auto refused = open_source(recording({.frames = 3, .period_us = 20'000'000}), kReal);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().what.find("x.oni"), std::string::npos);
+  EXPECT_NE(refused.error().what.find("--times"), std::string::npos);
+}
+
+// Half a second of depth whose first frame was taken `late_ms` after the session's first instant.
+std::string recording_of_a_session(const std::string& path, int late_ms) {
+  recording::OniContent content;
+  content.camera.model = {64, 48, 58, 58, 32, 24, {}};
+  content.color.reset();
+  content.unix_zero_us = 1'650'000'000'000'000 + 1000 * late_ms;
+  auto writer = recording::OniWriter::create(path, content);
+  EXPECT_TRUE(writer);
+  for (int i = 0; i < 30; ++i) {
+    const auto session_ms = static_cast<std::uint16_t>(late_ms + 50 * i);
+    EXPECT_TRUE(writer->write_depth(milliseconds(50 * i), DepthImage(64, 48, session_ms)));
+  }
+  EXPECT_TRUE(writer->finish());
+  return path;
+}
+
+TEST_F(RecordingSource, ShowsTheInstantThatOtherReplaysOfItsSessionShow) {
+  ::setenv("XDG_RUNTIME_DIR", folder_.file("").c_str(), 1);
+  for (const SourceSettings& settings : {kReal, kRealLoop}) {
+    const auto early = open(recording_of_a_session(folder_.file(settings.loop ? "a" : "b"), 1), settings);
+    // Where an instant of the session lies on this process's clock, by the frame that shows it.
+    const auto zero_by = [](const std::unique_ptr<FrameSource>& source) {
+      const auto frame = source->next({});
+      EXPECT_TRUE(frame) << frame.error().what;
+      return frame->stamp.captured_at - milliseconds(frame->depth(5, 5));
+    };
+    ASSERT_TRUE(early->next({}));
+    std::this_thread::sleep_for(milliseconds(170));  // this replay is started later, and its recording was, too
+    const auto late = open(recording_of_a_session(folder_.file(settings.loop ? "c" : "d"), 301), settings);
+    for (int i = 0; i < 5; ++i) {
+      const auto apart = zero_by(early) - zero_by(late);
+      EXPECT_LT(std::abs(std::chrono::duration<double, std::milli>(apart).count()), 100) << i;
+    }
+  }
 }
 
 TEST_F(RecordingSource, PlaysRealRecordings) {

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "tests/support/process.h"
 
@@ -88,6 +90,41 @@ TEST(RecordProgram, LeavesNoFileBehindWhereNoFrameWasWhole) {
   EXPECT_EQ(repaired.code, 1);
   EXPECT_THAT(repaired.words, HasSubstr("no depth frame"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out.oni"));
+}
+
+TEST(RecordProgram, KeepsAFileThatExistsUnlessToldToOverwriteIt) {
+  TemporaryFolder folder;
+  const std::string out = folder / "part.oni";
+  std::ofstream(out) << "precious";
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"cut", kWhole, "--to", "0.3", "--out", out},
+        std::vector<std::string>{"repair", kWhole, "--out", out}}) {
+    const Ended kept = record(command);
+    EXPECT_EQ(kept.code, 1) << kept.words;
+    EXPECT_THAT(kept.words, HasSubstr("--overwrite"));
+    EXPECT_EQ(read_all(out), "precious");
+  }
+  const Ended replaced = record({"cut", kWhole, "--to", "0.3", "--out", out, "--overwrite"});
+  EXPECT_EQ(replaced.code, 0) << replaced.words;
+  EXPECT_EQ(record({"info", out}).code, 0);
+}
+
+TEST(RecordProgram, SaysWhereAPartEndsBeforeItsTime) {
+  TemporaryFolder folder;
+  const Ended cut = record({"cut", kWhole, "--from", "1", "--to", "99", "--out", folder / "part.oni"});
+  EXPECT_EQ(cut.code, 0);
+  EXPECT_THAT(cut.words, HasSubstr("only 2.0 s long"));
+}
+
+TEST(RecordProgram, CountsRepairedFramesAsInfoDoes) {
+  TemporaryFolder folder;
+  const std::string bytes = read_all(kWhole);
+  std::ofstream(folder / "cut_off.oni", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  const Ended repaired = record({"repair", folder / "cut_off.oni"});
+  const auto streams = nlohmann::json::parse(record({"info", folder / "cut_off.oni", "--json"}).words)["streams"];
+  EXPECT_THAT(repaired.words, HasSubstr("finished with " + std::to_string(streams[0]["frames"].get<int>()) +
+                                        " frames of depth, " + std::to_string(streams[1]["frames"].get<int>()) +
+                                        " of colour"));
 }
 
 TEST(RecordProgram, AWrongCommandLineExitsWithTwo) {

@@ -73,6 +73,32 @@ TEST_F(RecordingInfoTest, SaysSoWhereARecordersEndIsMissing) {
   EXPECT_THAT(to_table(*info), HasSubstr("record repair"));
 }
 
+TEST_F(RecordingInfoTest, SaysWhenARecordingBeganByTheClock) {
+  recording::OniContent content;
+  content.camera.model = {64, 48, 58, 58, 31.5, 23.5, {}};
+  content.color.reset();
+  content.unix_zero_us = 1'650'000'000'000'000;
+  auto writer = recording::OniWriter::create(folder_.file("a.oni"), content);
+  ASSERT_TRUE(writer);
+  for (const int ms : {250, 283, 316}) {
+    ASSERT_TRUE(writer->write_depth(std::chrono::milliseconds(ms), DepthImage(64, 48, 900)));
+  }
+  ASSERT_TRUE(writer->finish());
+  const auto info = look_into(folder_.file("a.oni"), kNobodyWatches);
+  ASSERT_TRUE(info) << info.error().what;
+  EXPECT_THAT(to_table(*info), HasSubstr("began 2022-04-15 05:20:00.250 UTC"));
+  const auto json = nlohmann::json::parse(to_json(*info));
+  EXPECT_NEAR(json["started_unix_s"].get<double>(), 1650000000.25, 1e-6);
+  EXPECT_FALSE(nlohmann::json::parse(to_json(look({}))).contains("started_unix_s"));
+}
+
+TEST_F(RecordingInfoTest, SaysSoWhereTimesStandStill) {
+  const RecordingInfo info = look({.frames = 60, .period_us = 0});
+  EXPECT_EQ(info.streams[0].without_time, 59u);
+  EXPECT_NEAR(info.seconds, 2, 0.01) << "as long as it plays";
+  EXPECT_THAT(to_table(info), HasSubstr("stand still"));
+}
+
 TEST_F(RecordingInfoTest, SaysTheSameToProgramsAndToPeople) {
   const RecordingInfo info = look({});
   const auto json = nlohmann::json::parse(to_json(info));

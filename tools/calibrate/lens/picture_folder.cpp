@@ -6,6 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "tools/pictures/picture_header.h"
+
 namespace copresence::calibrate {
 
 Result<std::vector<std::filesystem::path>> picture_files(const std::filesystem::path& folder) {
@@ -26,9 +28,12 @@ Result<std::vector<std::filesystem::path>> picture_files(const std::filesystem::
 }
 
 Result<ColorImage> load_picture(const std::filesystem::path& file) {
+  // Checks the size before a small file unpacks to gigabytes.
+  const auto bytes = pictures::load(file);
+  if (!bytes) return fail(bytes.error());
   cv::Mat bgr;
   try {
-    bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
+    bgr = cv::imdecode(*bytes, cv::IMREAD_COLOR);
   } catch (const cv::Exception&) {
     bgr.release();
   }

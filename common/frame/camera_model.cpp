@@ -188,6 +188,16 @@ Result<void> check(const CameraModel& camera) {
     return fail(ErrorCode::kInvalid,
                 "a camera's intrinsics must be finite numbers with positive focal lengths");
   }
+  const auto plausible = [](double focal, double centre, int size) {
+    constexpr double kShortest = 1e-3, kLongest = 1e4, kFarthest = 100;  // pictures
+    return focal >= kShortest * size && focal <= kLongest * size && std::abs(centre) <= kFarthest * size;
+  };
+  if (!plausible(camera.fx, camera.cx, camera.width) || !plausible(camera.fy, camera.cy, camera.height)) {
+    return fail(
+        ErrorCode::kInvalid,
+        "a camera's focal lengths and principal point are in pixels: these are no lens's for a picture of " +
+            std::to_string(camera.width) + "x" + std::to_string(camera.height));
+  }
   if (camera.is_distorted() && !is_one_to_one(camera)) {
     return fail(ErrorCode::kInvalid,
                 "a camera's distortion sends several rays to one pixel of its picture, or none: are the "

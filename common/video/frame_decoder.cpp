@@ -63,8 +63,7 @@ Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
   }
   if (data->world_from_camera) world_from_camera_ = *data->world_from_camera;
   frame.stamp.sequence = data->sequence;
-  frame.stamp.captured_at =
-      Instant(std::chrono::duration_cast<Duration>(std::chrono::nanoseconds(data->captured_ns)));
+  frame.stamp.captured_at = data->captured_at;
   frame.stamp.world_from_camera = world_from_camera_;
   frame.depth.keyframe = keyframe;
   frame.depth.quantiser = data->quantiser;

@@ -79,9 +79,7 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   SideData data;
   data.sequence = frame.stamp.sequence;
   data.previous = keyframe ? 0 : previous_;
-  data.captured_ns =
-      std::chrono::duration_cast<std::chrono::nanoseconds>(frame.stamp.captured_at.time_since_epoch())
-          .count();
+  data.captured_at = frame.stamp.captured_at;
   data.has_color = frame.color.has_value();
   if (keyframe || previous_pose_ != frame.stamp.world_from_camera)
     data.world_from_camera = frame.stamp.world_from_camera;

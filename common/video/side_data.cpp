@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 
+#include "common/frame/bounds.h"
 #include "common/video/crc32c.h"
 
 namespace copresence::video {
@@ -149,7 +150,8 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
   writer.number(data.quantiser);
   writer.number(data.sequence);
   writer.number(data.previous);
-  writer.number(static_cast<std::uint64_t>(data.captured_ns));
+  writer.number(static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(data.captured_at.time_since_epoch()).count()));
   if (data.world_from_camera) write_pose(writer, *data.world_from_camera);
   writer.number(static_cast<std::uint32_t>(data.table.size()));
   writer.append(data.table);
@@ -211,11 +213,16 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   data.quantiser = reader.number<std::uint8_t>();
   data.sequence = reader.number<std::uint64_t>();
   data.previous = reader.number<std::uint64_t>();
-  data.captured_ns = static_cast<std::int64_t>(reader.number<std::uint64_t>());
+  const auto captured_at = instant_from_nanoseconds(reader.number<std::uint64_t>());
+  if (!captured_at || !is_within_bounds(data.sequence) || !is_within_bounds(data.previous)) {
+    return fail(ErrorCode::kCorrupt, "a frame with an impossible capture time or number");
+  }
+  data.captured_at = *captured_at;
   if (flags & kHasPose) {
     data.world_from_camera = read_pose(reader);
-    if (!data.world_from_camera->is_rigid())
-      return fail(ErrorCode::kCorrupt, "a frame's pose is no rigid transform");
+    if (const auto pose = check_pose(*data.world_from_camera); !pose) {
+      return fail(ErrorCode::kCorrupt, "a frame's side data: " + pose.error().what);
+    }
   }
   const auto table = reader.take(reader.number<std::uint32_t>());
   data.table.assign(table.begin(), table.end());

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "common/frame/rgbd_frame.h"
 #include "common/frame/rigid3.h"
 #include "common/result.h"
 #include "common/video/access_unit.h"
@@ -21,7 +22,7 @@ namespace copresence::video {
 struct SideData {
   std::uint64_t sequence = 0;
   std::uint64_t previous = 0;    ///< sequence of the frame this one builds on; 0: on none, it is a keyframe
-  std::int64_t captured_ns = 0;  ///< on the capture process's monotonic clock
+  Instant captured_at{};  ///< on the capture process's monotonic clock, at or after its zero
   std::uint8_t quantiser = 0;    ///< of the depth picture; 0: without loss
   bool has_color = false;        ///< a colour access unit belongs to this frame
   std::optional<Rigid3> world_from_camera;  ///< nothing: as in the frame before

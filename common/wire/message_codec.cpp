@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/frame/bounds.h"
 #include "common/wire/byte_order.h"
 #include "common/wire/printable.h"
 
@@ -83,10 +84,6 @@ Bytes message(MessageType type, const WriteBody& write_body) {
   return bytes;
 }
 
-// Instants are nanoseconds since the clock's own zero. Half of what 64 bits hold is far more than any clock
-// reads, and sums of two cannot overflow.
-constexpr std::int64_t kLatest = std::numeric_limits<std::int64_t>::max() / 4;
-
 std::uint64_t ticks(Instant instant) {
   return static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::nanoseconds>(instant.time_since_epoch()).count());
@@ -98,9 +95,8 @@ struct ReadInstant {
 };
 
 ReadInstant read_instant(ByteReader& reader) {
-  const std::uint64_t nanoseconds = reader.number<std::uint64_t>();
-  if (nanoseconds > static_cast<std::uint64_t>(kLatest)) return {};
-  return {Instant(std::chrono::nanoseconds(static_cast<std::int64_t>(nanoseconds))), true};
+  const auto instant = instant_from_nanoseconds(reader.number<std::uint64_t>());
+  return {instant.value_or(Instant{}), instant.has_value()};
 }
 
 /// The number, or the largest one that fits.
@@ -378,6 +374,12 @@ Result<FrameHead> decode_frame_head(std::span<const std::uint8_t, kFrameHeadByte
   head.counters.late = from.number<std::uint32_t>();
   head.counters.dark = from.number<std::uint64_t>();
   const std::size_t access_units = body_bytes - kFrameHeadBytes;
+  const FrameCounters& counted = head.counters;
+  for (const std::uint64_t number :
+       {head.sequence, counted.captured, counted.encoder_busy, counted.window_full,
+        counted.depth_without_color, counted.color_without_depth, counted.damaged, counted.dark}) {
+    if (!is_within_bounds(number)) return corrupt("a frame with an impossible counter");
+  }
   if (head.sequence == 0 || !sent_at.believable || flags & ~kKeyframe || head.depth_bytes == 0 ||
       head.depth_bytes > access_units) {
     return corrupt("a frame whose head contradicts itself");
@@ -394,16 +396,13 @@ Result<void> check(const StreamDescription& stream) {
   if (const auto camera = check(stream.model); !camera) return camera;
   if (!is_known(stream.unit)) return invalid("a stream's depth unit must be 0.1 mm or 1 mm");
   const DepthRange& range = stream.range;
-  if (!(range.near_m > 0 && range.near_m < range.far_m && range.far_m <= 100)) {
-    return invalid("a stream's depth range must be NEAR:FAR in metres with 0 < NEAR < FAR <= 100");
+  if (!(range.near_m >= 1e-3 && range.far_m - range.near_m >= 1e-3 && range.far_m <= 100)) {
+    return invalid("a stream's depth range must be NEAR:FAR in metres with 0.001 <= NEAR < FAR <= 100");
   }
   if (!(stream.frames_per_second >= 0.1 && stream.frames_per_second <= 1000)) {
     return invalid("a stream's rate must lie between 0.1 and 1000 frames per second");
   }
-  if (!stream.world_from_camera.is_rigid() ||
-      stream.world_from_camera.translation.cwiseAbs().maxCoeff() > 1e4) {
-    return invalid("a camera's pose must be a rotation and a translation of at most 10 km");
-  }
+  if (const auto pose = check_pose(stream.world_from_camera); !pose) return pose;
   if (!is_known(stream.codec.format)) return invalid("a depth codec's pictures have no known pixel format");
   if (!is_name(stream.codec.name)) return invalid("a depth codec without a printable name");
   const auto& parameters = stream.codec.parameters;

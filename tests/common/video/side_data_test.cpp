@@ -3,6 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "common/frame/bounds.h"
+
 namespace copresence::video {
 namespace {
 
@@ -16,7 +22,7 @@ SideData example() {
   SideData data;
   data.sequence = 0x0102030405060708;
   data.previous = 0x0102030405060707;
-  data.captured_ns = 1'000'000'000;
+  data.captured_at = Instant(std::chrono::seconds(1));
   data.quantiser = 24;
   data.has_color = true;
   data.table = {0xAA, 0xBB};
@@ -55,7 +61,7 @@ TEST(SideData, ComesBackAsItWas) {
   data.world_from_camera =
       Rigid3{Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()).toRotationMatrix(), {1, -2, 0.1}};
   data.previous = 0;
-  data.captured_ns = -5;
+  data.captured_at = Instant(std::chrono::nanoseconds(kNumberBound - 1));
   data.table.clear();
   data.state_mask.clear();
   EXPECT_EQ(extract_side_data(add_side_data(kDepth, {}, data), {}).value(), data);
@@ -86,6 +92,33 @@ TEST(SideData, StandsEveryFlippedBitAndEveryCutOnlyAsAnError) {
   }
   for (std::size_t size = 0; size < kColor.size(); ++size) {
     EXPECT_FALSE(extract_side_data(depth, std::span(kColor).first(size))) << size;
+  }
+}
+
+TEST(SideData, BelievesNoExtremeNumbers) {
+  const auto refused = [](const std::function<void(SideData&)>& change) {
+    SideData data = example();
+    data.world_from_camera = Rigid3{};
+    change(data);
+    const auto extracted = extract_side_data(add_side_data(kDepth, kColor, data), kColor);
+    return !extracted && extracted.error().code == ErrorCode::kCorrupt;
+  };
+  using Nanoseconds = std::chrono::nanoseconds;
+  EXPECT_FALSE(refused([](SideData&) {}));
+  for (const Nanoseconds time :
+       {Nanoseconds::min(), Nanoseconds(-1), Nanoseconds(kNumberBound), Nanoseconds::max()}) {
+    EXPECT_TRUE(refused([time](SideData& data) { data.captured_at = Instant(time); })) << time.count();
+  }
+  for (const std::uint64_t number : {kNumberBound, std::numeric_limits<std::uint64_t>::max()}) {
+    EXPECT_TRUE(refused([number](SideData& data) { data.sequence = number; })) << number;
+    EXPECT_TRUE(refused([number](SideData& data) { data.previous = number; })) << number;
+  }
+  for (const double metres : {1.01e4, -1e300, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_TRUE(refused([=](SideData& data) { data.world_from_camera->translation(axis) = metres; }))
+          << metres;
+    }
+    EXPECT_TRUE(refused([=](SideData& data) { data.world_from_camera->rotation(1, 2) = metres; })) << metres;
   }
 }
 

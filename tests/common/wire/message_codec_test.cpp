@@ -1,12 +1,17 @@
 #include "common/wire/message_codec.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
 
+#include "common/frame/bounds.h"
+#include "common/wire/clock_offset.h"
 #include "tests/common/wire/raw_peer.h"
 #include "tests/common/wire/sample_messages.h"
 
@@ -154,6 +159,72 @@ TEST(MessageCodec, RefusesAFrameThatContradictsItself) {
   EXPECT_TRUE(refuses(60, 0));     // no depth
 }
 
+/// Writes each of some extreme numbers at every place of every message. What is accepted must lie within the bounds.
+TEST(MessageCodec, BelievesNoExtremeNumbers) {
+  const auto bytes_of = [](std::uint64_t number) {
+    std::array<std::uint8_t, 8> bytes;
+    for (std::size_t i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(number >> 8 * i);
+    return bytes;
+  };
+  const auto of_double = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  const double infinite = std::numeric_limits<double>::infinity();
+  const auto is_sound = [](Instant instant) {
+    return instant >= Instant{} && instant < Instant(std::chrono::nanoseconds(kNumberBound));
+  };
+  for (const std::uint64_t extreme :
+       {std::uint64_t{0}, kNumberBound - 1, kNumberBound, std::uint64_t{1} << 62, std::uint64_t{1} << 63,
+        ~std::uint64_t{0}, of_double(infinite), of_double(-infinite), of_double(std::nan("")),
+        of_double(1e300), of_double(-1e300), of_double(1e-300), of_double(5e-324), of_double(-0.0)}) {
+    const auto bytes = bytes_of(extreme);
+    for (const auto& [name, message] : sample_messages()) {
+      for (std::size_t at = 0; at + kHeaderBytes + 8 <= message.size(); ++at) {
+        Bytes changed = message;
+        std::copy(bytes.begin(), bytes.end(),
+                  changed.begin() + static_cast<std::ptrdiff_t>(kHeaderBytes + at));
+        const auto body = body_of(changed);
+        const std::string where = fmt::format("{} at {}: {:x}", name, at, extreme);
+        switch (type_of(changed)) {
+          case MessageType::kWelcome: {
+            const auto welcome = decode_welcome(body);
+            if (!welcome) break;
+            EXPECT_TRUE(is_sound(welcome->server_time)) << where;
+            EXPECT_TRUE(check(welcome->description)) << where;
+            ClockEstimate clock;
+            clock.add(at_ns(1), welcome->server_time, at_ns(2));
+            EXPECT_LE(std::chrono::abs(clock.at(at_ns(3)).to_local(Instant{}) - Instant{}),
+                      std::chrono::hours(24 * 366 * 74));
+            break;
+          }
+          case MessageType::kFrame: {
+            const auto head = decode_frame_head(std::span(changed).last<kFrameHeadBytes>(), 196);
+            if (!head) break;
+            EXPECT_TRUE(is_sound(head->sent_at)) << where;
+            for (const std::uint64_t counter :
+                 {head->sequence, head->counters.captured, head->counters.encoder_busy,
+                  head->counters.window_full, head->counters.depth_without_color,
+                  head->counters.color_without_depth, head->counters.damaged, head->counters.dark}) {
+              EXPECT_LT(counter, kNumberBound) << where;
+            }
+            break;
+          }
+          case MessageType::kPing: {
+            const auto ping = decode_ping(body);
+            EXPECT_TRUE(!ping || is_sound(ping->client_time)) << where;
+            break;
+          }
+          case MessageType::kPong: {
+            const auto pong = decode_pong(body);
+            EXPECT_TRUE(!pong || (is_sound(pong->client_time) && is_sound(pong->server_time))) << where;
+            break;
+          }
+          default:
+            static_cast<void>(decoded(type_of(changed), body));
+        }
+      }
+    }
+  }
+}
+
 TEST(MessageCodec, BelievesNoImpossibleStream) {
   const auto error = [](const std::function<void(StreamDescription&)>& change) {
     const auto checked = check(with(change));
@@ -169,6 +240,12 @@ TEST(MessageCodec, BelievesNoImpossibleStream) {
   EXPECT_THAT(error([](auto& s) { s.unit = DepthUnit(10); }), HasSubstr("unit"));
   EXPECT_THAT(error([](auto& s) { s.range = {5, 0.4}; }), HasSubstr("range"));
   EXPECT_THAT(error([&](auto& s) { s.range.near_m = std::nan(""); }), HasSubstr("range"));
+  EXPECT_THAT(error([&](auto& s) { s.range = {1e-9, 1e-8}; }), HasSubstr("range"));
+  EXPECT_THAT(error([&](auto& s) { s.range = {1, 1 + 1e-9}; }), HasSubstr("range"));
+  for (const double focal : {1e-300, 1e-3, 1e9, 1e300}) {
+    EXPECT_THAT(error([focal](auto& s) { s.model.fx = focal; }), HasSubstr("focal length")) << focal;
+  }
+  EXPECT_THAT(error([](auto& s) { s.model.cy = -1e300; }), HasSubstr("principal point"));
   EXPECT_THAT(error([](auto& s) { s.frames_per_second = 1e-300; }), HasSubstr("rate"));
   EXPECT_THAT(error([](auto& s) { s.world_from_camera.rotation *= 2; }), HasSubstr("pose"));
   EXPECT_THAT(error([](auto& s) { s.world_from_camera.translation.x() = 1e9; }), HasSubstr("pose"));

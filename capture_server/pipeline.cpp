@@ -386,7 +386,11 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
     return FrameEncoding::open((*source)->description(), *camera ? &**camera : nullptr, settings);
   }();
   if (!encoding) return give_up(encoding.error());
-  auto server = wire::FrameServer::open(listening, encoding->description());
+  auto server = wire::FrameServer::open(listening, encoding->description(),
+                                        [&settings](const std::string& sentence, bool is_warning) {
+                                          spdlog::log(is_warning ? spdlog::level::warn : spdlog::level::info,
+                                                      "{}: {}", settings.name, sentence);
+                                        });
   if (!server) return give_up(server.error());
   auto recording = [&] {
     const auto activity = heartbeat.doing(fmt::format("creating the recording {}", settings.record),

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/wire/arrival_watch.h"
 #include "common/wire/host_port.h"
 #include "common/wire/message_codec.h"
 #include "common/wire/name_lookup.h"
@@ -22,7 +23,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFirstPings{100}, kPings{1000};
 constexpr int kFirst = 8;  // pings that come quickly, so that the clock is known soon
-constexpr std::chrono::seconds kSilence{5};
 constexpr std::size_t kMaxUnsent = 64 * 1024;
 // Between two frames. A camera that is plugged in and out by hand causes a few.
 constexpr int kMostNotices = 100;
@@ -43,10 +43,11 @@ class FrameClient::Connection {
   }
 
   Result<ReceivedFrame> receive(const std::stop_token& stop, std::optional<Instant> latest) {
-    listening_since_ = Clock::now();
+    watch_.resume(Clock::now());
     if (!reading_ && !failure_) read_message();
     const auto arrived =
         run_until([this] { return arrived_.has_value(); }, stop, latest, " sends no pictures");
+    watch_.pause(Clock::now());
     if (!arrived) return fail(arrived.error());
     return *std::exchange(arrived_, std::nullopt);
   }
@@ -122,10 +123,14 @@ class FrameClient::Connection {
       if (error) return lost(error);
       const auto header = decode_header(header_);
       if (!header) return fail_with(header.error());
-      if (header->type == MessageType::kFrame) return welcomed_ ? read_frame(header->body_bytes) : confused();
+      watch_.bytes_came(reader_.last_arrival());
+      watch_.message_has(kHeaderBytes + header->body_bytes);
+      if (header->type == MessageType::kFrame)
+        return welcomed_ ? read_frame(header->body_bytes) : confused();
       body_.resize(header->body_bytes);
       reader_.read({asio::buffer(body_)}, [this, type = header->type](const asio::error_code& body_error) {
         if (body_error) return lost(body_error);
+        message_is_complete();
         take(type);
       });
     });
@@ -152,12 +157,18 @@ class FrameClient::Connection {
     reader_.read({asio::buffer(frame.frame.depth), asio::buffer(frame.frame.color)},
                  [this](const asio::error_code& error) {
                    if (error) return lost(error);
+                   message_is_complete();
                    incoming_.received_at = reader_.last_arrival();
                    say(encode(FrameAck{incoming_.frame.sequence}));
                    arrived_ = std::exchange(incoming_, {});
                    reading_ = false;  // the next one when it is asked for
                    notices_ = 0;
                  });
+  }
+
+  void message_is_complete() {
+    watch_.message_is_complete();
+    bytes_of_messages_ = reader_.bytes_read();
   }
 
   void take(MessageType type) {
@@ -218,10 +229,17 @@ class FrameClient::Connection {
     timer_.expires_after(pings_ < kFirst ? kFirstPings : kPings);
     timer_.async_wait([this](const asio::error_code& error) {
       if (error) return;
-      // Any byte is a sign of life: on a slow path a frame takes longer than this. What waits in the socket
-      // because receive() was not called is no silence either.
-      if (Clock::now() - std::max(reader_.last_arrival(), listening_since_) > kSilence) {
-        return fail_with(ErrorCode::kTimeout, fmt::format("silent for {} s", kSilence.count()));
+      if (reader_.bytes_read() > bytes_of_messages_) watch_.bytes_came(reader_.last_arrival());
+      switch (watch_.at(Clock::now())) {
+        case ArrivalWatch::Verdict::kSilent:
+          return fail_with(ErrorCode::kTimeout,
+                           fmt::format("silent for {} s", ArrivalWatch::kSilence.count()));
+        case ArrivalWatch::Verdict::kTooSlow:
+          return fail_with(ErrorCode::kTimeout,
+                           fmt::format("the path is too slow: less than {:.0f} kbit/s arrive",
+                                       8e-3 * ArrivalWatch::kSlowestPath));
+        case ArrivalWatch::Verdict::kAlive:
+          break;
       }
       if (!ping_at_) {  // one at a time
         ++pings_;
@@ -277,7 +295,9 @@ class FrameClient::Connection {
   bool welcomed_ = false, same_clock_ = false;
   StreamDescription description_;
   ClockEstimate estimate_;
-  Instant hello_at_{}, listening_since_{};
+  ArrivalWatch watch_;
+  std::uint64_t bytes_of_messages_ = 0;  // that are complete
+  Instant hello_at_{};
   std::optional<Instant> ping_at_;  // of the ping that has no answer yet
   int pings_ = 0, notices_ = 0;
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/wire/clock_offset.h"
+#include "common/wire/encoder_demand.h"
 #include "common/wire/session.h"
 
 namespace copresence::wire {
@@ -20,22 +21,25 @@ namespace {
 using asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kBetweenKeyframes{1};
 constexpr std::chrono::milliseconds kSweep{250};
 constexpr std::chrono::milliseconds kFlush{400};
 constexpr std::chrono::milliseconds kAcceptAgain{100};
-constexpr std::size_t kMaxConnections = 2 * FrameServer::kMaxClients;  // with those that have not said hello
 constexpr std::size_t kMaxDepartures = 8;  // frames that the wire thread has not looked at yet
+
+Duration period_of(const StreamDescription& stream) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / stream.frames_per_second));
+}
 
 }  // namespace
 
 class FrameServer::Loop {
  public:
-  explicit Loop(StreamDescription description) {
+  Loop(StreamDescription description, LogLine log_line)
+      : log_line_(std::move(log_line)), demand_(period_of(description)) {
     stream_.description = std::move(description);
     stream_.clock_id = monotonic_clock_id();
-    stream_.max_clients = kMaxClients;
     stream_.on_change = [this] { publish(); };
+    stream_.admit = [this](Session& session, Stage stage) { return admit(session, stage); };
   }
 
   Result<void> listen(const ListeningSocket& socket) {
@@ -59,10 +63,10 @@ class FrameServer::Loop {
     accept();
     sweep();
     io_.run();
-    for (const auto& session : sessions_) session->close();
-    sessions_.clear();
+    for (const auto& session : sessions_) session->close(Ending::kServerEnds);
     stop_accepting();
     publish();
+    forget_closed();
   }
 
   void send(Departure departure) {
@@ -78,15 +82,12 @@ class FrameServer::Loop {
 
   bool wants_frames() const {
     std::lock_guard lock(mutex_);
-    return room_in_step_ || (room_at_keyframe_ && (keyframe_promised_ || may_request_keyframe()));
+    return demand_.wants_frame(Clock::now());
   }
 
   bool take_keyframe_request() {
     std::lock_guard lock(mutex_);
-    if (!keyframe_wanted_ || !may_request_keyframe()) return false;
-    keyframe_taken_at_ = Clock::now();
-    keyframe_promised_ = true;
-    return true;
+    return demand_.take_keyframe_request(Clock::now());
   }
 
   void tell(std::string notice) {
@@ -114,10 +115,10 @@ class FrameServer::Loop {
         accept_again_.expires_after(kAcceptAgain);
         return accept_again_.async_wait([this](const asio::error_code&) { accept(); });
       }
-      forget_closed();
-      if (sessions_.size() < kMaxConnections) {
-        sessions_.push_back(std::make_shared<Session>(std::move(socket), stream_));
-        sessions_.back()->start();
+      const auto session = std::make_shared<Session>(std::move(socket), stream_);
+      if (admit(*session, Stage::kStranger)) {
+        sessions_.push_back(session);
+        session->start();
       }
       accept();
     });
@@ -128,10 +129,47 @@ class FrameServer::Loop {
     acceptor_.close(ignored);
   }
 
+  /// Whether there is room for `session` in `stage`; makes room where admit() says so.
+  bool admit(Session& session, Stage stage) {
+    forget_closed();
+    std::vector<Standing> others;
+    std::vector<Session*> sessions;
+    for (const auto& other : sessions_) {
+      if (other.get() == &session) continue;
+      others.push_back(other->standing());
+      sessions.push_back(other.get());
+    }
+    const Instant now = Clock::now();
+    // Without a place to come to, there is no use in watching as a newcomer.
+    if (stage == Stage::kNewcomer && !wire::admit(Stage::kClient, session.network(), others, now).admitted)
+      return false;
+    const Decision decision = wire::admit(stage, session.network(), others, now);
+    if (decision.in_exchange_for) sessions[*decision.in_exchange_for]->close(Ending::kMadeRoom);
+    if (decision.admitted && stage == Stage::kClient) {
+      log_.came(session.address(), 1 + count_clients(&session), now);
+      say_log(now);
+    }
+    return decision.admitted;
+  }
+
+  std::size_t count_clients(const Session* except = nullptr) const {
+    return static_cast<std::size_t>(
+        std::count_if(sessions_.begin(), sessions_.end(), [except](const auto& session) {
+          return session.get() != except && session->stage() == Stage::kClient && !session->is_closed();
+        }));
+  }
+
+  void say_log(Instant now) {
+    for (const ConnectionLog::Line& line : log_.take(now)) {
+      if (log_line_) log_line_(line.text, line.is_warning);
+    }
+  }
+
   void sweep() {
     if (alive_) alive_();
-    for (const auto& session : sessions_) session->close_if_overdue(Clock::now());
+    for (const auto& session : sessions_) session->sweep(Clock::now());
     forget_closed();
+    say_log(Clock::now());
     publish();  // bytes_sent
     sweeper_.expires_after(kSweep);
     sweeper_.async_wait([this](const asio::error_code& error) {
@@ -140,7 +178,18 @@ class FrameServer::Loop {
   }
 
   void forget_closed() {
-    std::erase_if(sessions_, [](const auto& session) { return session->is_closed(); });
+    const Instant now = Clock::now();
+    const auto closed = std::stable_partition(sessions_.begin(), sessions_.end(),
+                                              [](const auto& session) { return !session->is_closed(); });
+    for (auto session = closed; session != sessions_.end(); ++session) {
+      if ((*session)->stage() == Stage::kClient) {
+        log_.left((*session)->address(), (*session)->ending(), now - (*session)->began_at(), count_clients(),
+                  now);
+      } else {
+        log_.ended_early((*session)->network(), (*session)->ending(), now);
+      }
+    }
+    sessions_.erase(closed, sessions_.end());
   }
 
   void distribute() {
@@ -156,30 +205,31 @@ class FrameServer::Loop {
       for (const auto& session : sessions_) session->skip(overrun);
     }
     for (const Departure& departure : departures) {
+      const EncodedFrame& frame = *departure.frame;
       for (const auto& session : sessions_) session->offer(departure);
-      if (departure.frame->keyframe) stream_.keyframe_requested = false;
+      if (frame.keyframe) stream_.keyframe_requested = false;
+      std::lock_guard lock(mutex_);
+      demand_.sent(frame.keyframe, frame.depth.size() + frame.color.size(), Clock::now());
     }
-    const bool keyframe = std::any_of(departures.begin(), departures.end(),
-                                      [](const Departure& departure) { return departure.frame->keyframe; });
-    publish(keyframe);
+    publish();
   }
 
   /// Brings what other threads may ask for up to date.
-  void publish(bool keyframe_sent = false) {
-    bool in_step = false, at_keyframe = false;
+  void publish() {
+    EncoderDemand::Clients clients;
+    std::size_t streaming = 0;
     bool open = false;
     for (const auto& session : sessions_) {
       open |= !session->is_closed();
-      if (!session->is_streaming() || !session->window().has_room()) continue;
-      (session->window().in_step() ? in_step : at_keyframe) = true;
+      if (!session->is_streaming()) continue;
+      ++streaming;
+      clients.add(session->window());
     }
     if (ending_ && !open) io_.stop();
     std::lock_guard lock(mutex_);
-    room_in_step_ = in_step;
-    room_at_keyframe_ = at_keyframe;
-    keyframe_wanted_ = at_keyframe || stream_.keyframe_requested;
-    if (keyframe_sent) keyframe_promised_ = false;
-    clients_ = stream_.clients;
+    demand_.update(clients);
+    if (stream_.keyframe_requested) demand_.request_keyframe();
+    clients_ = streaming;
     bytes_sent_ = stream_.bytes_sent;
   }
 
@@ -188,16 +238,12 @@ class FrameServer::Loop {
     stop_accepting();
     const Bytes last = encode(EndOfStream{reason});
     for (const auto& session : sessions_) {
-      session->is_streaming() ? session->say_goodbye(last) : session->close();
+      session->is_streaming() ? session->say_goodbye(last, Ending::kServerEnds)
+                              : session->close(Ending::kServerEnds);
     }
     publish();
     flush_.expires_after(kFlush);
     flush_.async_wait([this](const asio::error_code&) { io_.stop(); });
-  }
-
-  /// Call with mutex_ held.
-  bool may_request_keyframe() const {
-    return !keyframe_taken_at_ || Clock::now() - *keyframe_taken_at_ >= kBetweenKeyframes;
   }
 
   // The wire thread's.
@@ -206,6 +252,8 @@ class FrameServer::Loop {
   asio::steady_timer sweeper_{io_}, accept_again_{io_}, flush_{io_};
   Session::Stream stream_;
   std::vector<std::shared_ptr<Session>> sessions_;
+  ConnectionLog log_;
+  LogLine log_line_;
   std::function<void()> alive_;
   bool ending_ = false;
 
@@ -215,16 +263,13 @@ class FrameServer::Loop {
   bool distributing_ = false;  // the wire thread has been told of them
   std::uint64_t overrun_ = 0, frames_offered_ = 0, bytes_sent_ = 0;
   std::size_t clients_ = 0;
-  bool room_in_step_ = false;      // a client could have the next frame, whatever it is
-  bool room_at_keyframe_ = false;  // a client could have it if it is a keyframe
-  bool keyframe_wanted_ = false, keyframe_promised_ = false;
-  std::optional<Instant> keyframe_taken_at_;
+  EncoderDemand demand_;
 };
 
 Result<std::unique_ptr<FrameServer>> FrameServer::open(const ListeningSocket& socket,
-                                                       StreamDescription description) {
+                                                       StreamDescription description, LogLine log_line) {
   if (const auto good = check(description); !good) return fail(good.error());
-  auto loop = std::make_unique<Loop>(std::move(description));
+  auto loop = std::make_unique<Loop>(std::move(description), std::move(log_line));
   if (const auto listening = loop->listen(socket); !listening) return fail(listening.error());
   return std::unique_ptr<FrameServer>(new FrameServer(std::move(loop)));
 }

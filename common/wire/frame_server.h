@@ -1,9 +1,9 @@
 #pragma once
 
-// Sends one stream's frames to every client that has room for them. An encoded frame is neither copied nor
-// written down per client: all share it, and each gets its own 96 bytes in front. A slow client delays nobody
-// and holds at most its window (client_window.h) of frames; a silent, babbling or dead one loses its
-// connection and nothing else.
+// Sends one stream's frames to every client that has room for them. An encoded frame is not copied: all
+// clients share it, and each gets its own 96 bytes in front. A slow client delays nobody and holds at most
+// its window (client_window.h) of frames. A silent or dead client, or one that breaks the protocol, loses its
+// connection and nothing else. Whom the server takes when many connect is decided by admission.h.
 //
 // Thread: run() on the wire thread; everything else on any thread at any time.
 
@@ -30,13 +30,15 @@ struct ServerCounters {
 
 class FrameServer {
  public:
-  static constexpr std::size_t kMaxClients = 32;
+  /// A sentence for the server's log: who came and left, and what kept others from it. At most about two a
+  /// second, whatever happens. Called on the wire thread.
+  using LogLine = std::function<void(const std::string& sentence, bool is_warning)>;
 
   /// Serves the port with a descriptor of its own: the caller may keep the socket, or close it.
   /// Fails with kInvalid for a description that does not pass wire::check(), kUnavailable without file
   /// descriptors.
   static Result<std::unique_ptr<FrameServer>> open(const ListeningSocket& socket,
-                                                   StreamDescription description);
+                                                   StreamDescription description, LogLine log_line = {});
   ~FrameServer();
 
   /// Accepts, sends and receives until asked to stop, or until end() is done. Calls `alive` four times a

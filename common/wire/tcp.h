@@ -1,8 +1,10 @@
 #pragma once
 
-// What both ends want of a TCP socket. Not for other rooms: it shows Asio.
+// Options and state of TCP sockets that both ends use. Not for other modules: it shows Asio.
 
+#include <linux/sockios.h>
 #include <netinet/tcp.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <asio.hpp>
@@ -26,6 +28,12 @@ inline void tune(asio::ip::tcp::socket& socket) {
   set(IPPROTO_TCP, TCP_KEEPINTVL, 2);
   set(IPPROTO_TCP, TCP_KEEPCNT, 3);
   set(IPPROTO_TCP, TCP_USER_TIMEOUT, 10000);
+}
+
+/// Bytes that were written to the socket and that the other end's kernel has not acknowledged.
+inline int unacknowledged_bytes(asio::ip::tcp::socket& socket) {
+  int bytes = 0;
+  return ::ioctl(socket.native_handle(), SIOCOUTQ, &bytes) == 0 ? bytes : 0;
 }
 
 }  // namespace copresence::wire

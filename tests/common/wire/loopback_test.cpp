@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/wire/client_window.h"
+#include "common/wire/admission.h"
 #include "tests/common/wire/raw_peer.h"
 #include "tests/common/wire/served.h"
 
@@ -119,16 +119,16 @@ TEST(Loopback, StopsWaitingWhenAskedAndGoesOnAfterwards) {
   EXPECT_TRUE(client->receive({}));
 }
 
-TEST(Loopback, PausesTheEncoderOnlyWhenEveryWindowIsFull) {
+TEST(Loopback, PausesTheEncoderOnlyWhenNobodyWantsAFrame) {
   Served served;
   auto client = served.client();
   ASSERT_TRUE(client);
-  for (std::size_t i = 0; i < ClientWindow::kFrames; ++i) ASSERT_NE(served.capture_when_wanted(), 0u);
+  for (int i = 0; i < 2; ++i) ASSERT_NE(served.capture_when_wanted(), 0u);
   EXPECT_TRUE(eventually([&] { return !served.server().wants_frames(); }));
   for (int i = 0; i < 5; ++i) EXPECT_EQ(served.capture(), 0u);
-  for (std::size_t i = 0; i < ClientWindow::kFrames; ++i) ASSERT_TRUE(client->receive({}));
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(client->receive({}));
   const std::uint64_t next = served.capture_when_wanted();
-  EXPECT_EQ(next, ClientWindow::kFrames + 6);
+  EXPECT_EQ(next, 2u + 6u);
   const auto received = client->receive({});
   ASSERT_TRUE(received);
   EXPECT_FALSE(received->frame.keyframe) << "nothing was encoded that it does not have";
@@ -193,11 +193,19 @@ TEST(Loopback, RefusesAnotherVersionAndSaysWhatToDo) {
 TEST(Loopback, RefusesOneClientTooMany) {
   Served served;
   std::vector<FrameClient> clients;
-  for (std::size_t i = 0; i < FrameServer::kMaxClients; ++i) {
+  for (std::size_t i = 0; i < room_for(Stage::kClient); ++i) {
     auto client = served.client();
     ASSERT_TRUE(client) << client.error().what;
     clients.push_back(std::move(*client));
   }
+  const auto keyframe = std::make_shared<EncodedFrame>();
+  keyframe->keyframe = true;
+  keyframe->sequence = 1;
+  keyframe->depth = {1};
+  ASSERT_TRUE(eventually([&] { return served.server().counters().clients == clients.size(); }));
+  served.server().send(keyframe, {1, 0, 0});
+  for (FrameClient& client : clients) ASSERT_TRUE(client.receive({}));
+  ASSERT_TRUE(eventually([&] { return !served.client(); })) << "all acknowledgements have arrived";
   const auto one_more = served.client();
   ASSERT_FALSE(one_more);
   EXPECT_EQ(one_more.error().code, ErrorCode::kUnavailable) << "one may leave: not final";

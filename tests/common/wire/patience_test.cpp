@@ -70,7 +70,7 @@ TEST(Patience, LetsAFastClientHaveEveryFrameWhateverASlowOneDoes) {
     EXPECT_EQ(received->frame.sequence, sequence);
     EXPECT_EQ(received->counters.window_full, 0u);
   }
-  EXPECT_LE(served.frames_held(), static_cast<long>(ClientWindow::kFrames) + 1);
+  EXPECT_LE(served.frames_held(), static_cast<long>(ClientWindow::kFramesOnUnknownPath) + 1);
 
   // The slow one wakes up: what was on its way, then nothing until a keyframe; and it can say what it missed.
   std::uint64_t last = 0;
@@ -82,7 +82,7 @@ TEST(Patience, LetsAFastClientHaveEveryFrameWhateverASlowOneDoes) {
       break;
     }
     EXPECT_EQ(received->frame.sequence, ++last);
-    if (last < ClientWindow::kFrames) continue;
+    if (last < ClientWindow::kFramesOnUnknownPath) continue;
     ASSERT_TRUE(eventually([&] { return served.server().take_keyframe_request(); }));
     auto keyframe = std::make_shared<EncodedFrame>();
     keyframe->keyframe = true;
@@ -90,7 +90,7 @@ TEST(Patience, LetsAFastClientHaveEveryFrameWhateverASlowOneDoes) {
     keyframe->depth = {1};
     served.server().send(keyframe, {201, 0, 0});
   }
-  EXPECT_EQ(last, ClientWindow::kFrames);
+  EXPECT_EQ(last, ClientWindow::kFramesOnUnknownPath);
 }
 
 TEST(Patience, HoldsNothingBackOverThousandsOfFrames) {

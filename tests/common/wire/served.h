@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -29,7 +30,11 @@ class Served {
  public:
   Served() : Served(*listen("127.0.0.1:0", false)) {}
   explicit Served(const ListeningSocket& socket)
-      : address_(socket.address()), server_(*FrameServer::open(socket, sample_description())) {
+      : address_(socket.address()),
+        server_(*FrameServer::open(socket, sample_description(), [this](const std::string& line, bool) {
+          const std::lock_guard lock(log_mutex_);
+          log_.push_back(line);
+        })) {
     wire_ = std::jthread([this](std::stop_token stop) {
       server_->run(stop);
       done_ = true;
@@ -64,12 +69,20 @@ class Served {
     return eventually([this] { return server_->wants_frames(); }) ? capture(depth_bytes) : 0;
   }
 
+  /// What the server said in its log.
+  std::vector<std::string> log() const {
+    const std::lock_guard lock(log_mutex_);
+    return log_;
+  }
+
   /// Encoded frames that the server still holds.
   long frames_held() const {
     return std::count_if(sent_.begin(), sent_.end(), [](const auto& frame) { return !frame.expired(); });
   }
 
  private:
+  mutable std::mutex log_mutex_;
+  std::vector<std::string> log_;
   std::string address_;
   std::unique_ptr<FrameServer> server_;
   FrameCounters counters_;

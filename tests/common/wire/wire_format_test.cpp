@@ -16,7 +16,7 @@ namespace {
 static_assert(kProtocolVersion == 5);
 static_assert(kMaxMessageBytes == 8 << 20 && kMaxTextBytes == 512 && kMaxNameBytes == 64 &&
               kMaxParameters == 64);
-static_assert(ClientWindow::kFrames == 8 && ClientWindow::kBytes == 1 << 20);
+static_assert(ClientWindow::kBytes == 1 << 20);
 
 /// Bytes as the page writes them: "offset  byte byte ...  what it is".
 struct Drawing {

@@ -1,0 +1,110 @@
+#include "common/wire/connection_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace copresence::wire {
+namespace {
+
+constexpr std::size_t kNetworks = 1000;  // remembered in one period
+
+const char* in_words(Ending why) {
+  switch (why) {
+    case Ending::kHungUp:
+      return "hung up";
+    case Ending::kNoHello:
+      return "said no hello";
+    case Ending::kNonsense:
+      return "sent what no render_client sends";
+    case Ending::kSilent:
+      return "fell silent";
+    case Ending::kNoProgress:
+      return "acknowledged no frame";
+    case Ending::kMadeRoom:
+      return "had to make room for others";
+    case Ending::kNoPlace:
+      return "found all places taken";
+    case Ending::kOtherVersion:
+      return "were of another release";
+    case Ending::kServerEnds:
+      return "were there at the end";
+  }
+  return "";
+}
+
+std::string counted(std::uint64_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+void ConnectionLog::begin_period(Instant now) {
+  if (std::exchange(in_period_, true)) return;
+  period_ends_ = now + kPeriod;
+  said_ = 0;
+}
+
+bool ConnectionLog::may_say(Instant now) {
+  begin_period(now);
+  return said_ < kLines && ++said_;
+}
+
+void ConnectionLog::came(const std::string& address, std::size_t clients, Instant now) {
+  if (!may_say(now)) {
+    ++came_unsaid_;
+    return;
+  }
+  due_.push_back({false, fmt::format("viewer {} connected ({} now)", address, clients)});
+}
+
+void ConnectionLog::left(const std::string& address, Ending why, Duration after, std::size_t clients,
+                         Instant now) {
+  if (!may_say(now)) {
+    ++left_unsaid_;
+    return;
+  }
+  const bool by_itself = why == Ending::kHungUp || why == Ending::kServerEnds;
+  due_.push_back({!by_itself, fmt::format("viewer {} left after {:.0f} s{} ({} now)", address,
+                                          std::chrono::duration<double>(after).count(),
+                                          by_itself ? "" : fmt::format(": it {}", in_words(why)), clients)});
+}
+
+void ConnectionLog::ended_early(const std::string& network, Ending why, Instant now) {
+  begin_period(now);
+  ++early_[why];
+  ++early_total_;
+  if (early_by_network_.size() < kNetworks || early_by_network_.contains(network))
+    ++early_by_network_[network];
+}
+
+std::vector<ConnectionLog::Line> ConnectionLog::take(Instant now) {
+  std::vector<Line> lines = std::exchange(due_, {});
+  if (!in_period_ || now < period_ends_) return lines;
+  in_period_ = false;
+  if (came_unsaid_ + left_unsaid_ > 0) {
+    lines.push_back(
+        {false, fmt::format("{} connected and {} left in the last {} s", counted(came_unsaid_, "more viewer"),
+                            left_unsaid_, kPeriod.count())});
+  }
+  if (early_total_ > 0) {
+    std::string reasons;
+    for (const auto& [why, count] : early_) {
+      reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, in_words(why));
+    }
+    const auto most = std::max_element(early_by_network_.begin(), early_by_network_.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    lines.push_back(
+        {true,
+         fmt::format("{} in the last {} s ended before the first frame was acknowledged: {}; {} came from {}",
+                     counted(early_total_, "connection"), kPeriod.count(), reasons, most->second,
+                     most->first)});
+  }
+  came_unsaid_ = left_unsaid_ = early_total_ = 0;
+  early_.clear();
+  early_by_network_.clear();
+  return lines;
+}
+
+}  // namespace copresence::wire

@@ -1,7 +1,7 @@
 #pragma once
 
 // Pixels in memory: width x height, row by row from the top, no padding between rows.
-// Thread: a value; distinct images are independent.
+// Thread: a value; distinct images are independent. A moved-from image is empty, 0 x 0.
 
 #include <algorithm>
 #include <cassert>
@@ -39,8 +39,17 @@ class Image {
  public:
   Image() = default;
   Image(const Image& other) { *this = other; }
-  Image(Image&&) noexcept = default;
-  Image& operator=(Image&&) noexcept = default;
+  Image(Image&& other) noexcept
+      : width_(std::exchange(other.width_, 0)),
+        height_(std::exchange(other.height_, 0)),
+        pixels_(std::move(other.pixels_)) {}
+  Image& operator=(Image&& other) noexcept {
+    Image taken(std::move(other));
+    std::swap(width_, taken.width_);
+    std::swap(height_, taken.height_);
+    pixels_.swap(taken.pixels_);
+    return *this;
+  }
   ~Image() = default;
 
   // As one block: a vector would construct pixel by pixel, which takes five times as long for Rgb8.

@@ -2,7 +2,7 @@
 
 // What a video codec takes and gives: planes of 8-bit or 10-bit samples, full range, no padding.
 //
-// Thread: a value. A lent picture's owner must allow to be let go on any thread.
+// Thread: a value. The deleter of a lent picture's owner may run on any thread. A moved-from picture is empty.
 
 #include <array>
 #include <cassert>
@@ -11,6 +11,7 @@
 #include <new>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace copresence {
@@ -27,6 +28,16 @@ std::string_view name(PixelFormat format);  ///< gray8, gray10, yuv420, yuv444
 class Picture {
  public:
   Picture() = default;
+  Picture(const Picture&) = default;
+  Picture& operator=(const Picture&) = default;
+  Picture(Picture&& other) noexcept { swap(other); }
+  Picture& operator=(Picture&& other) noexcept {
+    Picture taken(std::move(other));
+    swap(taken);
+    return *this;
+  }
+  ~Picture() = default;
+
   /// Samples are 0. Requires even sizes.
   Picture(PixelFormat format, int width, int height);
   /// The same with samples of any value, for who writes them all: zeros for a megabyte are time, too.
@@ -75,6 +86,14 @@ class Picture {
   }
   std::size_t plane_offset(int plane) const;
   void own();
+  void swap(Picture& other) noexcept {
+    std::swap(format_, other.format_);
+    std::swap(width_, other.width_);
+    std::swap(height_, other.height_);
+    samples_.swap(other.samples_);
+    std::swap(lent_, other.lent_);
+    owner_.swap(other.owner_);
+  }
 
   PixelFormat format_ = PixelFormat::kGray8;
   int width_ = 0;

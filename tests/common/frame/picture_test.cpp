@@ -26,6 +26,18 @@ TEST(Picture, HasThePlanesOfItsFormat) {
   EXPECT_EQ(full.plane8(2).size(), 32u);
 }
 
+TEST(Picture, IsEmptyOnceItsSamplesHaveMovedAway) {
+  Picture from(PixelFormat::kYuv420, 8, 4);
+  Picture to = std::move(from);
+  EXPECT_TRUE(from.empty());
+  EXPECT_TRUE(from.plane8(0).empty());
+  EXPECT_EQ(to.plane8(0).size(), 32u);
+  from = std::move(to);
+  EXPECT_TRUE(to.empty());
+  EXPECT_EQ(to.height(), 0);
+  EXPECT_EQ(from.plane8(1).size(), 8u);
+}
+
 TEST(Picture, KeepsPlanesApart) {
   Picture picture(PixelFormat::kYuv420, 4, 4);
   for (int i = 0; i < 3; ++i) {

@@ -173,6 +173,21 @@ bool say_the_same(const Scene& a, const Scene& b, const fs::path& folder) {
   });
 }
 
+// A file that could never be read again must not replace one that can.
+Result<void> check_readable(const std::string& text, const Scene& scene, const fs::path& path) {
+  const auto again = parse(text, path);
+  if (!again) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: is not written, since it could not be read again: {}", path.string(),
+                            again.error().what));
+  }
+  const bool has_all = std::all_of(scene.cameras.begin(), scene.cameras.end(),
+                                   [&](const Camera& camera) { return again->find(camera.name); });
+  if (has_all && again->cameras.size() == scene.cameras.size()) return {};
+  return fail(ErrorCode::kInvalid,
+              fmt::format("{}: is not written, since its cameras' names would change", path.string()));
+}
+
 }  // namespace
 
 std::string to_toml(const Scene& scene, const fs::path& path) {
@@ -222,6 +237,7 @@ Result<void> save(const Scene& scene, const fs::path& path, const fs::path& layo
   } else {
     text = to_toml(scene, path);
   }
+  if (auto readable = check_readable(text, scene, path); !readable) return readable;
   // Where the name is a link, what it leads to is replaced, and stays readable for whom it was.
   std::error_code ignored, problem;
   const fs::path target = fs::exists(path, ignored) ? fs::canonical(path, ignored) : path;

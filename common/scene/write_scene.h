@@ -28,7 +28,8 @@ Result<std::string> rewrite(std::string_view text, const Scene& scene, const std
 
 /// Writes the scene to `path`: as rewrite() of the file at `layout` where there is one, else anew. The file is
 /// replaced whole or not at all.
-/// Fails   kInvalid where `layout` is there but no scene file, kUnavailable where `path` cannot be written.
+/// Fails   kInvalid where `layout` is there but no scene file, or where what would be written could not be read again (a
+///         name that is not UTF-8, say): the old file stays. kUnavailable where `path` cannot be written.
 Result<void> save(const Scene& scene, const std::filesystem::path& path, const std::filesystem::path& layout);
 
 }  // namespace copresence::scene

@@ -266,6 +266,22 @@ TEST_F(SaveScene, FollowsALinkAndKeepsWhoMayRead) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
 }
 
+TEST_F(SaveScene, KeepsTheOldFileWhereTheNewOneCouldNotBeReadAgain) {
+  const fs::path file = folder_ / "scene.toml";
+  std::ofstream(file) << kLab;
+  for (const std::string name : {"k\xfc\x63he", "", "\xc3"}) {  // Latin-1, empty, half a character
+    Scene scene = lab();
+    scene.cameras[0].name = name;
+    const auto saved = save(scene, file, file);
+    ASSERT_FALSE(saved) << name;
+    EXPECT_EQ(saved.error().code, ErrorCode::kInvalid);
+    EXPECT_THAT(saved.error().what, HasSubstr("scene.toml: is not written"));
+    EXPECT_EQ(text_of(file), kLab);
+    EXPECT_FALSE(save(scene, folder_ / "new.toml", ""));
+    EXPECT_FALSE(fs::exists(folder_ / "new.toml"));
+  }
+}
+
 TEST_F(SaveScene, WritesANewFileAndSaysWhereItCannot) {
   ASSERT_TRUE(save(lab(), folder_ / "new.toml", folder_ / "nothing.toml"));
   EXPECT_TRUE(load(folder_ / "new.toml"));

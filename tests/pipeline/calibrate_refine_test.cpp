@@ -65,7 +65,7 @@ class Refine : public ::testing::Test {
   }
 
   Rigid3 refined(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"--out", folder_ / "out.toml", "--json", folder_ / "out.json"};
+    std::vector<std::string> arguments{"--out", folder_ / "out.toml", "--json", folder_ / "out.json", "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Ended ended = run("refine", arguments);
     EXPECT_EQ(ended.code, 0) << ended.words;
@@ -141,7 +141,10 @@ TEST_F(Refine, ChecksSayWhichPoseIsGood) {
   EXPECT_EQ(good.code, 0) << good.words;
   EXPECT_TRUE(read_json(folder_ / "check.json")["good"]);
   disturb(*scene_.cameras[1].world_from_camera, 1);
-  const Ended bad = run("check", {"--json", folder_ / "check.json"});
+  const Ended kept = run("check", {"--json", folder_ / "check.json"});
+  EXPECT_EQ(kept.code, 1);
+  EXPECT_THAT(kept.words, HasSubstr("check.json: exists already and is kept"));
+  const Ended bad = run("check", {"--json", folder_ / "check.json", "--overwrite"});
   EXPECT_EQ(bad.code, 1) << bad.words;
   EXPECT_FALSE(read_json(folder_ / "check.json")["good"]);
 }

@@ -32,6 +32,7 @@ void BoardPictures::add(const BoardView& view, const ColorImage& picture) {
 
 Result<void> BoardPictures::write(const LensFit& fit, const std::filesystem::path& file) const {
   std::vector<ViewFit> views = fit.views;
+  std::erase_if(views, [&](const ViewFit& view) { return !pictures_.contains(view.picture); });
   std::stable_sort(views.begin(), views.end(),
                    [](const ViewFit& a, const ViewFit& b) { return a.rms_px > b.rms_px; });
   views.resize(std::min(views.size(), kMost - 1));

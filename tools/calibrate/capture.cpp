@@ -111,9 +111,18 @@ Result<void> try_all(std::span<const NamedSource> sources, const scene::Scene* s
   return {};
 }
 
+std::size_t frames_to_look_at(const Capture& capture, std::size_t most) {
+  const std::uint64_t all = capture.frames().value_or(most);
+  return std::clamp<std::uint64_t>(most, 1, std::max<std::uint64_t>(all, 1));
+}
+
+bool is_among(std::size_t wanted, std::size_t number, std::size_t all) {
+  return number == 0 || wanted >= all || number * wanted / all != (number - 1) * wanted / all;
+}
+
 Result<std::size_t> look_at_frames(Capture& capture, std::size_t most, Duration pause, const Look& look) {
   const std::uint64_t all = capture.frames().value_or(most);
-  const std::uint64_t wanted = std::clamp<std::uint64_t>(most, 1, std::max<std::uint64_t>(all, 1));
+  const std::uint64_t wanted = frames_to_look_at(capture, most);
   std::size_t looked_at = 0;
   Instant last{};
   for (std::uint64_t number = 0; looked_at < wanted; ++number) {
@@ -126,25 +135,14 @@ Result<std::size_t> look_at_frames(Capture& capture, std::size_t most, Duration 
     last = frame->stamp.captured_at;
     ++looked_at;
     const std::string said = look(std::move(*frame));
-    if (capture.is_stream() && pause > Duration::zero()) {
-      fmt::print(stderr, "{}: picture {} of {}{}{}\n", capture.name(), looked_at, wanted,
-                 said.empty() ? "" : ": ", said);
+    if (!said.empty()) {
+      fmt::print(stderr, "{}: picture {} of {}: {}\n", capture.name(), looked_at, wanted, said);
     }
   }
   if (looked_at == 0) {
     return fail(ErrorCode::kCorrupt, fmt::format("camera \"{}\" has no frame", capture.name()));
   }
   return looked_at;
-}
-
-Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most) {
-  std::vector<RgbdFrame> kept;
-  const auto looked = look_at_frames(capture, most, {}, [&](RgbdFrame frame) {
-    kept.push_back(std::move(frame));
-    return std::string();
-  });
-  if (!looked) return fail(looked.error());
-  return kept;
 }
 
 }  // namespace copresence::calibrate

@@ -76,14 +76,18 @@ class Capture {
 /// Fails  as Capture::open().
 Result<void> try_all(std::span<const NamedSource> sources, const scene::Scene* scene);
 
-/// Looks at frames one by one, as frames_of() chooses them, and keeps none. Of a stream with a pause what `look` returns is
-/// printed behind the picture's number, for whoever moves things before the camera meanwhile. Returns how many were looked at.
-/// Fails  as frames_of(), after `look` was called for those that came before.
+/// How many frames look_at_frames() will look at, if the source does not end before: `most`, or all of a shorter recording.
+std::size_t frames_to_look_at(const Capture& capture, std::size_t most);
+
+/// True for about `wanted` of the numbers 0 to `all` - 1, evenly spread; always for 0.
+bool is_among(std::size_t wanted, std::size_t number, std::size_t all);
+
+/// Calls `look` with at most `most` frames, spread evenly over a recording, or `pause` apart in a stream; keeps none. What
+/// `look` returns is printed to standard error behind the picture's number, unless it is empty. Returns how many frames
+/// there were.
+/// Fails  as Capture::next(), but not at the recording's end; kCorrupt where there is no frame at all. `look` has been called
+///        for the frames before.
 using Look = std::function<std::string(RgbdFrame)>;
 Result<std::size_t> look_at_frames(Capture& capture, std::size_t most, Duration pause, const Look& look);
-
-/// At most `most` frames, spread evenly over a recording; of a stream, whatever it sends in this moment.
-/// Fails  as Capture::next(), but not at the recording's end; kCorrupt where there is no frame at all.
-Result<std::vector<RgbdFrame>> frames_of(Capture& capture, std::size_t most);
 
 }  // namespace copresence::calibrate

@@ -9,6 +9,7 @@
 #include "tools/calibrate/command.h"
 #include "tools/calibrate/picture_file.h"
 #include "tools/calibrate/report.h"
+#include "tools/calibrate/shared_options.h"
 #include "tools/calibrate/still_view.h"
 
 namespace copresence::calibrate {
@@ -18,9 +19,11 @@ struct Options {
   std::string scene, json, picture;
   std::vector<NamedSource> sources;
   Limits limits;
+  bool overwrite = false;
 };
 
 Result<void> run(const Options& options) {
+  if (auto kept = keep_existing({options.json, options.picture}, options.overwrite); !kept) return kept;
   const auto scene = scene::load(options.scene);
   if (!scene) return fail(scene.error());
   const auto views = still_views(options.sources, *scene, options.scene);
@@ -111,6 +114,7 @@ Command check_command(CLI::App& program) {
                    "largest good share of points of one camera where another sees through, percent")
       ->capture_default_str()
       ->check(command_line::number(0, 100));
+  add_overwrite(*parser, options->overwrite);
   return {parser, [options] { return run(*options); }};
 }
 

@@ -21,5 +21,6 @@ Command intrinsics_command(CLI::App& program);
 Command markers_command(CLI::App& program);
 Command refine_command(CLI::App& program);
 Command check_command(CLI::App& program);
+Command print_command(CLI::App& program);
 
 }  // namespace copresence::calibrate

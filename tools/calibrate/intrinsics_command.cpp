@@ -8,6 +8,7 @@
 
 #include "common/command_line/values.h"
 #include "common/scene/write_scene.h"
+#include "common/wire/printable.h"
 #include "tools/calibrate/board_picture.h"
 #include "tools/calibrate/capture.h"
 #include "tools/calibrate/command.h"
@@ -15,9 +16,9 @@
 #include "tools/calibrate/lens/lens_fit.h"
 #include "tools/calibrate/lens/picture_folder.h"
 #include "tools/calibrate/markers/depth_to_color.h"
-#include "tools/calibrate/markers/dictionary.h"
 #include "tools/calibrate/picture_file.h"
 #include "tools/calibrate/report.h"
+#include "tools/calibrate/shared_options.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -31,6 +32,7 @@ struct LensSettings {
   std::size_t frames = 90;
   double pause_s = 0.5;
   bool depth_to_color = false;
+  bool overwrite = false;
   bool of_color_camera = false;  ///< of a sensor that does not register: what a camera_info file is of
 };
 
@@ -40,9 +42,15 @@ struct Pictures {
   int width = 0, height = 0;
   std::vector<BoardView> views;
   BoardPictures shown;
+  bool keeps_shown = false;  ///< they are asked for
   std::size_t looked_at = 0, different = 0;
   bool is_depths_own = true;  ///< the lens is depth's too, which a registered sensor's colour has
+  std::string seen_instead;   ///< of the first pictures without the board; empty where they show no other
+  int asked_what_instead = 0;
 };
+
+constexpr std::size_t kMostPictures = 20;  // of foil markers; a still scene looks alike in the others
+constexpr int kAskedWhatInstead = 3;       // pictures; asking takes a second for a large one
 
 Result<std::optional<scene::Scene>> scene_of(const LensSettings& settings) {
   if (settings.scene.empty()) return std::optional<scene::Scene>();
@@ -51,17 +59,24 @@ Result<std::optional<scene::Scene>> scene_of(const LensSettings& settings) {
   return std::optional(std::move(*scene));
 }
 
-// Says what became of it.
+// Looks for the board in one picture. Returns what was found, for people.
 std::string look_at(const Board& board, const ColorImage& picture, const std::string& name, Pictures& out) {
   out.width = picture.width();
   out.height = picture.height();
   ++out.looked_at;
   auto view = find_board(board, picture, name);
-  if (!view) return "no board";
+  if (!view) {
+    if (out.views.empty() && out.seen_instead.empty() && out.asked_what_instead < kAskedWhatInstead) {
+      ++out.asked_what_instead;
+      const std::string instead = board_seen_instead(board, picture);
+      if (!instead.empty()) out.seen_instead = fmt::format("{}: {}", name, instead);
+    }
+    return "no board";
+  }
   const BoardView* same = same_view(*view, out.views, out.width);
   const std::string as = same ? same->picture : "";
   out.different += same == nullptr ? 1 : 0;
-  out.shown.add(*view, picture);
+  if (out.keeps_shown && same == nullptr) out.shown.add(*view, picture);
   out.views.push_back(std::move(*view));
   return same ? fmt::format("the same view as {}: move the board", as)
               : fmt::format("board found, view {}", out.different);
@@ -74,6 +89,7 @@ Result<Pictures> pictures_of_source(const LensSettings& settings, const scene::S
   if (!capture) return fail(capture.error());
   const std::chrono::milliseconds pause(static_cast<int>(1000 * settings.pause_s));
   Pictures out;
+  out.keeps_shown = !settings.picture.empty();
   out.camera = source.name;
   out.is_depths_own = capture->sensor().registered;
   const auto looked = look_at_frames(*capture, settings.frames, pause, [&](const RgbdFrame& frame) {
@@ -96,19 +112,18 @@ Result<Pictures> pictures_of_source(const LensSettings& settings, const scene::S
 }
 
 Result<Pictures> pictures_of_folder(const LensSettings& settings) {
-  const auto files = picture_files(settings.images);
-  if (!files) return fail(files.error());
+  const auto folder = open_picture_folder(settings.images);
+  if (!folder) return fail(folder.error());
+  if (!folder->remark.empty()) fmt::print(stderr, "{}\n", folder->remark);
   Pictures out;
+  out.keeps_shown = !settings.picture.empty();
   out.camera = settings.name.empty() ? "camera" : settings.name;
-  for (const auto& file : *files) {
-    const auto picture = load_picture(file);
+  for (const auto& file : folder->files) {
+    const auto picture = load_picture(*folder, file);
     if (!picture) return fail(picture.error());
-    if (out.looked_at > 0 && (picture->width() != out.width || picture->height() != out.height)) {
-      return fail(ErrorCode::kInvalid,
-                  fmt::format("{} has {}x{} pixels, the pictures before it {}x{}: all must be of one camera",
-                              file.string(), picture->width(), picture->height(), out.width, out.height));
-    }
-    look_at(settings.board, *picture, file.filename().string(), out);
+    const std::string name = file.filename().string();
+    const std::string found = look_at(settings.board, *picture, name, out);
+    fmt::print(stderr, "picture {} of {}, {}: {}\n", out.looked_at, folder->files.size(), name, found);
   }
   return out;
 }
@@ -137,6 +152,8 @@ nlohmann::json to_json(const LensFit& fit, const std::string& camera) {
             {"distortion", m.distortion}}}};
 }
 
+constexpr double kMostUnequalFocals = 0.02, kLeastCovered = 0.6;
+
 void print_fit(const LensFit& fit, const Pictures& pictures) {
   const CameraModel& m = fit.model;
   fmt::print("{} pictures, board found in {}, {} used\n", pictures.looked_at, pictures.views.size(),
@@ -149,7 +166,18 @@ void print_fit(const LensFit& fit, const Pictures& pictures) {
       "{:.3f} px, {:.0f} % of the picture covered\n",
       m.fx, m.fy, fit.focal_sigma_px, m.cx, m.cy, fit.center_sigma_px, fit.distortion, fit.rms_px,
       100 * fit.covered);
-  if (fit.covered < 0.6) {
+  if (times_good_rms(fit) > 1) {
+    fmt::print(
+        "the error is larger than that of a good calibration ({:.1f} px): is the board flat and as wide and "
+        "high as "
+        "given, were the pictures sharp, and are they all of one camera without zoom?\n",
+        fit.rms_px / times_good_rms(fit));
+  }
+  if (std::abs(m.fx / m.fy - 1) > kMostUnequalFocals) {
+    fmt::print("fx and fy differ by {:.1f} %: are the board's squares as wide as high? Measure its print\n",
+               100 * std::abs(m.fx / m.fy - 1));
+  }
+  if (fit.covered < kLeastCovered) {
     fmt::print(
         "the picture's rim is little covered: show the board in its corners too, or its distortion is a "
         "guess\n");
@@ -187,10 +215,22 @@ Result<void> calibrate_lens(const LensSettings& settings) {
                                           : pictures_of_folder(settings);
   if (!pictures) return fail(pictures.error());
   if (pictures->views.empty()) {
+    const std::string kind = settings.board.kind == Board::Kind::kChessboard ? "inner corners" : "squares";
     return fail(ErrorCode::kNotFound,
-                fmt::format("none of {} pictures shows the whole board: is its size as given ({}x{} {})?",
-                            pictures->looked_at, settings.board.columns, settings.board.rows,
-                            settings.board.kind == Board::Kind::kChessboard ? "inner corners" : "squares"));
+                fmt::format("none of {} pictures shows the whole board ({}x{} {}){}", pictures->looked_at,
+                            settings.board.columns, settings.board.rows, kind,
+                            pictures->seen_instead.empty() ? ": is its size as given?"
+                                                           : "; " + pictures->seen_instead));
+  }
+  const auto legacy =
+      std::count_if(pictures->views.begin(), pictures->views.end(),
+                    [](const BoardView& view) { return view.layout == CharucoLayout::kMarkerCorner; });
+  if (legacy > 0) {
+    fmt::print(stderr,
+               "the board has a marker in its top left square, as OpenCV before 4.6 makes them with an even "
+               "number of "
+               "rows: its corners are taken so ({} pictures)\n",
+               legacy);
   }
   std::vector<DroppedView> dropped;
   const auto views = worth_using(pictures->views, pictures->width, dropped);
@@ -235,6 +275,12 @@ Result<void> take_lens(const LensSettings& settings) {
     return fail(ErrorCode::kInvalid,
                 settings.camera_info + ": has no camera_name; say with --name whose lens it is");
   }
+  if (!wire::is_printable(info->name)) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("the camera's name \"{}\" is not UTF-8 text: save {} as UTF-8, or give --name",
+                            wire::made_printable(info->name, 64), settings.camera_info));
+  }
+  if (!info->remark.empty()) fmt::print(stderr, "{}: {}\n", settings.camera_info, info->remark);
   const CameraModel& m = info->model;
   fmt::print("{}: {}x{} pixels, fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}\n", info->name, m.width, m.height,
              m.fx, m.fy, m.cx, m.cy);
@@ -267,10 +313,18 @@ Result<void> calibrate_depth_to_color(const LensSettings& settings) {
                     "(--camera-info FILE --color-camera)",
                     source.from));
   }
-  const auto frames = frames_of(*capture, settings.frames);
-  if (!frames) return fail(frames.error());
-  const auto fit =
-      fit_depth_to_color(*frames, sensor.unit, sensor.depth, sensor.color, settings.board.dictionary);
+  auto finder = DepthToColorFinder::open(sensor.unit, settings.board.dictionary, settings.board.border_bits);
+  if (!finder) return fail(finder.error());
+  const std::size_t all = frames_to_look_at(*capture, settings.frames);
+  std::size_t number = 0;
+  const auto looked = look_at_frames(*capture, settings.frames, {}, [&](const RgbdFrame& frame) {
+    finder->add_depth(frame.depth);
+    if (frame.color && is_among(kMostPictures, number, all)) finder->add_color(*frame.color);
+    ++number;
+    return std::string();
+  });
+  if (!looked) return fail(looked.error());
+  const auto fit = finder->fit(sensor.depth, sensor.color);
   if (!fit) return fail(fit.error());
   const Eigen::Vector3d t = 1000 * fit->color_from_depth.translation;
   fmt::print(
@@ -331,9 +385,8 @@ Command intrinsics_command(CLI::App& program) {
   parser->add_option("--marker", settings->marker_mm, "side of a ChArUco board's markers, mm")
       ->check(command_line::number(1, 1000))
       ->capture_default_str();
-  parser->add_option("--dictionary", settings->board.dictionary, "of the ChArUco board's markers")
-      ->check(command_line::one_of(marker_dictionaries()))
-      ->capture_default_str();
+  add_dictionary(*parser, settings->board.dictionary, settings->board.border_bits,
+                 "of the ChArUco board's markers");
   parser->add_option("--frames", settings->frames, "frames to look at, evenly spread over a recording")
       ->check(command_line::whole_number(1, 10000))
       ->capture_default_str();
@@ -364,9 +417,15 @@ Command intrinsics_command(CLI::App& program) {
       ->add_option("--scene-out", settings->scene_out,
                    "write the lens into a scene file; may be the one of --scene")
       ->check(command_line::replaceable_file());
+  add_overwrite(*parser, settings->overwrite);
   return {parser, [settings]() -> Result<void> {
             settings->board.square_m = settings->square_mm * 1e-3;
             settings->board.marker_m = settings->marker_mm * 1e-3;
+            const auto kept =
+                keep_existing({settings->out, settings->json, settings->picture}, settings->overwrite);
+            if (!kept) return kept;
+            if (auto other = keep_other_than_scene(settings->scene_out, settings->overwrite); !other)
+              return other;
             if (!settings->camera_info.empty()) return take_lens(*settings);
             if (settings->sources.empty() && settings->images.empty()) {
               return fail(ErrorCode::kInvalid,

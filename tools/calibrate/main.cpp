@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", std::string("calibrate ") + copresence::kVersion);
   program.require_subcommand(1);
   const std::array commands{intrinsics_command(program), markers_command(program), refine_command(program),
-                            check_command(program)};
+                            check_command(program), print_command(program)};
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

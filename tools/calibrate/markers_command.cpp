@@ -11,6 +11,7 @@
 #include "common/scene/write_scene.h"
 #include "tools/calibrate/capture.h"
 #include "tools/calibrate/command.h"
+#include "tools/calibrate/geometry/layout.h"
 #include "tools/calibrate/lens/still_board.h"
 #include "tools/calibrate/marker_picture.h"
 #include "tools/calibrate/marker_report.h"
@@ -19,6 +20,7 @@
 #include "tools/calibrate/markers/marker_finder.h"
 #include "tools/calibrate/picture_file.h"
 #include "tools/calibrate/report.h"
+#include "tools/calibrate/shared_options.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -29,7 +31,8 @@ struct MarkerSettings {
   std::string picture, chessboard;  ///< chessboard: COLUMNSxROWS; empty for markers
   Board board;
   double square_mm = 25;
-  bool click = false;
+  int border_bits = 1;
+  bool click = false, overwrite = false;
   std::size_t frames = 60;
   calibration::Form form = calibration::Form::kRigid;
 };
@@ -52,8 +55,6 @@ Result<Looked> look_at(const NamedSource& source, const scene::Scene* scene, con
   const scene::Camera* known = scene ? scene->find(source.name) : nullptr;
   auto capture = Capture::open(source, known);
   if (!capture) return fail(capture.error());
-  const auto frames = frames_of(*capture, settings.frames);
-  if (!frames) return fail(frames.error());
 
   Looked looked;
   if (known) looked.camera = *known;
@@ -63,22 +64,31 @@ Result<Looked> look_at(const NamedSource& source, const scene::Scene* scene, con
   std::string& told = source.is_stream ? looked.camera.address : looked.camera.source;
   if (told.empty()) told = source.from;
   looked.depth = calibration::DepthAverage(capture->unit());
-  for (const RgbdFrame& frame : *frames) looked.depth.add(frame.depth);
-
-  const auto with_color = std::find_if(frames->begin(), frames->end(),
-                                       [](const RgbdFrame& frame) { return frame.color.has_value(); });
-  if (with_color == frames->end()) {
+  auto finder = MarkerFinder::open(settings.dictionary, settings.border_bits);
+  if (!finder) return fail(finder.error());
+  std::vector<ColorImage> of_board;
+  const std::size_t all = frames_to_look_at(*capture, settings.frames);
+  std::size_t number = 0;
+  const auto done = look_at_frames(*capture, settings.frames, {}, [&](const RgbdFrame& frame) {
+    looked.depth.add(frame.depth);
+    const bool is_looked_at = is_among(kMostPictures, number++, all);
+    if (!frame.color) return std::string();
+    if (looked.picture.pixels().empty()) looked.picture = *frame.color;
+    if (!is_looked_at) return std::string();
+    if (settings.chessboard.empty()) {
+      finder->add(*frame.color);
+    } else {
+      of_board.push_back(*frame.color);
+    }
+    return std::string();
+  });
+  if (!done) return fail(done.error());
+  if (looked.picture.pixels().empty()) {
     return fail(ErrorCode::kInvalid,
                 fmt::format("{} has no colour pictures to look for markers in", source.from));
   }
-  looked.picture = *with_color->color;
-  const std::size_t every = (frames->size() + kMostPictures - 1) / kMostPictures;
   if (!settings.chessboard.empty()) {
-    std::vector<ColorImage> pictures;
-    for (std::size_t i = 0; i < frames->size(); i += every) {
-      if ((*frames)[i].color) pictures.push_back(*(*frames)[i].color);
-    }
-    auto board = find_still_board(settings.board, pictures, looked.camera.model);
+    auto board = find_still_board(settings.board, of_board, looked.camera.model);
     if (!board) return fail(board.error().code, fmt::format("{}: {}", source.from, board.error().what));
     const auto ratio = size_over_depth(*board, settings.board, looked.depth, looked.camera.model);
     if (ratio && std::abs(*ratio - 1) > kWrongSize) {
@@ -92,23 +102,27 @@ Result<Looked> look_at(const NamedSource& source, const scene::Scene* scene, con
     looked.board = std::move(*board);
     return looked;
   }
-  auto finder = MarkerFinder::open(settings.dictionary);
-  if (!finder) return fail(finder.error());
-  for (std::size_t i = 0; i < frames->size(); i += every) {
-    if ((*frames)[i].color) finder->add(*(*frames)[i].color);
-  }
   looked.markers = finder->found(looked.camera.model);
   for (const std::string& name : finder->moved()) {
     looked.unused.push_back({source.name, name, "it moved while it was recorded"});
   }
   if (settings.click) {
-    auto clicked = ask_for_clicks(source.name, *with_color->color);
+    auto clicked = ask_for_clicks(source.name, looked.picture);
     if (!clicked) return fail(clicked.error());
     clicks[source.name] = std::move(*clicked);
   }
   for (const FoundMarker& clicked : clicks[source.name]) {  // a person's word goes before the program's
     std::erase_if(looked.markers, [&](const FoundMarker& marker) { return marker.name == clicked.name; });
     looked.markers.push_back(clicked);
+  }
+  if (looked.markers.size() < calibration::kFewestMarkers && clicks[source.name].empty()) {
+    const auto other = seen_dictionary(looked.picture);
+    if (other && other->markers > static_cast<int>(looked.markers.size()) &&
+        (other->name != settings.dictionary || other->border_bits != settings.border_bits)) {
+      return fail(ErrorCode::kInvalid,
+                  fmt::format("{} shows {} markers of {}, but {}", source.from, looked.markers.size(),
+                              settings.dictionary, other->in_words()));
+    }
   }
   return looked;
 }
@@ -301,9 +315,7 @@ Command markers_command(CLI::App& program) {
           "[rigid]")
       ->transform(command_line::one_of<calibration::Form>(
           {{"rigid", calibration::Form::kRigid}, {"linear", calibration::Form::kLinear}}));
-  parser->add_option("--dictionary", settings->dictionary, "which markers: of ArUco or AprilTag")
-      ->check(command_line::one_of(marker_dictionaries()))
-      ->capture_default_str();
+  add_dictionary(*parser, settings->dictionary, settings->border_bits, "which markers: of ArUco or AprilTag");
   parser->add_option("--frames", settings->frames, "frames of each camera to average depth over")
       ->check(command_line::whole_number(1, 10000))
       ->capture_default_str();
@@ -324,8 +336,13 @@ Command markers_command(CLI::App& program) {
   parser->add_option("--square", settings->square_mm, "side of the chessboard's squares, mm")
       ->check(command_line::number(1, 1000))
       ->capture_default_str();
-  return {parser, [settings] {
+  add_overwrite(*parser, settings->overwrite);
+  return {parser, [settings]() -> Result<void> {
             settings->board.square_m = settings->square_mm * 1e-3;
+            const auto kept = keep_existing({settings->json, settings->picture, settings->save_points},
+                                            settings->overwrite);
+            if (!kept) return kept;
+            if (auto other = keep_other_than_scene(settings->out, settings->overwrite); !other) return other;
             return calibrate_by_markers(*settings);
           }};
 }

@@ -12,6 +12,7 @@
 #include "tools/calibrate/command.h"
 #include "tools/calibrate/picture_file.h"
 #include "tools/calibrate/report.h"
+#include "tools/calibrate/shared_options.h"
 #include "tools/calibrate/still_view.h"
 
 namespace copresence::calibrate {
@@ -29,6 +30,7 @@ constexpr double kUnsteady =
 struct Options {
   std::string scene, out, json, picture;
   std::vector<NamedSource> sources;
+  bool overwrite = false;
 };
 
 std::string_view name(Outcome outcome) {
@@ -165,6 +167,8 @@ Result<void> show(const alignment::Refinement& refinement, std::span<const Still
 }
 
 Result<void> run(const Options& options) {
+  if (auto kept = keep_existing({options.json, options.picture}, options.overwrite); !kept) return kept;
+  if (auto other = keep_other_than_scene(options.out, options.overwrite); !other) return other;
   auto scene = scene::load(options.scene);
   if (!scene) return fail(scene.error());
   const auto views = still_views(options.sources, *scene, options.scene);
@@ -256,6 +260,7 @@ Command refine_command(CLI::App& program) {
       ->add_option("--picture", options->picture,
                    "write how far surfaces lie apart, before and after, as coloured pictures (.png or .jpg)")
       ->check(picture_file_name());
+  add_overwrite(*parser, options->overwrite);
   return {parser, [options] { return run(*options); }};
 }
 

@@ -20,11 +20,12 @@ Result<StillView> still_view(const NamedSource& source, const scene::Camera& kno
             "camera \"{}\" has no world_from_camera in {}: find its pose with `calibrate markers` first",
             source.name, scene_path));
   }
-  auto frames = frames_of(*capture, kFramesAveraged);
-  if (!frames) return fail(frames.error());
   std::vector<DepthImage> depths;
-  depths.reserve(frames->size());
-  for (RgbdFrame& frame : *frames) depths.push_back(std::move(frame.depth));
+  const auto looked = look_at_frames(*capture, kFramesAveraged, {}, [&](RgbdFrame frame) {
+    depths.push_back(std::move(frame.depth));
+    return std::string();
+  });
+  if (!looked) return fail(looked.error());
   const Image<float> mean = alignment::static_depth(depths, capture->unit());
   StillView view{source.name,
                  alignment::make_surface(mean, capture->model()),

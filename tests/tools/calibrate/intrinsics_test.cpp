@@ -53,6 +53,7 @@ TEST(CalibrateIntrinsics, WritesOneLensForRosAndForTheScene) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.said;
   EXPECT_THAT(outcome.said, HasSubstr("11 pictures, board found in 11"));
   EXPECT_THAT(outcome.said, HasSubstr("reprojection error"));
+  EXPECT_THAT(outcome.said, HasSubstr("picture 1 of 11, 10.png: board found, view 1"));
   const auto info = load_camera_info(yaml);
   ASSERT_TRUE(info) << info.error().what;
   EXPECT_EQ(info->name, "left");
@@ -63,6 +64,21 @@ TEST(CalibrateIntrinsics, WritesOneLensForRosAndForTheScene) {
   const auto report = nlohmann::json::parse(std::ifstream(json));
   EXPECT_GE(report["views"].size(), 9u);
   EXPECT_LT(report["rms_px"], 0.25);
+
+  // What is there is kept, but for the scene file, which is updated.
+  const Outcome again =
+      run({"--images", folder / "photos", "--board-size", "7x5", "--square", "30", "--out", yaml});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.said,
+              HasSubstr("left.yaml: exists already and is kept; give another name or --overwrite"));
+  const Outcome replaced =
+      run({"--images", folder / "photos", "--name", "left", "--board-size", "7x5", "--square", "30",
+           "--scene", toml, "--scene-out", toml, "--out", yaml, "--overwrite"});
+  EXPECT_EQ(replaced.exit_code, 0) << replaced.said;
+  const Outcome other =
+      run({"--images", folder / "photos", "--board-size", "7x5", "--square", "30", "--scene-out", json});
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.said, HasSubstr("is no scene file"));
 }
 
 TEST(CalibrateIntrinsics, FindsASimulatedKinectsLensFromARecordingAndShowsTheCorners) {
@@ -92,6 +108,17 @@ TEST(CalibrateIntrinsics, TakesALensFromRosIntoTheSceneFile) {
   const testing::TemporaryFolder folder;
   const std::string yaml = folder / "kinect.yaml", toml = folder / "scene.toml", back = folder / "back.yaml";
   ASSERT_TRUE(save_camera_info({"kinect", kLens}, yaml));
+  std::ofstream(folder / "latin1.yaml") << "image_width: 640\nimage_height: 480\ncamera_name: k\xfc"
+                                           "che\n"
+                                           "k: [525, 4, 320, 0, 525, 240, 0, 0, 1]\nd: []\n";
+  const Outcome latin1 = run({"--camera-info", folder / "latin1.yaml", "--scene-out", toml});
+  EXPECT_EQ(latin1.exit_code, 1);
+  EXPECT_THAT(latin1.said, HasSubstr("\"k?che\" is not UTF-8 text"));
+  EXPECT_FALSE(std::filesystem::exists(toml));
+  const Outcome named =
+      run({"--camera-info", folder / "latin1.yaml", "--name", "room", "--scene-out", folder / "a.toml"});
+  EXPECT_EQ(named.exit_code, 0) << named.said;
+  EXPECT_THAT(named.said, HasSubstr("a skew of 4"));
   const Outcome depth = run({"--camera-info", yaml, "--scene-out", toml, "--out", back});
   ASSERT_EQ(depth.exit_code, 0) << depth.said;
   EXPECT_EQ(scene::load(toml).value().find("kinect")->model, kLens);
@@ -119,11 +146,10 @@ TEST(CalibrateIntrinsics, SaysWhatIsMissing) {
   EXPECT_EQ(few.exit_code, 1);
   EXPECT_THAT(few.said, HasSubstr("only 1 different, sharp views"));
   const Outcome wrong_size = run({"--images", folder / "photos", "--board-size", "12x9"});
-  EXPECT_THAT(
-      wrong_size.said,
-      HasSubstr("none of 1 pictures shows the whole board: is its size as given (12x9 inner corners)?"));
+  EXPECT_THAT(wrong_size.said, HasSubstr("none of 1 pictures shows the whole board (12x9 inner corners); "
+                                         "1.png: it shows 7x5 inner corners"));
   std::ofstream(folder / "photos/2.png") << "no picture";
-  EXPECT_THAT(run({"--images", folder / "photos"}).said, HasSubstr("2.png: is no picture"));
+  EXPECT_THAT(run({"--images", folder / "photos"}).said, HasSubstr("2.png: is no PNG or JPEG picture"));
   const std::string yaml = folder / "nameless.yaml";
   ASSERT_TRUE(save_camera_info({"", kLens}, yaml));
   const Outcome nameless = run({"--camera-info", yaml, "--scene-out", folder / "scene.toml"});

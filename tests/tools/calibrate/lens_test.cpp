@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ctime>
 #include <opencv2/aruco/charuco.hpp>
+#include <opencv2/imgproc.hpp>
 #include <random>
 
 #include "tests/tools/calibrate/painted_board.h"
@@ -85,6 +87,135 @@ TEST(Board, WithMarkersIsFoundInPart) {
   const auto part = find_board(board, camera.picture({{cut, paint}}), "part");
   ASSERT_TRUE(part);
   EXPECT_LT(part->pixels.size(), 20u);
+}
+
+// A ChArUco board of 6x6 squares of 40 mm as OpenCV's versions print it.
+int charuco_before_4_6(double x, double y, bool legacy) {
+  static const auto kDictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50);
+  constexpr int kSquares = 6, kCells = 6;
+  constexpr double kSquare = 0.04, kMarker = 0.03;
+  const int column = int(std::floor(x / kSquare)), row = int(std::floor(y / kSquare));
+  if (column < -1 || row < -1 || column > kSquares || row > kSquares) return -1;
+  if (column < 0 || row < 0 || column >= kSquares || row >= kSquares) return 235;
+  const bool is_black = ((row + column) % 2 == 0) != legacy;
+  if (is_black) return 25;
+  const double u = (x - column * kSquare - (kSquare - kMarker) / 2) / kMarker * kCells,
+               v = (y - row * kSquare - (kSquare - kMarker) / 2) / kMarker * kCells;
+  if (u < 0 || v < 0 || u >= kCells || v >= kCells) return 235;
+  const int number = (row * kSquares + column) / 2;  // row by row, three in each
+  cv::Mat bits;
+  kDictionary->drawMarker(number, kCells, bits, 1);
+  return bits.at<uchar>(int(v), int(u)) > 127 ? 235 : 25;
+}
+
+TEST(Board, OfOpenCvBefore46IsRecognisedByItsMarkers) {
+  const Board board{Board::Kind::kCharuco, 6, 6, 0.04, 0.03, "4x4_50"};
+  const CameraModel lens{640, 480, 580, 580, 319.5, 239.5, {}};
+  const Rigid3 pose{Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()).toRotationMatrix(), {-0.12, -0.12, 0.5}};
+  for (const bool legacy : {false, true}) {
+    const auto paint = [legacy](double x, double y) { return charuco_before_4_6(x, y, legacy); };
+    const auto view = find_board(board, PaintedCamera(lens).picture({{pose, paint}}), "board");
+    ASSERT_TRUE(view) << legacy;
+    EXPECT_EQ(view->layout, legacy ? CharucoLayout::kMarkerCorner : CharucoLayout::kBlackCorner);
+    EXPECT_EQ(view->pixels.size(), 25u);
+    for (std::size_t i = 0; i < view->pixels.size(); ++i) {
+      // OpenCV counts its inner corners from the first one, a square from the board's own corner.
+      const Eigen::Vector3d corner(view->on_board[i].x() + 0.04, view->on_board[i].y() + 0.04, 0);
+      EXPECT_LT((project(lens, pose * corner) - view->pixels[i]).norm(), 0.4) << legacy << ' ' << i;
+    }
+  }
+}
+
+TEST(Board, OfAnotherSizeOrDictionaryIsNamed) {
+  const PaintedCamera camera(kLens);
+  const ColorImage chessboard_picture = camera.picture({{places()[0], chessboard}});
+  Board squares = kBoard;  // 7x5 inner corners
+  squares.columns = 8;
+  squares.rows = 6;
+  EXPECT_FALSE(find_board(squares, chessboard_picture, "board"));
+  EXPECT_THAT(board_seen_instead(squares, chessboard_picture), testing::HasSubstr("--board-size 7x5"));
+  EXPECT_THAT(board_seen_instead(squares, chessboard_picture),
+              testing::HasSubstr("one inner corner less than squares"));
+  EXPECT_EQ(board_seen_instead(kBoard, ColorImage(320, 240)), "");
+
+  const CameraModel lens{640, 480, 580, 580, 319.5, 239.5, {}};
+  const Rigid3 pose{Eigen::Matrix3d::Identity(), {-0.12, -0.12, 0.5}};
+  const ColorImage charuco = PaintedCamera(lens).picture(
+      {{pose, [](double x, double y) { return charuco_before_4_6(x, y, false); }}});
+  EXPECT_THAT(board_seen_instead({Board::Kind::kCharuco, 5, 5, 0.04, 0.03, "4x4_50"}, charuco),
+              testing::HasSubstr("--board-size 6x6"));
+  EXPECT_THAT(board_seen_instead({Board::Kind::kCharuco, 6, 6, 0.04, 0.03, "5x5_100"}, charuco),
+              testing::HasSubstr("18 markers of 4x4_50: give --dictionary 4x4_50"));
+}
+
+// A 9x6 board of `squares_px` pixels before a rough wall, somewhat turned, and noise as of a small sensor.
+ColorImage photograph(int width, int height, double square_px, cv::Point2f at,
+                      std::vector<cv::Point2f>& corners) {
+  constexpr int kScale = 10, kColumns = 10, kRows = 7;
+  cv::Mat board((kRows + 2) * kScale, (kColumns + 2) * kScale, CV_8UC1, cv::Scalar(235));
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      if ((row + column) % 2 != 0) continue;
+      board(cv::Rect((column + 1) * kScale, (row + 1) * kScale, kScale, kScale)).setTo(25);
+    }
+  }
+  cv::Mat big;
+  cv::resize(board, big, {}, square_px / kScale, square_px / kScale, cv::INTER_NEAREST);
+  cv::Mat rough(height / 8, width / 8, CV_8UC1), gray;
+  cv::randu(rough, 60, 180);
+  cv::resize(rough, gray, cv::Size(width, height), 0, 0, cv::INTER_LINEAR);
+  const double turn = 0.1;
+  const cv::Matx23d place(std::cos(turn), -std::sin(turn), at.x, std::sin(turn), std::cos(turn), at.y);
+  cv::warpAffine(big, gray, place, gray.size(), cv::INTER_LINEAR, cv::BORDER_TRANSPARENT);
+  cv::Mat noise(gray.size(), CV_16SC1), noisy;
+  cv::randn(noise, 0, 6);
+  gray.convertTo(noisy, CV_16S);
+  noisy += noise;
+  noisy.convertTo(gray, CV_8U);
+  corners.clear();
+  for (int row = 1; row < kRows; ++row) {
+    for (int column = 1; column < kColumns; ++column) {
+      const double x = (column + 1) * square_px - 0.5, y = (row + 1) * square_px - 0.5;
+      corners.emplace_back(float(place(0, 0) * x + place(0, 1) * y + place(0, 2)),
+                           float(place(1, 0) * x + place(1, 1) * y + place(1, 2)));
+    }
+  }
+  ColorImage picture(width, height);
+  cv::Mat rgb(height, width, CV_8UC3, picture.data());
+  cv::cvtColor(gray, rgb, cv::COLOR_GRAY2RGB);
+  return picture;
+}
+
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+TEST(Board, IsFoundInAPhotographOf12MegapixelsNearAndFar) {
+  const Board board{Board::Kind::kChessboard, 9, 6, 0.025, 0, ""};
+  for (const double square : {180.0, 50.0}) {
+    std::vector<cv::Point2f> truth;
+    const ColorImage picture = photograph(4032, 3024, square, {900, 500}, truth);
+    const double start = processor_seconds();
+    const auto view = find_board(board, picture, "photograph");
+    EXPECT_LT(processor_seconds() - start, 15) << "a search of the full picture takes minutes";
+    ASSERT_TRUE(view) << square;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      EXPECT_LT((view->pixels[i] - Eigen::Vector2d(truth[i].x, truth[i].y)).norm(), 0.5)
+          << square << ' ' << i;
+    }
+  }
+}
+
+TEST(Board, CutByThePicturesRimIsGivenUpSoon) {
+  const Board board{Board::Kind::kChessboard, 9, 6, 0.025, 0, ""};
+  for (const auto& [width, height] : {std::pair{1920, 1080}, std::pair{640, 480}}) {
+    std::vector<cv::Point2f> truth;
+    const ColorImage picture =
+        photograph(width, height, height / 8.0, {0.1f * float(width), -0.3f * float(height)}, truth);
+    const double start = processor_seconds();
+    EXPECT_FALSE(find_board(board, picture, "cut"));
+    EXPECT_LT(processor_seconds() - start, 15);
+  }
 }
 
 TEST(Board, LeavesOutWhatIsBlurredOrAlreadyThere) {
@@ -191,6 +322,61 @@ TEST(LensFit, AsksForMoreViews) {
   const auto fit = fit_lens(std::span(views()).first(3), 320, 240);
   ASSERT_FALSE(fit);
   EXPECT_THAT(fit.error().what, testing::HasSubstr("only 3 different, sharp views"));
+}
+
+TEST(LensFit, TakesAWideLens) {
+  CameraModel wide{640, 480, 275, 275, 320, 240, {-0.28, 0.06, 0, 0, 0, 0, 0, 0}};
+  const auto fit = fit_lens(exact_views(wide, 0.05), 640, 480);
+  ASSERT_TRUE(fit) << fit.error().what;
+  EXPECT_NEAR(fit->model.fx, 275, 1);
+  EXPECT_LT(fit->rms_px, 0.1);
+  EXPECT_LT(times_good_rms(*fit), 1);
+}
+
+std::string refusal(const std::vector<BoardView>& all, int width, int height) {
+  const auto fit = fit_lens(all, width, height);
+  return fit ? "accepted" : fit.error().what;
+}
+
+TEST(LensFit, RefusesPicturesOfTwoCameras) {
+  CameraModel a = kLens, b = kLens;
+  b.fx = b.fy = 220;
+  b.cx = 150;
+  std::vector<BoardView> all = exact_views(a, 0.1);
+  const std::vector<BoardView> others = exact_views(b, 0.1);
+  for (std::size_t i = 0; i < 5; ++i) all[2 * i] = others[2 * i];
+  const std::string why = refusal(all, 320, 240);
+  EXPECT_THAT(why, testing::HasSubstr("they seem to be of two cameras"));
+  EXPECT_THAT(why, testing::HasSubstr("view 0"));
+}
+
+TEST(LensFit, RefusesViewsThatAreHardlyTilted) {
+  std::vector<BoardView> all = exact_views(kLens, 0.1);
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise(0, 0.1);
+  for (std::size_t v = 0; v < all.size(); ++v) {
+    const Rigid3 pose =
+        place(0.04 * (double(v % 3) - 1), 0.03 * (double(v / 3) - 1), 0.36 + 0.02 * double(v % 4), 0, 0);
+    for (std::size_t i = 0; i < all[v].pixels.size(); ++i) {
+      const Eigen::Vector3d corner(all[v].on_board[i].x(), all[v].on_board[i].y(), 0);
+      all[v].pixels[i] = project(kLens, pose * corner) + Eigen::Vector2d(noise(random), noise(random));
+    }
+  }
+  EXPECT_THAT(refusal(all, 320, 240), testing::HasSubstr("tilt it by 30 to 45 degrees"));
+}
+
+TEST(LensFit, RefusesABoardThatIsNotAsGiven) {
+  std::vector<BoardView> all = exact_views(kLens, 0.1);
+  for (BoardView& view : all) {
+    for (auto& corner : view.on_board) corner.x() += 0.25 * corner.y();  // no right angles
+  }
+  const std::string why = refusal(all, 320, 240);
+  EXPECT_THAT(why, testing::HasSubstr("do not fit one lens"));
+  EXPECT_THAT(why, testing::HasSubstr("is the board's size as given"));
+}
+
+TEST(LensFit, RefusesASizeThatNoCameraModelCanHaveByItsSize) {
+  EXPECT_THAT(refusal(views(), 321, 240), testing::HasSubstr("321x240"));
 }
 
 TEST(LocateBoard, FindsTwoCamerasFromOneBoard) {

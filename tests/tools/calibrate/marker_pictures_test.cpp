@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/frame/rgbd_frame.h"
 #include "tests/tools/calibrate/painted_planes.h"
 #include "tools/calibrate/markers/clicks.h"
 #include "tools/calibrate/markers/depth_to_color.h"
@@ -59,12 +60,19 @@ TEST(MarkerFinder, LeavesOutWhatMovesOrIsSeldomSeen) {
   EXPECT_FALSE(MarkerFinder::open("9x9_1"));
 }
 
+Result<DepthToColor> fit_depth_to_color(const RgbdFrame& frame) {
+  auto finder = DepthToColorFinder::open(DepthUnit::kMillimetre, "4x4_50", 1);
+  if (!finder) return fail(finder.error());
+  finder->add_depth(frame.depth);
+  finder->add_color(*frame.color);
+  return finder->fit(kDepthLens, kColorLens);
+}
+
 TEST(DepthToColor, FindsTheTransformFromMarkersThatReturnNoDepthWhereTheyAreDark) {
   RgbdFrame frame;
   frame.depth = PaintedCamera(kDepthLens).depth(painted_markers(Rigid3{}));
   frame.color = PaintedCamera(kColorLens).picture(painted_markers(kColorFromDepth));
-  const auto fit =
-      fit_depth_to_color(std::span(&frame, 1), DepthUnit::kMillimetre, kDepthLens, kColorLens, "4x4_50");
+  const auto fit = fit_depth_to_color(frame);
   ASSERT_TRUE(fit) << fit.error().what;
   EXPECT_EQ(fit->markers, 5);
   EXPECT_LT(fit->rms_px, 1.5);
@@ -80,8 +88,7 @@ TEST(DepthToColor, SaysThatMarkersAreMissing) {
   RgbdFrame frame;
   frame.depth = DepthImage(320, 240, 1500);
   frame.color = PaintedCamera(kColorLens).picture(painted_markers(kColorFromDepth));
-  const auto fit =
-      fit_depth_to_color(std::span(&frame, 1), DepthUnit::kMillimetre, kDepthLens, kColorLens, "4x4_50");
+  const auto fit = fit_depth_to_color(frame);
   ASSERT_FALSE(fit);
   EXPECT_THAT(fit.error().what, HasSubstr("colour shows 5 markers, but where depth is missing only 0 show"));
 }

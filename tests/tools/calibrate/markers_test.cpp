@@ -221,7 +221,8 @@ TEST_F(CalibrateChessboard, AnotherNumberOfCornersIsAskedFor) {
 TEST_F(CalibrateMarkers, SaysWhatIsMissing) {
   const Outcome none = calibrate(2, {"--dictionary", "6x6_250"});
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.said, HasSubstr("camera0 and camera1 see no marker in common, but need 4"));
+  EXPECT_THAT(none.said, HasSubstr("shows 0 markers of 6x6_250, but "));
+  EXPECT_THAT(none.said, HasSubstr("markers of 4x4_50: give --dictionary 4x4_50"));
   EXPECT_EQ(calibrate(2, {"--reference", "camera9"}).exit_code, 1);
   EXPECT_EQ(calibrate(0, {}).exit_code, 2);
   EXPECT_EQ(calibrate(2, {"--solver", "magic"}).exit_code, 2);

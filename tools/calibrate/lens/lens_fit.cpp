@@ -6,8 +6,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <numeric>
 #include <opencv2/calib3d.hpp>
 #include <optional>
+#include <random>
 #include <set>
 
 namespace copresence::calibrate {
@@ -49,8 +52,8 @@ Rigid3 pose_of(const cv::Mat& turn, const cv::Mat& move) {
   return pose;
 }
 
-// How much of the distortion is fitted, the simplest first. More coefficients than the corners can tell apart stand for
-// one another, and go astray where no corner was.
+// Sets of distortion coefficients to fit, the smallest first. Too many terms are correlated and extrapolate badly outside
+// the corners.
 struct Distortion {
   const char* used;
   int flags, coefficients;
@@ -86,7 +89,7 @@ Result<LensFit> fit_once(std::span<const BoardView> views, int width, int height
     fit.model.distortion[static_cast<std::size_t>(i)] = d.at<double>(i);
   }
   fit.distortion = distortion.used;
-  fit.focal_sigma_px = deviations.at<double>(0);
+  fit.focal_sigma_px = std::max(deviations.at<double>(0), deviations.at<double>(1));
   fit.center_sigma_px = std::max(deviations.at<double>(2), deviations.at<double>(3));
   for (std::size_t i = 0; i < views.size(); ++i) {
     fit.views.push_back(
@@ -116,9 +119,169 @@ Result<LensFit> fit_best(std::span<const BoardView> views, int width, int height
   return *best;
 }
 
+// 1 for pictures of the usual size; errors in pixels grow with larger ones.
+double size_factor(const CameraModel& model) {
+  return std::max(1.0, std::max(model.width, model.height) / kUsualWidth);
+}
+
+// A lens and the views that fit it.
+struct Consensus {
+  CameraModel model;
+  std::vector<std::size_t> views;
+};
+
+// The lens that fits most views, and those: from all views, then from random choices of a few. Deterministic.
+Consensus largest_consensus(std::span<const BoardView> views, int width, int height, double most_rms_px) {
+  constexpr int kChoices = 25;
+  constexpr std::size_t kChosen = 3;
+  std::mt19937 random(1);
+  std::vector<std::size_t> order(views.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Consensus best;
+  const auto fitting = [&](const CameraModel& model) {
+    std::vector<std::size_t> fit;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const auto located = locate_board(views[i], model);
+      if (located && located->rms_px <= most_rms_px) fit.push_back(i);
+    }
+    return fit;
+  };
+  for (int choice = 0; choice < kChoices && best.views.size() < views.size(); ++choice) {
+    std::vector<std::size_t> chosen = order;
+    if (choice > 0) {
+      std::shuffle(order.begin(), order.end(), random);
+      chosen.assign(order.begin(),
+                    order.begin() + static_cast<std::ptrdiff_t>(std::min(kChosen, order.size())));
+    }
+    // A lens from a few views is a guess; one from all that fit the guess is better, and fits more.
+    for (int round = 0; round < 3; ++round) {
+      std::vector<BoardView> some;
+      for (const std::size_t i : chosen) some.push_back(views[i]);
+      const auto fit = fit_once(some, width, height, kDistortions[1]);
+      if (!fit || !check(fit->model)) break;
+      std::vector<std::size_t> there = fitting(fit->model);
+      if (there.size() > best.views.size()) best = {fit->model, there};
+      if (there.size() == views.size() || (there.size() <= chosen.size() && round > 0)) break;
+      chosen = std::move(there);
+      if (chosen.size() < kChosen) break;
+    }
+  }
+  return best;
+}
+
+std::string names_of(std::span<const BoardView> views) {
+  constexpr std::size_t kShown = 3;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kShown, views.size()); ++i) {
+    names += (i == 0 ? "" : ", ") + views[i].picture;
+  }
+  return views.size() > kShown ? names + ", ..." : names;
+}
+
+// Two groups of views, each of which fits a lens of its own. Empty where there are none.
+std::string two_cameras(std::span<const BoardView> views, int width, int height, double most_rms_px) {
+  constexpr std::size_t kFewest = 3;
+  const Consensus first = largest_consensus(views, width, height, most_rms_px);
+  if (first.views.size() < kFewest) return {};
+  std::vector<BoardView> in_first, others;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const bool is_in = std::find(first.views.begin(), first.views.end(), i) != first.views.end();
+    (is_in ? in_first : others).push_back(views[i]);
+  }
+  if (others.size() < kFewest) return {};
+  const Consensus second = largest_consensus(others, width, height, most_rms_px);
+  if (second.views.size() < kFewest || 2 * second.views.size() < others.size()) return {};
+  std::vector<BoardView> in_second;
+  for (const std::size_t i : second.views) in_second.push_back(others[i]);
+  return fmt::format(
+      "{} views ({}) fit one lens of fx {:.0f}, and {} others ({}) one of fx {:.0f}: they seem to be of two "
+      "cameras, "
+      "or the zoom or focus was changed between them",
+      in_first.size(), names_of(in_first), first.model.fx, in_second.size(), names_of(in_second),
+      second.model.fx);
+}
+
+// The largest angle between the boards of two views, degrees.
+double most_tilt(const LensFit& fit) {
+  double least_cosine = 1;
+  for (const ViewFit& a : fit.views) {
+    for (const ViewFit& b : fit.views) {
+      const double cosine = a.camera_from_board.rotation.col(2).dot(b.camera_from_board.rotation.col(2));
+      least_cosine = std::min(least_cosine, cosine);
+    }
+  }
+  return std::acos(std::clamp(least_cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+std::string cause_of_uncertainty(const LensFit& fit) {
+  constexpr double kTilted = 20;
+  if (const double tilt = most_tilt(fit); tilt < kTilted) {
+    return fmt::format(
+        "the board is tilted by {:.0f} degrees at most from view to view: tilt it by 30 to 45 degrees "
+        "to all four sides",
+        tilt);
+  }
+  constexpr double kCovered = 0.4;
+  if (fit.covered < kCovered) {
+    return fmt::format("the board covers only {:.0f} % of the picture: show it nearer, and in all corners",
+                       100 * fit.covered);
+  }
+  return "add views with the board near, tilted by 30 to 45 degrees, and in all corners of the picture";
+}
+
+constexpr const char* kUsualCauses =
+    "is the board's size as given (a chessboard's in inner corners, a ChArUco board's in squares), is it "
+    "flat, are all "
+    "pictures of one camera without zoom, and does the lens see less than about 120 degrees";
+
+// Why a fit cannot be used; empty where it can.
+std::string problem_of(const LensFit& fit, std::span<const BoardView> views) {
+  const CameraModel& m = fit.model;
+  const double factor = size_factor(m);
+  if (const std::size_t bad = fit.dropped.size(); 4 * bad > views.size()) {
+    const std::string cause = two_cameras(views, m.width, m.height, 0.5 * kMostRmsPx * factor);
+    if (!cause.empty() || 3 * bad > views.size()) {
+      return fmt::format("{} of {} views do not fit the lens of the others; {}", bad, views.size(),
+                         cause.empty() ? kUsualCauses : cause);
+    }
+  }
+  if (fit.rms_px > kMostRmsPx * factor) {
+    std::string cause = two_cameras(views, m.width, m.height, 0.5 * kMostRmsPx * factor);
+    if (cause.empty()) cause = kUsualCauses;
+    return fmt::format("the views do not fit one lens: the error is {:.1f} px, of at most {:.1f}; {}",
+                       fit.rms_px, kMostRmsPx * factor, cause);
+  }
+  if (const auto checked = check(m); !checked) {
+    return fmt::format("the views do not make a lens (error {:.1f} px): {}", fit.rms_px,
+                       checked.error().what);
+  }
+  if (m.cx <= 0 || m.cx >= m.width || m.cy <= 0 || m.cy >= m.height) {
+    return fmt::format("the views do not tell where the picture's middle is ({:.0f}, {:.0f} was found); {}",
+                       m.cx, m.cy, cause_of_uncertainty(fit));
+  }
+  const double focal = std::min(m.fx, m.fy), size = std::max(m.width, m.height);
+  if (!(fit.focal_sigma_px <= kMostFocalSigma * focal)) {
+    return fmt::format(
+        "the views do not tell the focal length: {:.0f} +- {:.0f} px, of at most +- {:.1f}; {}", m.fx,
+        fit.focal_sigma_px, kMostFocalSigma * focal, cause_of_uncertainty(fit));
+  }
+  if (!(fit.center_sigma_px <= kMostCenterSigma * size)) {
+    return fmt::format(
+        "the views do not tell the principal point: {:.0f}, {:.0f} +- {:.0f} px, of at most +- {:.1f}; {}",
+        m.cx, m.cy, fit.center_sigma_px, kMostCenterSigma * size, cause_of_uncertainty(fit));
+  }
+  return {};
+}
+
 }  // namespace
 
+double times_good_rms(const LensFit& fit) {
+  return fit.rms_px / (kGoodRmsPx * size_factor(fit.model));
+}
+
 Result<LensFit> fit_lens(std::span<const BoardView> views, int width, int height) {
+  if (const auto usable = check(CameraModel{width, height, 1, 1, 0, 0, {}}); !usable)
+    return fail(usable.error());
   if (views.size() < kFewestViews) {
     return fail(
         ErrorCode::kInvalid,
@@ -151,15 +314,8 @@ Result<LensFit> fit_lens(std::span<const BoardView> views, int width, int height
     good.assign(views.begin(), views.end());
   }
   fit->covered = covered_share(good, width, height);
-  const CameraModel& model = fit->model;
-  const bool is_lens = check(model) && model.cx > 0 && model.cx < width && model.cy > 0 &&
-                       model.cy < height && fit->rms_px < 5;
-  if (!is_lens) {
-    return fail(
-        ErrorCode::kInvalid,
-        fmt::format("the views do not make a lens (error {:.1f} px): is the board's size as given, and is it "
-                    "shown tilted as well as straight?",
-                    fit->rms_px));
+  if (const std::string problem = problem_of(*fit, views); !problem.empty()) {
+    return fail(ErrorCode::kInvalid, problem);
   }
   return fit;
 }

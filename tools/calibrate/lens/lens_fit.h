@@ -22,9 +22,9 @@ struct ViewFit {
 
 struct LensFit {
   CameraModel model;
-  std::string distortion;            ///< the coefficients that the views could tell; the others are 0
+  std::string distortion;            ///< the coefficients that the views can tell; the others are 0
   double rms_px = 0;                 ///< over all views
-  double focal_sigma_px = 0;         ///< standard deviation of fx, as OpenCV estimates it
+  double focal_sigma_px = 0;         ///< standard deviation of fx or fy, the larger, as OpenCV estimates it
   double center_sigma_px = 0;        ///< of cx and cy, the larger
   double covered = 0;                ///< share of the picture's 8 x 6 fields that a corner fell into
   std::vector<ViewFit> views;        ///< those used
@@ -33,7 +33,17 @@ struct LensFit {
 
 inline constexpr std::size_t kFewestViews = 6;
 
-/// Fails  kInvalid: fewer than kFewestViews views, or a fit that cannot be a lens; says which pictures to add.
+/// What a fit must reach. Pixel errors are for pictures up to kUsualWidth wide and grow in proportion above.
+inline constexpr double kGoodRmsPx = 0.3, kMostRmsPx = 1.0, kUsualWidth = 1280;
+/// The largest standard deviations: of a focal length as a share of itself, of the principal point as a share of the
+/// picture's longer side.
+inline constexpr double kMostFocalSigma = 0.01, kMostCenterSigma = 0.01;
+
+/// rms_px in units of kGoodRmsPx, at the picture's size: 1 and less is good.
+double times_good_rms(const LensFit& fit);
+
+/// Fails  kInvalid: fewer than kFewestViews views, or an error or uncertainty above the limits; says the likely cause:
+///        views of two cameras, a board that is hardly tilted or small, a wrong board size, a fisheye lens.
 Result<LensFit> fit_lens(std::span<const BoardView> views, int width, int height);
 
 /// Where the board is, for a known lens. Fails  kInvalid where the corners lie too badly to tell.

@@ -1,8 +1,10 @@
 #pragma once
 
-// Pictures from a folder.
+// Photographs from a folder, as the sensor saw them: the orientation that a JPEG file names is not applied, since it differs
+// from picture to picture while the lens stays the same.
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "common/frame/image.h"
@@ -10,10 +12,30 @@
 
 namespace copresence::calibrate {
 
-/// The PNG and JPEG files of a folder, by name. Fails  kNotFound where there is none.
-Result<std::vector<std::filesystem::path>> picture_files(const std::filesystem::path& folder);
+/// The PNG and JPEG pictures of one camera in a folder.
+struct PictureFolder {
+  std::vector<std::filesystem::path> files;  ///< by name; hidden ones left out
+  int width = 0, height = 0;                 ///< pixels that are used: even
+  std::string remark;                        ///< what a person should know about them; may be empty
+};
 
-/// Fails  kCorrupt where the file is no picture.
-Result<ColorImage> load_picture(const std::filesystem::path& file);
+/// Reads the headers of all pictures.
+/// Fails  kNotFound where there are none; kCorrupt for a file that is no picture; kInvalid where sizes differ, naming the
+///        odd ones out, and for sizes that no camera model can have.
+Result<PictureFolder> open_picture_folder(const std::filesystem::path& folder);
+
+/// Decodes one of its files. The last column or row of an odd size is left out.
+/// Fails  kCorrupt where the file is damaged.
+Result<ColorImage> load_picture(const PictureFolder& folder, const std::filesystem::path& file);
+
+/// What the beginning of a PNG or JPEG file says of the picture.
+struct PictureHeader {
+  int width = 0, height = 0;  ///< pixels, as stored
+  int orientation = 1;        ///< EXIF, 1 to 8; 1 where the file names none
+  friend bool operator==(const PictureHeader&, const PictureHeader&) = default;
+};
+
+/// Fails  kCorrupt for other bytes.
+Result<PictureHeader> read_picture_header(const std::filesystem::path& file);
 
 }  // namespace copresence::calibrate

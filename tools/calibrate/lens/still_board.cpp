@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace copresence::calibrate {
 namespace {
@@ -18,8 +19,10 @@ Result<StillBoard> find_still_board(const Board& board, std::span<const ColorIma
     if (auto view = find_board(board, picture, "the board's picture")) views.push_back(std::move(*view));
   }
   if (views.empty()) {
+    const std::string instead = pictures.empty() ? "" : board_seen_instead(board, pictures.front());
     return fail(ErrorCode::kNotFound,
-                "no picture shows the whole board: is its size in inner corners as given?");
+                "no picture shows the whole board: is its size in inner corners as given?" +
+                    (instead.empty() ? "" : " (" + instead + ")"));
   }
   StillBoard still;
   still.view = views[0];

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "tools/calibrate/geometry/joint_fit.h"
 #include "tools/calibrate/geometry/layout.h"
 #include "tools/calibrate/markers/camera_sightings.h"
-#include "tools/calibrate/markers/marker_finder.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -36,33 +36,35 @@ void add_color_sightings(const FoundMarker& marker, const CameraModel& color,
 
 }  // namespace
 
-Image<std::uint8_t> depth_presence(std::span<const RgbdFrame> frames) {
-  assert(!frames.empty());
-  Image<std::uint8_t> presence(frames[0].depth.width(), frames[0].depth.height());
-  for (std::size_t i = 0; i < presence.pixels().size(); ++i) {
-    std::size_t there = 0;
-    for (const RgbdFrame& frame : frames) there += frame.depth.data()[i] != 0 ? 1 : 0;
-    presence.data()[i] = static_cast<std::uint8_t>(there * 255 / frames.size());
-  }
-  return presence;
+Result<DepthToColorFinder> DepthToColorFinder::open(DepthUnit unit, const std::string& dictionary,
+                                                    int border_bits) {
+  auto finder = MarkerFinder::open(dictionary, border_bits);
+  if (!finder) return fail(finder.error());
+  return DepthToColorFinder(unit, std::move(*finder));
 }
 
-Result<DepthToColor> fit_depth_to_color(std::span<const RgbdFrame> frames, DepthUnit unit,
-                                        const CameraModel& depth, const CameraModel& color,
-                                        const std::string& dictionary) {
-  auto in_depth = MarkerFinder::open(dictionary), in_color = MarkerFinder::open(dictionary);
-  if (!in_depth) return fail(in_depth.error());
-  in_depth->add_gray(depth_presence(frames));
-  calibration::DepthAverage average(unit);
-  for (const RgbdFrame& frame : frames) {
-    average.add(frame.depth);
-    if (frame.color) in_color->add(*frame.color);
+void DepthToColorFinder::add_depth(const DepthImage& depth) {
+  if (average_.frames() == 0) measured_ = Image<std::uint16_t>(depth.width(), depth.height());
+  assert(same_shape(measured_, depth));
+  average_.add(depth);
+  for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
+    measured_.data()[i] = static_cast<std::uint16_t>(measured_.data()[i] + (depth.data()[i] != 0 ? 1 : 0));
   }
+}
 
-  const std::vector<FoundMarker> by_color = in_color->found(color);
+Result<DepthToColor> DepthToColorFinder::fit(const CameraModel& depth, const CameraModel& color) const {
+  assert(average_.frames() > 0);
+  // White where every frame has depth, black where none has: the markers' dark cells.
+  Image<std::uint8_t> presence(measured_.width(), measured_.height());
+  for (std::size_t i = 0; i < presence.pixels().size(); ++i) {
+    presence.data()[i] = static_cast<std::uint8_t>(measured_.data()[i] * 255 / average_.frames());
+  }
+  MarkerFinder in_depth = in_depth_;
+  in_depth.add_gray(presence);
+  const std::vector<FoundMarker> by_color = in_color_.found(color);
   std::vector<calibration::Sighting> sightings;
   std::vector<calibration::NamedPoint> points;
-  std::vector<FoundMarker> by_depth = in_depth->found(depth);
+  std::vector<FoundMarker> by_depth = in_depth.found(depth);
   if (by_depth.size() < calibration::kFewestMarkers && by_color.size() >= calibration::kFewestMarkers) {
     return fail(
         ErrorCode::kInvalid,
@@ -76,7 +78,7 @@ Result<DepthToColor> fit_depth_to_color(std::span<const RgbdFrame> frames, Depth
     if (other == by_color.end()) continue;
     marker.sigma_px = kRaggedPx;
     CameraSightings seen =
-        sightings_of(kDepth, "depth", depth, std::span(&marker, 1), average, {marker.name});
+        sightings_of(kDepth, "depth", depth, std::span(&marker, 1), average_, {marker.name});
     if (seen.sightings.size() != 1 + marker.corners.size()) continue;
     for (calibration::Sighting& sighting : seen.sightings) {
       sighting.marker = points.size();
@@ -92,9 +94,9 @@ Result<DepthToColor> fit_depth_to_color(std::span<const RgbdFrame> frames, Depth
   }
 
   const std::vector<Rigid3> start(2);  // a sensor's two cameras stand side by side
-  const calibration::JointFit fit = calibration::fit_jointly(sightings, start, kDepth);
+  const calibration::JointFit joint = calibration::fit_jointly(sightings, start, kDepth);
   DepthToColor out;
-  out.color_from_depth = fit.world_from_camera[kColor].inverse();
+  out.color_from_depth = joint.world_from_camera[kColor].inverse();
   out.markers = static_cast<int>(points.size());
   double squares = 0, shifts = 0;
   int corners = 0;
@@ -112,7 +114,7 @@ Result<DepthToColor> fit_depth_to_color(std::span<const RgbdFrame> frames, Depth
     ++corners;
   }
   for (const calibration::NamedPoint& point : points) {
-    shifts += std::pow(fit.expected_shift_m(kColor, point.position), 2);
+    shifts += std::pow(joint.expected_shift_m(kColor, point.position), 2);
   }
   out.rms_px = std::sqrt(squares / corners);
   out.expected_shift_m = std::sqrt(shifts / out.markers);

@@ -6,20 +6,18 @@
 //
 // Thread: pure functions.
 
-#include <span>
+#include <cstdint>
 #include <string>
 
 #include "common/frame/camera_model.h"
 #include "common/frame/depth_unit.h"
 #include "common/frame/image.h"
-#include "common/frame/rgbd_frame.h"
 #include "common/frame/rigid3.h"
 #include "common/result.h"
+#include "tools/calibrate/geometry/plane_depth.h"
+#include "tools/calibrate/markers/marker_finder.h"
 
 namespace copresence::calibrate {
-
-/// 255 where every frame has depth, 0 where none has. Requires frames of one size.
-Image<std::uint8_t> depth_presence(std::span<const RgbdFrame> frames);
 
 struct DepthToColor {
   Rigid3 color_from_depth;  ///< metres
@@ -29,10 +27,28 @@ struct DepthToColor {
   int markers = 0;
 };
 
-/// frames  as delivered: depth and colour each in its own camera.
-/// Fails   kInvalid: too few markers seen by both, or lying badly.
-Result<DepthToColor> fit_depth_to_color(std::span<const RgbdFrame> frames, DepthUnit unit,
-                                        const CameraModel& depth, const CameraModel& color,
-                                        const std::string& dictionary);
+/// Collects frames of a still scene, as delivered: depth and colour each in its own camera. Keeps sums, no frames.
+/// Thread: one thread per object.
+class DepthToColorFinder {
+ public:
+  /// Fails  kInvalid for a dictionary that there is not.
+  static Result<DepthToColorFinder> open(DepthUnit unit, const std::string& dictionary, int border_bits);
+
+  /// Requires images of the first one's size.
+  void add_depth(const DepthImage& depth);
+  /// Looks for markers, which takes longer: about twenty pictures are enough.
+  void add_color(const ColorImage& color) { in_color_.add(color); }
+
+  /// Fails  kInvalid: too few markers seen by both, or lying badly. Requires depth.
+  Result<DepthToColor> fit(const CameraModel& depth, const CameraModel& color) const;
+
+ private:
+  DepthToColorFinder(DepthUnit unit, MarkerFinder finder)
+      : average_(unit), in_color_(finder), in_depth_(std::move(finder)) {}
+
+  calibration::DepthAverage average_;
+  Image<std::uint16_t> measured_;     // number of frames with depth, by pixel
+  MarkerFinder in_color_, in_depth_;  // the latter still empty
+};
 
 }  // namespace copresence::calibrate

@@ -45,13 +45,13 @@ Eigen::Vector2d crossing_of_diagonals(const CameraModel& model,
 
 }  // namespace
 
-Result<MarkerFinder> MarkerFinder::open(const std::string& dictionary) {
+Result<MarkerFinder> MarkerFinder::open(const std::string& dictionary, int border_bits) {
   const auto number = dictionary_number(dictionary);
   if (!number) {
     return fail(ErrorCode::kInvalid, fmt::format("there is no marker dictionary \"{}\"; there are {}",
                                                  dictionary, fmt::join(marker_dictionaries(), ", ")));
   }
-  return MarkerFinder(*number);
+  return MarkerFinder(*number, border_bits);
 }
 
 void MarkerFinder::add(const ColorImage& picture) {
@@ -67,6 +67,7 @@ void MarkerFinder::add_gray(const Image<std::uint8_t>& picture) {
   const cv::Mat gray(picture.height(), picture.width(), CV_8UC1, const_cast<std::uint8_t*>(picture.data()));
   const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_);
   const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->markerBorderBits = border_bits_;
   parameters->minMarkerPerimeterRate =
       0.02;  // 13 pixels of outline in 640: smaller ones have no depth to speak of
   std::vector<std::vector<cv::Point2f>> corners;

@@ -17,8 +17,9 @@ namespace copresence::calibrate {
 
 class MarkerFinder {
  public:
+  /// border_bits  width of the markers' black rim, in cells.
   /// Fails  kInvalid for a name that is not among marker_dictionaries() (dictionary.h).
-  static Result<MarkerFinder> open(const std::string& dictionary);
+  static Result<MarkerFinder> open(const std::string& dictionary, int border_bits = 1);
 
   /// Looks for markers in one more picture; all must have the same size.
   void add(const ColorImage& picture);
@@ -38,10 +39,10 @@ class MarkerFinder {
  private:
   using Corners = std::array<Eigen::Vector2d, 4>;
 
-  explicit MarkerFinder(int dictionary) : dictionary_(dictionary) {}
+  MarkerFinder(int dictionary, int border_bits) : dictionary_(dictionary), border_bits_(border_bits) {}
   bool is_still(const std::vector<Corners>& sightings) const;
 
-  int dictionary_;
+  int dictionary_, border_bits_;
   int pictures_ = 0;
   std::map<int, std::vector<Corners>> seen_;  // by id
 };

@@ -83,7 +83,36 @@ Result<PictureHeader> png_header(Bytes bytes) {
   return header;
 }
 
+// `count` bytes at `at` in the byte order of a TIFF file; 0 beyond the end.
+std::uint32_t tiff_number(Bytes tiff, std::size_t at, std::size_t count, bool is_big_endian) {
+  if (at > tiff.size() || tiff.size() - at < count) return 0;
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    value |= std::uint32_t{tiff[at + i]} << 8 * (is_big_endian ? count - 1 - i : i);
+  }
+  return value;
+}
+
+// The orientation in the first directory of an EXIF block, which is a TIFF file.
+int exif_orientation(Bytes segment) {
+  if (segment.size() < 14 || !begins_with(segment, "Exif\0\0"sv)) return 1;
+  const Bytes tiff = segment.subspan(6);
+  const bool is_big_endian = tiff[0] == 'M';
+  const std::size_t directory = tiff_number(tiff, 4, 4, is_big_endian);
+  const std::uint32_t entries = tiff_number(tiff, directory, 2, is_big_endian);
+  constexpr std::uint32_t kOrientation = 0x0112;
+  for (std::uint32_t i = 0; i < entries; ++i) {
+    const std::size_t entry = directory + 2 + std::size_t{12} * i;
+    if (entry + 12 > tiff.size()) break;
+    if (tiff_number(tiff, entry, 2, is_big_endian) != kOrientation) continue;
+    const std::uint32_t orientation = tiff_number(tiff, entry + 8, 2, is_big_endian);
+    return orientation >= 1 && orientation <= 8 ? static_cast<int>(orientation) : 1;
+  }
+  return 1;
+}
+
 Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
+  int orientation = 1;
   std::uint64_t at = 2;
   for (int segments = 0; segments < 10'000; ++segments) {
     std::array<std::uint8_t, 10> bytes{};
@@ -100,7 +129,13 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
     const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
     if (!is_frame) {
       if (marker == 0xD9 || marker == 0xDA) return broken();
-      at += 2 + big_endian(bytes, 2, 2);
+      const std::uint32_t length = big_endian(bytes, 2, 2);
+      if (marker == 0xE1 && length > 2) {
+        std::vector<std::uint8_t> segment(length - 2);
+        segment.resize(read_at(at + 4, segment));
+        orientation = std::max(orientation, exif_orientation(segment));
+      }
+      at += 2 + length;
       continue;
     }
     if (read_at(at, bytes) < bytes.size()) return broken();
@@ -110,6 +145,7 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
     header.height = static_cast<int>(big_endian(bytes, 5, 2));
     header.width = static_cast<int>(big_endian(bytes, 7, 2));
     header.channels = bytes[9];
+    header.orientation = orientation;
     return header;
   }
   return broken();
@@ -154,12 +190,8 @@ Result<PictureHeader> netpbm_header(Bytes bytes) {
 
 Result<PictureHeader> tiff_header(const ReadAt& read_at, Bytes bytes) {
   const bool little = bytes[0] == 'I';
-  const auto number = [&](Bytes from, std::size_t at, std::size_t count) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      value |= std::uint32_t{from[at + i]} << 8 * (little ? i : count - 1 - i);
-    }
-    return value;
+  const auto number = [little](Bytes from, std::size_t at, std::size_t count) {
+    return tiff_number(from, at, count, !little);
   };
   const std::uint64_t directory = number(bytes, 4, 4);
   std::array<std::uint8_t, 12> entry{};

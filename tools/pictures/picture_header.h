@@ -20,7 +20,8 @@ enum class Format { kPng, kJpeg, kNetpbm, kTiff, kPfm };
 
 struct PictureHeader {
   Format format = Format::kPng;
-  int width = 0, height = 0;  ///< pixels as stored; a JPEG's EXIF orientation may turn them
+  int width = 0, height = 0;  ///< pixels as stored
+  int orientation = 1;        ///< JPEG: how a viewer should turn the picture, EXIF's 1 to 8; 1 where none is named
   int channels = 0;           ///< 1 to 4; a palette counts as 3
   int bits = 0;               ///< per channel
   bool is_float = false;      ///< TIFF and PFM

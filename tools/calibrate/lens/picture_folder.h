@@ -28,14 +28,4 @@ Result<PictureFolder> open_picture_folder(const std::filesystem::path& folder);
 /// Fails  kCorrupt where the file is damaged.
 Result<ColorImage> load_picture(const PictureFolder& folder, const std::filesystem::path& file);
 
-/// What the beginning of a PNG or JPEG file says of the picture.
-struct PictureHeader {
-  int width = 0, height = 0;  ///< pixels, as stored
-  int orientation = 1;        ///< EXIF, 1 to 8; 1 where the file names none
-  friend bool operator==(const PictureHeader&, const PictureHeader&) = default;
-};
-
-/// Fails  kCorrupt for other bytes.
-Result<PictureHeader> read_picture_header(const std::filesystem::path& file);
-
 }  // namespace copresence::calibrate

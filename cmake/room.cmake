@@ -1,3 +1,10 @@
+# What most sources include is parsed once. Presets for developers do without: there a missing include shows.
+if(COPRESENCE_PRECOMPILED)
+  add_library(copresence_headers OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
+  target_link_libraries(copresence_headers PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected)
+  target_precompile_headers(copresence_headers PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.h)
+endif()
+
 # A room is a folder that is a target: a static library whose headers compile alone and which names what it depends on.
 #
 #   add_room(depth HEADERS a.h SOURCES a.cpp USES copresence::frame HIDES copresence_opencv)
@@ -10,13 +17,18 @@ function(add_room name)
   if(ROOM_SOURCES)
     add_library(${target} STATIC ${ROOM_SOURCES})
     target_link_libraries(${target} PUBLIC copresence::rules ${ROOM_USES} PRIVATE ${ROOM_HIDES})
+    if(COPRESENCE_PRECOMPILED)
+      target_link_libraries(${target} PRIVATE Eigen3::Eigen fmt::fmt tl::expected)
+      target_precompile_headers(${target} REUSE_FROM copresence_headers)
+    endif()
     set(scope PUBLIC)
   else()
     add_library(${target} INTERFACE)
     target_link_libraries(${target} INTERFACE copresence::rules ${ROOM_USES})
     set(scope INTERFACE)
   endif()
-  # A header that is the first include of its own .cpp (tests/architecture) compiles alone already.
+  # A header that is the first include of its own .cpp (tests/architecture) compiles alone already, where
+  # COPRESENCE_PRECOMPILED is off.
   set(lone_headers ${ROOM_HEADERS})
   foreach(source IN LISTS ROOM_SOURCES)
     string(REGEX REPLACE "[.]cpp$" ".h" header ${source})

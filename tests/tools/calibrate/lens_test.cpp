@@ -339,13 +339,13 @@ std::string refusal(const std::vector<BoardView>& all, int width, int height) {
 }
 
 TEST(LensFit, RefusesPicturesOfTwoCameras) {
-  CameraModel a = kLens, b = kLens;
-  b.fx = b.fy = 220;
-  b.cx = 150;
+  CameraModel a{640, 480, 580, 583, 322, 236, {0.12, -0.2, 0.0012, -0.0009, 0, 0, 0, 0}}, b = a;
+  b.fx = b.fy = 440;
+  b.cx = 300;
   std::vector<BoardView> all = exact_views(a, 0.1);
   const std::vector<BoardView> others = exact_views(b, 0.1);
   for (std::size_t i = 0; i < 5; ++i) all[2 * i] = others[2 * i];
-  const std::string why = refusal(all, 320, 240);
+  const std::string why = refusal(all, 640, 480);
   EXPECT_THAT(why, testing::HasSubstr("they seem to be of two cameras"));
   EXPECT_THAT(why, testing::HasSubstr("view 0"));
 }

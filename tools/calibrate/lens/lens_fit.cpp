@@ -132,7 +132,7 @@ struct Consensus {
 
 // The lens that fits most views, and those: from all views, then from random choices of a few. Deterministic.
 Consensus largest_consensus(std::span<const BoardView> views, int width, int height, double most_rms_px) {
-  constexpr int kChoices = 25;
+  constexpr int kChoices = 40;
   constexpr std::size_t kChosen = 3;
   std::mt19937 random(1);
   std::vector<std::size_t> order(views.size());
@@ -181,6 +181,7 @@ std::string names_of(std::span<const BoardView> views) {
 // Two groups of views, each of which fits a lens of its own. Empty where there are none.
 std::string two_cameras(std::span<const BoardView> views, int width, int height, double most_rms_px) {
   constexpr std::size_t kFewest = 3;
+  constexpr double kSameFocal = 0.02;  // of focal lengths that are one lens's, found from few views
   const Consensus first = largest_consensus(views, width, height, most_rms_px);
   if (first.views.size() < kFewest) return {};
   std::vector<BoardView> in_first, others;
@@ -191,6 +192,7 @@ std::string two_cameras(std::span<const BoardView> views, int width, int height,
   if (others.size() < kFewest) return {};
   const Consensus second = largest_consensus(others, width, height, most_rms_px);
   if (second.views.size() < kFewest || 2 * second.views.size() < others.size()) return {};
+  if (std::abs(first.model.fx / second.model.fx - 1) < kSameFocal) return {};
   std::vector<BoardView> in_second;
   for (const std::size_t i : second.views) in_second.push_back(others[i]);
   return fmt::format(
@@ -238,18 +240,22 @@ constexpr const char* kUsualCauses =
 std::string problem_of(const LensFit& fit, std::span<const BoardView> views) {
   const CameraModel& m = fit.model;
   const double factor = size_factor(m);
-  if (const std::size_t bad = fit.dropped.size(); 4 * bad > views.size()) {
-    const std::string cause = two_cameras(views, m.width, m.height, 0.5 * kMostRmsPx * factor);
-    if (!cause.empty() || 3 * bad > views.size()) {
-      return fmt::format("{} of {} views do not fit the lens of the others; {}", bad, views.size(),
-                         cause.empty() ? kUsualCauses : cause);
+  const std::size_t bad = fit.dropped.size();
+  const bool is_poor = fit.rms_px > kGoodRmsPx * factor || 4 * bad > views.size();
+  if (is_poor) {
+    // Poses make up for a part of a wrong focal length, so that two cameras together can seem almost good.
+    const double most_rms_px = std::max(0.5 * fit.rms_px, 0.5 * kGoodRmsPx * factor);
+    if (const std::string cause = two_cameras(views, m.width, m.height, most_rms_px); !cause.empty()) {
+      return fmt::format("the views do not fit one lens: the error is {:.2f} px; {}", fit.rms_px, cause);
     }
   }
   if (fit.rms_px > kMostRmsPx * factor) {
-    std::string cause = two_cameras(views, m.width, m.height, 0.5 * kMostRmsPx * factor);
-    if (cause.empty()) cause = kUsualCauses;
     return fmt::format("the views do not fit one lens: the error is {:.1f} px, of at most {:.1f}; {}",
-                       fit.rms_px, kMostRmsPx * factor, cause);
+                       fit.rms_px, kMostRmsPx * factor, kUsualCauses);
+  }
+  if (3 * bad > views.size()) {
+    return fmt::format("{} of {} views do not fit the lens of the others; {}", bad, views.size(),
+                       kUsualCauses);
   }
   if (const auto checked = check(m); !checked) {
     return fmt::format("the views do not make a lens (error {:.1f} px): {}", fit.rms_px,

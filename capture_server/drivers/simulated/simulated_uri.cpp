@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 
@@ -16,6 +17,14 @@ template <class Number>
 bool read_number(std::string_view text, Number& number) {
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
   return problem == std::errc() && end == text.data() + text.size();
+}
+
+// What stands before the first `separator`; `text` keeps what follows it.
+std::string_view take_until(char separator, std::string_view& text) {
+  const auto at = text.find(separator);
+  const std::string_view before = text.substr(0, at);
+  text = at == std::string_view::npos ? std::string_view() : text.substr(at + 1);
+  return before;
 }
 
 bool read_option(std::string_view key, std::string_view value, SimulatedUri& into) {
@@ -38,24 +47,21 @@ Result<SimulatedUri> parse_simulated_uri(const std::string& uri) {
                 fmt::format("{}: a simulated camera is written simulated:WORLD?camera=N", uri));
   }
   SimulatedUri parsed;
-  std::string_view rest = std::string_view(uri).substr(std::string_view(kSimulatedPrefix).size());
-  const auto question = std::min(rest.find('?'), rest.size());
-  parsed.world = rest.substr(0, question);
+  std::string_view rest(uri);
+  rest.remove_prefix(std::min(rest.size(), std::string_view(kSimulatedPrefix).size()));
+  parsed.world = take_until('?', rest);
   const auto worlds = simulation::World::names();
   if (std::find(worlds.begin(), worlds.end(), parsed.world) == worlds.end()) {
     return fail(ErrorCode::kInvalid, fmt::format("{}: there is no world \"{}\"; there are {}", uri,
                                                  parsed.world, fmt::join(worlds, ", ")));
   }
-  rest.remove_prefix(std::min(question + 1, rest.size()));
   while (!rest.empty()) {
-    const auto end = std::min(rest.find('&'), rest.size());
-    const std::string_view option = rest.substr(0, end);
-    const auto equals = std::min(option.find('='), option.size());
-    if (equals == option.size() ||
-        !read_option(option.substr(0, equals), option.substr(equals + 1), parsed)) {
+    const std::string_view option = take_until('&', rest);
+    std::string_view value = option;
+    const std::string_view key = take_until('=', value);
+    if (key.size() == option.size() || !read_option(key, value, parsed)) {
       return fail(ErrorCode::kInvalid, fmt::format("{}: \"{}\" is none of {}", uri, option, kOptions));
     }
-    rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   if (parsed.camera < 0 || parsed.camera >= simulation::kMostKinects || parsed.cameras < 1 ||
       parsed.cameras > simulation::kMostKinects) {

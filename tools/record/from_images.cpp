@@ -140,7 +140,7 @@ class Making {
       if (auto colored = describe_color(content); !colored) return fail(colored.error());
     }
     if (!settings_.intrinsics) {
-      report_.remarks.push_back(
+      report_.remarks.emplace_back(
           fmt::format("no --fx, so square pixels and a Kinect's nominal field of view: fx = fy = {:.1f}",
                       content.camera.model.fx));
     }
@@ -175,7 +175,7 @@ class Making {
   }
 
   void remark_on_odd_size(const char* what, const Size& even) {
-    report_.remarks.push_back(
+    report_.remarks.emplace_back(
         fmt::format("{} has an odd width or height: its last column or row is left out, {}x{} remain", what,
                     even.width, even.height));
   }
@@ -185,11 +185,11 @@ class Making {
     switch (coding_) {
       case DepthCoding::kKinectDisparity:
       case DepthCoding::kSwappedDisparity:
-        report_.remarks.push_back(
+        report_.remarks.emplace_back(
             "depth is a Kinect's raw disparity of 11 bits: metres by 351.3 / (1092.5 - raw), colour not registered");
         return;
       case DepthCoding::kSwapped:
-        report_.remarks.push_back("depth has the two bytes of each number exchanged: they are exchanged again");
+        report_.remarks.emplace_back("depth has the two bytes of each number exchanged: they are exchanged again");
         break;
       case DepthCoding::kFloat:
         report_.depth_per_metre =
@@ -206,7 +206,7 @@ class Making {
     };
     const double other = images_.has_tum_depth ? kUsualPerMetre : kTumPerMetre;
     if (!is_a_room(report_.depth_per_metre) && is_a_room(other)) {
-      report_.remarks.push_back(
+      report_.remarks.emplace_back(
           fmt::format("the middle depth of the first image is {:.2f} m at {:g} to a metre, but {:.2f} m at {:g}: if "
                       "that is right, give --depth-scale {:g}",
                       middle / report_.depth_per_metre, report_.depth_per_metre, middle / other, other, other));

@@ -196,6 +196,7 @@ TEST(Supervisor, CallsARecordingDamagedOnlyWhenACrashRecursAtTheSamePlace) {
   SharedCounter children;
   const Outcome outcome = run(quick(), [&](Heartbeat& heartbeat) -> int {
     heartbeat.enter(Stage::kRunning);
+    heartbeat.main().beat();
     heartbeat.captured(static_cast<std::uint64_t>(57 + 3 * (*children)++));  // reading ahead varies
     ::prctl(PR_SET_NAME, "capture");
     crash();
@@ -282,6 +283,7 @@ TEST(Supervisor, EndsWhenAChildCrashesAfterItsWork) {
   const Outcome outcome = run(quick(), [&](Heartbeat& heartbeat) -> int {
     ++*children;
     heartbeat.enter(Stage::kEnding);
+    heartbeat.main().beat();
     crash();
   });
   EXPECT_EQ(outcome.code, 1);

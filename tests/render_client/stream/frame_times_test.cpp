@@ -32,7 +32,9 @@ TEST(FrameTimes, MayBeWrongByWhatTheClockIsNotSureOf) {
 TEST(FrameTimes, AreNotBelievedWhereTheyContradictEachOther) {
   const auto is_believed = [](Duration captured_before, Duration sent_before) {
     const FrameTimes times = frame_times(kReceived - captured_before, kReceived - sent_before, kReceived, {});
-    if (!times.are_believed()) EXPECT_EQ(times.captured_at, kReceived);
+    if (!times.are_believed()) {
+      EXPECT_EQ(times.captured_at, kReceived);
+    }
     return times.are_believed();
   };
   EXPECT_TRUE(is_believed(seconds(9), milliseconds(5)));

@@ -88,6 +88,13 @@ TEST_F(PictureFolders, OfOddSizesLoseTheirLastColumnAndRow) {
   EXPECT_EQ(load_picture(*folder, folder->files[0])->height(), 180);
 }
 
+TEST_F(PictureFolders, OfATelephonesSizeAreTaken) {
+  png("a.png", 4000, 3000);
+  const auto folder = open_picture_folder(folder_ / "");
+  ASSERT_TRUE(folder) << folder.error().what;
+  EXPECT_EQ(folder->width, 4000);
+}
+
 TEST_F(PictureFolders, OfDifferentSizesAreRefusedByName) {
   png("a.png", 64, 48);
   png("b.png", 64, 48);

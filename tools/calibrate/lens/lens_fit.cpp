@@ -286,7 +286,8 @@ double times_good_rms(const LensFit& fit) {
 }
 
 Result<LensFit> fit_lens(std::span<const BoardView> views, int width, int height) {
-  if (const auto usable = check(CameraModel{width, height, 1, 1, 0, 0, {}}); !usable)
+  constexpr double kAnyFieldOfView = 1;  // radians: only the size is in question
+  if (const auto usable = check(camera_from_field_of_view(width, height, kAnyFieldOfView)); !usable)
     return fail(usable.error());
   if (views.size() < kFewestViews) {
     return fail(

@@ -45,7 +45,8 @@ Error of_different_sizes(const fs::path& folder, const std::map<Size, std::vecto
 
 // Empty where the size can be used, perhaps without its last column or row.
 std::string problem_of_size(int width, int height) {
-  const auto checked = check(CameraModel{width / 2 * 2, height / 2 * 2, 1, 1, 0, 0, {}});
+  constexpr double kAnyFieldOfView = 1;  // radians: only the size is in question
+  const auto checked = check(camera_from_field_of_view(width / 2 * 2, height / 2 * 2, kAnyFieldOfView));
   if (checked) return {};
   constexpr int kLarge = 1000;
   return checked.error().what +

@@ -174,22 +174,27 @@ TEST(FrameClient, AcknowledgesEachFrameAsItArrives) {
 }
 
 TEST(FrameClient, SaysWhenAFrameArrivedHoweverLateItIsRead) {
-  std::promise<void> sent;
-  FakeServer server([&](RawPeer& peer) {
-    peer.hear();
-    peer.say(encode(sample_welcome()));
-    peer.say(frame_message());
-    sent.set_value();
-    peer.hear_out();
-  });
-  auto client = server.client();
-  ASSERT_TRUE(client);
-  sent.get_future().wait();
-  std::this_thread::sleep_for(100ms);  // the client is busy with another frame
-  const auto read_from = std::chrono::steady_clock::now();
-  const auto received = client->receive({});
-  ASSERT_TRUE(received);
-  EXPECT_LT(received->received_at, read_from - 20ms);
+  // The kernel begins to note arrivals a moment after the first socket asks for it, so the first try may come too early.
+  std::chrono::steady_clock::duration noticed_before_reading{};
+  for (int attempt = 0; attempt < 5 && noticed_before_reading < 20ms; ++attempt) {
+    std::promise<void> sent;
+    FakeServer server([&](RawPeer& peer) {
+      peer.hear();
+      peer.say(encode(sample_welcome()));
+      peer.say(frame_message());
+      sent.set_value();
+      peer.hear_out();
+    });
+    auto client = server.client();
+    ASSERT_TRUE(client);
+    sent.get_future().wait();
+    std::this_thread::sleep_for(100ms);  // the client is busy with another frame
+    const auto read_from = std::chrono::steady_clock::now();
+    const auto received = client->receive({});
+    ASSERT_TRUE(received);
+    noticed_before_reading = read_from - received->received_at;
+  }
+  EXPECT_GE(noticed_before_reading, 20ms);
 }
 
 TEST(FrameClient, DoesNotCountItsOwnPausesAsRoundTrips) {

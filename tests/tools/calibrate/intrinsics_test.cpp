@@ -149,7 +149,7 @@ TEST(CalibrateIntrinsics, SaysWhatIsMissing) {
   EXPECT_THAT(wrong_size.said, HasSubstr("none of 1 pictures shows the whole board (12x9 inner corners); "
                                          "1.png: it shows 7x5 inner corners"));
   std::ofstream(folder / "photos/2.png") << "no picture";
-  EXPECT_THAT(run({"--images", folder / "photos"}).said, HasSubstr("2.png: is no PNG or JPEG picture"));
+  EXPECT_THAT(run({"--images", folder / "photos"}).said, HasSubstr("2.png: not an image that is read here"));
   const std::string yaml = folder / "nameless.yaml";
   ASSERT_TRUE(save_camera_info({"", kLens}, yaml));
   const Outcome nameless = run({"--camera-info", yaml, "--scene-out", folder / "scene.toml"});

@@ -164,6 +164,11 @@ tl::expected<ServerSettings, Refusal> read(CLI::App& app, int argc, const char* 
     throw CLI::RequiredError(
         "--source (openni:, openni:URI, simulated:room?camera=N or FILE.oni), or --scene and --name,");
   }
+  constexpr std::size_t kMostOfASource = 1024;
+  if (settings.source.size() > kMostOfASource) {
+    throw CLI::ValidationError("--source", fmt::format("{} has more than {} bytes: give a camera or a file by a shorter name",
+                                                       text::excerpt(settings.source), kMostOfASource));
+  }
   if (settings.controls.projector && is_recording(settings.source)) {
     throw CLI::ValidationError("--projector-slot", "a recording has no projector: leave it out");
   }

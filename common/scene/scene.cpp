@@ -18,7 +18,7 @@ namespace {
 
 // Bytes. A name is as long as capture_server's --name, an address as a host's name and a port, a source as a path.
 constexpr double kFarthestM = 10'000;  // of a pose from the origin; a stream's may not be farther either
-constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 4096;
+constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 1024;
 
 // Reads one file's tables; the first thing that is wrong stays in error() and everything after it is skipped.
 class Reader {

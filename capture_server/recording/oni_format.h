@@ -16,9 +16,9 @@
 //   NUL, then the bytes with the NUL.
 //
 // OpenNI 1.0 to 1.3 wrote versions 1.0.0.4 to 1.0.0.6, which are read, too. Their "undo position" and the position of a
-// seek table are u32, so a record begins with 24 bytes and an entry of a seek table has 16. kNodeAddedOlder (1.0.0.5) ends
-// behind the last timestamp; kNodeAddedOld (1.0.0.4) ends behind the codec, and its node's kDataBegin holds the number of
-// frames and the last timestamp.
+// seek table are u32, so a record begins with 24 bytes and an entry of a seek table has 16. The last field
+// of kNodeAddedOlder (1.0.0.5) is the last timestamp. The last field of kNodeAddedOld (1.0.0.4) is the codec; there the
+// kDataBegin record of the node holds the number of frames and the last timestamp.
 //
 // "undo position" of a kNewData is that of the node's frame before it (0 for the first), of a kNodeRemoved
 // that of its kNodeAdded, elsewhere 0.

@@ -66,7 +66,7 @@ bool varies(const Column& column) {
                      [&](const TimeNumber& number) { return number.value != column.front().value; });
 }
 
-// "1305031102-175304000": Unix seconds, and nano- or microseconds behind them.
+// "1305031102-175304000": Unix seconds, then the fraction in nanoseconds or microseconds.
 std::optional<Column> seconds_and_fraction(const std::vector<std::string>& seconds,
                                            const std::vector<std::string>& fractions) {
   Column column = parsed(seconds);

@@ -42,8 +42,8 @@ struct Sheet {
   std::string flags;    ///< of `calibrate` for its use
 };
 
-/// A chessboard or ChArUco board on one page. A square of 0 stands for the largest whole millimetres that fit, a marker of 0
-/// for about three quarters of a square.
+/// A chessboard or ChArUco board on one page. If its square is 0, the square takes the largest whole millimetres that fit. If
+/// its marker is 0, the marker takes about three quarters of a square.
 /// Fails  kInvalid for what does not fit on the paper, saying what does, and as problem_of().
 Result<Sheet> board_sheet(Board board, const Paper& paper);
 

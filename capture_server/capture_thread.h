@@ -13,7 +13,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/flow/in_order.h"
+#include "common/flow/bounded_queue.h"
 
 namespace copresence::server {
 
@@ -41,7 +41,7 @@ class CaptureThread {
     while (auto task = waiting_.take()) (*task)();
   }
 
-  flow::InOrder<std::packaged_task<void()>> waiting_{4};
+  flow::BoundedQueue<std::packaged_task<void()>> waiting_{4};
   std::jthread thread_;
 };
 

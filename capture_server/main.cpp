@@ -14,11 +14,11 @@
 #include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/pipeline.h"
 #include "capture_server/running_settings.h"
+#include "capture_server/sensor/source.h"
 #include "capture_server/settings.h"
-#include "capture_server/source.h"
 #include "capture_server/supervisor.h"
-#include "common/flow/keep_memory.h"
 #include "common/flow/stop_on_signal.h"
+#include "common/flow/tune_allocator.h"
 
 namespace copresence::server {
 namespace {
@@ -91,7 +91,7 @@ int stream(RunningSettings& settings, const wire::ListeningSocket& listening, He
 int main(int argc, char** argv) {
   using namespace copresence;
   using namespace copresence::server;
-  flow::keep_memory_for_frames();
+  flow::tune_allocator();
   const auto settings = read_command_line(argc, argv);
   if (!settings) return settings.error();
   if (settings->list) return list_devices();

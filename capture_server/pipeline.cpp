@@ -9,15 +9,15 @@
 #include <thread>
 #include <utility>
 
-#include "capture_server/frame_encoding.h"
-#include "capture_server/recording_thread.h"
-#include "capture_server/sensor/lasting_source.h"
-#include "capture_server/source.h"
-#include "common/flow/freshness.h"
-#include "common/flow/latest.h"
+#include "capture_server/encoding/frame_encoding.h"
+#include "capture_server/recording/recording_thread.h"
+#include "capture_server/sensor/reconnecting_source.h"
+#include "capture_server/sensor/source.h"
+#include "common/flow/drop_stale.h"
+#include "common/flow/mailbox.h"
 #include "common/flow/thread_priority.h"
+#include "common/flow/waiting.h"
 #include "common/flow/worker_pool.h"
-#include "common/frame/waiting.h"
 #include "common/wire/end_of_stream.h"
 #include "common/wire/frame_server.h"
 
@@ -40,7 +40,7 @@ struct Captured {
 constexpr int kStepsBehindTheView = 5, kStepsBehindAll = 10;
 
 /// Between two tries to open a camera, and between two sentences about it.
-constexpr std::chrono::milliseconds kBetweenTries = sensor::LastingSource::kBetweenTries;
+constexpr std::chrono::milliseconds kBetweenTries = sensor::ReconnectingSource::kBetweenTries;
 constexpr std::chrono::seconds kBetweenSentences{10};
 
 void name_this_thread(const char* name) {
@@ -67,7 +67,7 @@ Result<std::unique_ptr<sensor::FrameSource>> open_source_once(const ServerSettin
   auto source = open_source(
       settings.source,
       {.pace = settings.pace, .loop = settings.loop, .begin = begin, .controls = settings.controls});
-  if (is_recording(settings.source)) player.give_way(kStepsBehindAll);
+  if (is_recording(settings.source)) player.lower_priority(kStepsBehindAll);
   return source;
 }
 
@@ -118,7 +118,7 @@ Result<std::unique_ptr<RecordingThread>> begin_recording(const ServerSettings& s
   return std::make_unique<RecordingThread>(std::move(*recording));
 }
 
-std::string in_words(const Rates& rates) {
+std::string in_words(const EncoderSettings& rates) {
   return rates.depth_kbps ? fmt::format("{} kbit/s", *rates.depth_kbps)
                           : fmt::format("qp {}", rates.depth_qp);
 }
@@ -134,8 +134,8 @@ class Pipeline {
  public:
   Pipeline(const ServerSettings& settings, std::optional<Instant> begin,
            std::unique_ptr<sensor::FrameSource> source, std::unique_ptr<RecordingThread> recording,
-           FrameEncoding encoding, std::unique_ptr<wire::FrameServer> server, flow::Latest<Rates>& rates,
-           Heartbeat& heartbeat, CaptureThread& capture)
+           FrameEncoding encoding, std::unique_ptr<wire::FrameServer> server,
+           flow::Mailbox<EncoderSettings>& rates, Heartbeat& heartbeat, CaptureThread& capture)
       : heartbeat_(heartbeat),
         capture_(capture),
         settings_(settings),
@@ -289,7 +289,7 @@ class Pipeline {
 
   /// Until the capture ends and its last frame is encoded. Fails with what no later frame can mend.
   Result<void> encode_frames(Pulse pulse) {
-    flow::give_way(kStepsBehindTheView);
+    flow::lower_priority(kStepsBehindTheView);
     flow::WorkerPool workers(std::thread::hardware_concurrency() > 1 ? 2 : 1, "encode");
     bool keyframe_owed = false;      // a frame that was to be one failed
     std::uint64_t without_room = 0;  // frames left out since nobody was there, or nobody had room
@@ -308,7 +308,7 @@ class Pipeline {
         ++without_room;
         continue;
       }
-      if (!keeps_every_frame() && flow::is_overtaken(captured->frame.stamp.captured_at, free, period)) {
+      if (!keeps_every_frame() && flow::should_drop_stale(captured->frame.stamp.captured_at, free, period)) {
         ++encoder_busy;
         continue;
       }
@@ -325,7 +325,7 @@ class Pipeline {
         ++encoder_busy;
         spdlog::warn("{}: {}; depth goes on at {}", settings_.name, encoded.error().what,
                      in_words(*rates_before_));
-        change_rates(Rates(*rates_before_));
+        change_rates(EncoderSettings(*rates_before_));
         rates_before_.reset();
       } else {
         ++encoder_busy;
@@ -335,7 +335,7 @@ class Pipeline {
     return {};
   }
 
-  void change_rates(const Rates& rates) {
+  void change_rates(const EncoderSettings& rates) {
     if (const auto changed = encoding_.set_rates(rates); !changed) {
       spdlog::warn("{}: {}; rates stay as they are", settings_.name, changed.error().what);
       return;
@@ -347,14 +347,14 @@ class Pipeline {
   CaptureThread& capture_;
   const ServerSettings& settings_;
   const std::optional<Instant> begin_;
-  Rates rates_;
-  std::optional<Rates> rates_before_;  ///< of a change while running: what can be gone back to
-  flow::Latest<Rates>& new_rates_;
+  EncoderSettings rates_;
+  std::optional<EncoderSettings> rates_before_;  ///< of a change while running: what can be gone back to
+  flow::Mailbox<EncoderSettings>& new_rates_;
   std::unique_ptr<sensor::FrameSource> source_;
   std::unique_ptr<RecordingThread> recording_;  ///< where there is one
   FrameEncoding encoding_;
   std::unique_ptr<wire::FrameServer> server_;
-  flow::Latest<Captured> captured_;
+  flow::Mailbox<Captured> captured_;
   std::stop_source end_capture_;
   std::optional<ErrorCode> no_frames_since_;  ///< what for; the capture thread's, as the next
   bool damage_is_said_ = false, has_begun_ = false;
@@ -364,8 +364,8 @@ class Pipeline {
 }  // namespace
 
 Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
-                          flow::Latest<Rates>& rates, const std::stop_token& stop, Heartbeat& heartbeat,
-                          CaptureThread& capture) {
+                          flow::Mailbox<EncoderSettings>& rates, const std::stop_token& stop,
+                          Heartbeat& heartbeat, CaptureThread& capture) {
   const auto camera = [&] {
     const auto activity = heartbeat.doing(fmt::format("reading the scene file {}", settings.scene),
                                           "mend that file or start without --scene");

@@ -7,7 +7,7 @@
 #include "capture_server/capture_thread.h"
 #include "capture_server/heartbeat.h"
 #include "capture_server/settings.h"
-#include "common/flow/latest.h"
+#include "common/flow/mailbox.h"
 #include "common/result.h"
 #include "common/wire/listening_socket.h"
 
@@ -21,7 +21,7 @@ namespace copresence::server {
 /// A child that replaces one that crashed waits for a camera that is not there, or not usable, and says so in
 /// the log.
 Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
-                          flow::Latest<Rates>& rates, const std::stop_token& stop, Heartbeat& heartbeat,
-                          CaptureThread& capture);
+                          flow::Mailbox<EncoderSettings>& rates, const std::stop_token& stop,
+                          Heartbeat& heartbeat, CaptureThread& capture);
 
 }  // namespace copresence::server

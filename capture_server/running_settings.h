@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "capture_server/settings.h"
-#include "common/flow/latest.h"
+#include "common/flow/mailbox.h"
 
 namespace copresence::server {
 
@@ -38,7 +38,7 @@ class RunningSettings {
   ServerSettings now() const;
 
   /// New rates, for whoever encodes.
-  flow::Latest<Rates>& rates() { return rates_; }
+  flow::Mailbox<EncoderSettings>& rates() { return rates_; }
 
  private:
   Result<ServerSettings> read_settled() const;
@@ -48,7 +48,7 @@ class RunningSettings {
   const char* const* const argv_;
   mutable std::mutex mutex_;
   ServerSettings now_;
-  flow::Latest<Rates> rates_;
+  flow::Mailbox<EncoderSettings> rates_;
 };
 
 }  // namespace copresence::server

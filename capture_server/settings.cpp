@@ -9,7 +9,7 @@
 
 #include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/flags.h"
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 #include "common/command_line/mistakes.h"
 #include "common/scene/scene.h"
 #include "common/scene/settings_file.h"
@@ -44,7 +44,7 @@ bool is_given(const CLI::Option& option) {
 }
 
 /// Why the server cannot start, and with which exit code.
-struct Refusal {
+struct Reject {
   std::string what;
   int exit_code = 2;
 };
@@ -60,32 +60,32 @@ std::string names_of(const scene::Scene& scene) {
 }
 
 /// The camera of the scene file that this server is for; nullptr where the file does not say anything of it.
-tl::expected<const scene::Camera*, Refusal> camera_in(const scene::Scene& scene, ServerSettings& settings) {
+tl::expected<const scene::Camera*, Reject> camera_in(const scene::Scene& scene, ServerSettings& settings) {
   if (settings.name.empty() && scene.cameras.size() == 1) settings.name = scene.cameras.front().name;
   if (settings.name.empty() && settings.source.empty()) {
-    return tl::unexpected(Refusal{
+    return tl::unexpected(Reject{
         fmt::format("{} has several cameras: choose one with --name: {}", settings.scene, names_of(scene))});
   }
   const scene::Camera* camera = scene.find(settings.name.empty() ? default_name(settings) : settings.name);
   if (!camera && settings.source.empty()) {
-    return tl::unexpected(Refusal{fmt::format("{}: no camera is called \"{}\"; its cameras are {}",
-                                              settings.scene, text::excerpt(settings.name), names_of(scene)),
-                                  1});
+    return tl::unexpected(Reject{fmt::format("{}: no camera is called \"{}\"; its cameras are {}",
+                                             settings.scene, text::excerpt(settings.name), names_of(scene)),
+                                 1});
   }
   if (settings.source.empty() && camera->source.empty()) {
-    return tl::unexpected(Refusal{
+    return tl::unexpected(Reject{
         fmt::format("{} has no \"source\" for camera \"{}\": give --source", settings.scene, camera->name)});
   }
   return camera;
 }
 
 /// Source and listening address from the scene file, where neither command line nor settings file gives them.
-tl::expected<void, Refusal> apply_scene(CLI::App& app, ServerSettings& settings) {
+tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) {
   CLI::Option& source = *app.get_option("--source");
   CLI::Option& listen = *app.get_option("--listen");
   if (settings.scene.empty() || (is_given(source) && is_given(listen))) return {};
   const auto scene = scene::load(settings.scene);
-  if (!scene) return tl::unexpected(Refusal{scene.error().what, 1});
+  if (!scene) return tl::unexpected(Reject{scene.error().what, 1});
   const auto camera = camera_in(*scene, settings);
   if (!camera) return tl::unexpected(camera.error());
   const auto take = [](CLI::Option& option, const std::string& value) {
@@ -149,14 +149,14 @@ std::map<std::string, std::string> texts_of(const CLI::App& app) {
 }
 
 /// All that is asked for. A file's mistakes are refusals, the command line's CLI::ParseError.
-tl::expected<ServerSettings, Refusal> read(CLI::App& app, int argc, const char* const* argv) {
+tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* const* argv) {
   ServerSettings settings;
   add_flags(app, settings);
   app.parse(argc, argv);
   if (settings.list) return settings;
   if (!settings.config.empty()) {
     if (const auto applied = apply_file(app, settings.config); !applied) {
-      return tl::unexpected(Refusal{applied.error().what});
+      return tl::unexpected(Reject{applied.error().what});
     }
   }
   if (auto applied = apply_scene(app, settings); !applied) return tl::unexpected(applied.error());
@@ -166,8 +166,9 @@ tl::expected<ServerSettings, Refusal> read(CLI::App& app, int argc, const char* 
   }
   constexpr std::size_t kMostOfASource = 1024;
   if (settings.source.size() > kMostOfASource) {
-    throw CLI::ValidationError("--source", fmt::format("{} has more than {} bytes: give a camera or a file by a shorter name",
-                                                       text::excerpt(settings.source), kMostOfASource));
+    throw CLI::ValidationError(
+        "--source", fmt::format("{} has more than {} bytes: give a camera or a file by a shorter name",
+                                text::excerpt(settings.source), kMostOfASource));
   }
   if (settings.controls.projector && is_recording(settings.source)) {
     throw CLI::ValidationError("--projector-slot", "a recording has no projector: leave it out");

@@ -15,13 +15,13 @@
 namespace copresence::server {
 
 /// What the pictures may cost: all of it can change while the server runs.
-struct Rates {
+struct EncoderSettings {
   int depth_qp = 20;              ///< 0 (lossless) to 51
   std::optional<int> depth_kbps;  ///< everything depth costs; instead of depth_qp
   int color_kbps = 2500;
 
   bool is_lossless() const { return depth_qp == 0 && !depth_kbps; }
-  friend bool operator==(const Rates&, const Rates&) = default;
+  friend bool operator==(const EncoderSettings&, const EncoderSettings&) = default;
 };
 
 struct ServerSettings {
@@ -29,7 +29,7 @@ struct ServerSettings {
   std::string listen = "127.0.0.1:7001";
   std::string name;  ///< the camera's; the recording's file name without its ending by default
   std::string codec = "adaptive";
-  Rates rates;
+  EncoderSettings rates;
   hole_filling::Method hole_filling = hole_filling::Method::kJoint;
   DepthRange range;
   hole_filling::Compute compute = hole_filling::Compute::kAuto;

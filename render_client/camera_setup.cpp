@@ -26,7 +26,7 @@ CameraSetup resolve_setup(const StreamDescription& stream, const scene::Scene* s
 }
 
 renderer::CameraView camera_view(const CameraSetup& setup, const RgbdFrame& frame, std::uint64_t version,
-                                 const color_matching::ColorMap& found) {
+                                 const color_matching::ColorCorrection& found) {
   renderer::CameraView view;
   view.frame = &frame;
   view.version = version;

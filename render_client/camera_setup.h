@@ -16,7 +16,7 @@
 #include "common/frame/rgbd_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/scene/scene.h"
-#include "render_client/color_matching/color_map.h"
+#include "render_client/color_matching/color_correction.h"
 #include "render_client/color_matching/color_pairs.h"
 #include "render_client/renderer/renderer.h"
 
@@ -27,13 +27,14 @@ struct CameraSetup {
   DepthUnit unit = DepthUnit::kMillimetre;
   bool has_pose = false;             ///< the stream or the scene file gives one
   std::optional<Rigid3> fixed_pose;  ///< the scene file's; beats the poses in the frames
-  std::optional<color_matching::ColorMap> color_matching;  ///< the scene file's; beats what is found live
+  std::optional<color_matching::ColorCorrection>
+      color_matching;  ///< the scene file's; beats what is found live
   double calibration_error_m = renderer::CameraView{}.calibration_error_m;
   /// A sentence for the log where the scene file's intrinsics cannot be used; else empty.
   std::string remark;
 
   /// World from camera of a frame of this stream, metres.
-  const Rigid3& pose(const FrameStamp& stamp) const {
+  const Rigid3& pose(const FrameMetadata& stamp) const {
     return fixed_pose ? *fixed_pose : stamp.world_from_camera;
   }
 };
@@ -45,7 +46,7 @@ CameraSetup resolve_setup(const StreamDescription& stream, const scene::Scene* s
 /// A frame of this camera as a renderer takes it. `version` as in CameraView. `found` is the colour
 /// correction that live matching has found. `frame` must outlive the result's use.
 renderer::CameraView camera_view(const CameraSetup& setup, const RgbdFrame& frame, std::uint64_t version,
-                                 const color_matching::ColorMap& found);
+                                 const color_matching::ColorCorrection& found);
 
 /// The same as colour matching takes it.
 color_matching::PosedFrame posed_frame(const CameraSetup& setup, const RgbdFrame& frame);

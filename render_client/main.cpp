@@ -4,15 +4,15 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "common/flow/keep_memory.h"
 #include "common/flow/stop_on_signal.h"
+#include "common/flow/tune_allocator.h"
 #include "render_client/pipeline.h"
 #include "render_client/settings.h"
 
 int main(int argc, char** argv) {
   using namespace copresence;
   using namespace copresence::client;
-  flow::keep_memory_for_frames();
+  flow::tune_allocator();
   const auto settings = read_command_line(argc, argv);
   if (!settings) return settings.error();
   spdlog::set_default_logger(spdlog::stderr_color_mt("render_client"));

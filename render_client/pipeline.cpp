@@ -10,22 +10,22 @@
 #include <thread>
 #include <utility>
 
-#include "common/flow/latest_of_each.h"
+#include "common/flow/mailboxes.h"
 #include "common/flow/thread_priority.h"
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
 #include "common/wire/host_port.h"
-#include "render_client/camera_receiver.h"
 #include "render_client/camera_setup.h"
-#include "render_client/camera_states.h"
-#include "render_client/eye.h"
-#include "render_client/frame_sync.h"
-#include "render_client/live_color_matching.h"
+#include "render_client/color_matching/live_color_matching.h"
+#include "render_client/display/screenshot.h"
+#include "render_client/display/view_output.h"
+#include "render_client/pacing/frame_sync.h"
 #include "render_client/pacing/render_pacer.h"
 #include "render_client/pacing/stale_cameras.h"
-#include "render_client/screenshot.h"
-#include "render_client/statistics.h"
-#include "render_client/view_output.h"
+#include "render_client/statistics/camera_states.h"
+#include "render_client/statistics/statistics.h"
+#include "render_client/stream/camera_receiver.h"
+#include "render_client/viewpoint/viewer.h"
 
 namespace copresence::client {
 namespace {
@@ -107,7 +107,7 @@ class Pipeline {
     if (settings_.match_colors && servers_.size() > 1) {
       matcher = std::jthread([this](const std::stop_token& stop) {
         pthread_setname_np(pthread_self(), "colors");
-        flow::give_way(kStepsBehindTheView);
+        flow::lower_priority(kStepsBehindTheView);
         colors_.run(stop);
       });
     }
@@ -157,7 +157,7 @@ class Pipeline {
 
   /// A view at every refresh of the display; rendered anew where a frame arrived or the eye moved.
   Result<void> render_in_window() {
-    gl::Window& window = *output_.window();
+    window::Window& window = *output_.window();
     const auto refresh =
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / window.refresh_rate_hz()));
     while (!finished() && !window.should_close()) {
@@ -195,13 +195,13 @@ class Pipeline {
   }
 
   /// Escape ends, F11 fills the screen.
-  void obey_keys(const std::vector<gl::Event>& events) {
-    gl::Window& window = *output_.window();
-    for (const gl::Event& event : events) {
-      const auto* key = std::get_if<gl::KeyEvent>(&event);
+  void obey_keys(const std::vector<window::Event>& events) {
+    window::Window& window = *output_.window();
+    for (const window::Event& event : events) {
+      const auto* key = std::get_if<window::KeyEvent>(&event);
       if (!key || !key->pressed || key->repeated) continue;
-      if (key->key == gl::Key::kEscape) window.request_close();
-      if (key->key == gl::Key::kF11) window.set_fullscreen(!window.is_fullscreen());
+      if (key->key == window::Key::kEscape) window.request_close();
+      if (key->key == window::Key::kF11) window.set_fullscreen(!window.is_fullscreen());
     }
   }
 
@@ -426,7 +426,7 @@ class Pipeline {
   ViewOutput output_;
   Eye eye_;
   std::stop_source stop_;
-  flow::LatestOfEach<Received> board_;
+  flow::Mailboxes<Received> board_;
   CameraStates states_;
   LiveColorMatching colors_;
   FrameSync frames_;

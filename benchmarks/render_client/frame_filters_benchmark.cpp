@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "render_client/depth_smoothing.h"
-#include "render_client/temporal_filter.h"
+#include "render_client/decoding/depth_smoothing.h"
+#include "render_client/decoding/temporal_filter.h"
 
 namespace copresence::client {
 namespace {

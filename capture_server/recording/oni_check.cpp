@@ -51,10 +51,12 @@ double usual_period_us(const RecordedStream& stream) {
 Result<void> check_playable(const RecordedStream& depth, std::string_view name) {
   const double period_s = usual_period_us(depth) * 1e-6;
   if (period_s <= 1 / kSlowestRate) return {};
-  return fail(ErrorCode::kUnsupported,
-              fmt::format("{}: a depth frame every {:.3g} s, but a recording is played at {} to {} frames a second; if "
-                          "its times are in another unit, make it again with record from-images --times",
-                          name, period_s, kSlowestRate, kFastestRate));
+  return fail(
+      ErrorCode::kUnsupported,
+      fmt::format(
+          "{}: a depth frame every {:.3g} s, but a recording is played at {} to {} frames a second; if "
+          "its times are in another unit, make it again with record from-images --times",
+          name, period_s, kSlowestRate, kFastestRate));
 }
 
 Result<RecordingSummary> check(const std::string& path) {

@@ -62,7 +62,7 @@ struct RecordingSummary {
   std::optional<CameraNote> camera_note;  ///< where there is one; of the depth stream's size and unit
   /// Microseconds from 1970 (UTC) to time zero of the timestamps, where the recorder noted it.
   std::optional<std::int64_t> unix_zero_us;
-  std::chrono::microseconds duration{};   ///< of the depth stream, first frame to one period after the last
+  std::chrono::microseconds duration{};  ///< of the depth stream, first frame to one period after the last
 
   const RecordedStream* find(RecordedStream::Kind kind) const;
 };

@@ -164,14 +164,15 @@ Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& inpu
 }
 
 // What comes before a part's first frame.
-Result<std::vector<DefinitionPlace>> write_definitions(const InputFile& input, const Salvage& found, OutputFile& file,
-                                                       const std::string& name) {
+Result<std::vector<DefinitionPlace>> write_definitions(const InputFile& input, const Salvage& found,
+                                                       OutputFile& file, const std::string& name) {
   if (found.is_old) return modernise_definitions(input, found, file, name);
   if (auto copied = copy_bytes(input, 0, found.first_frame_position, file, name, [](double) {}); !copied) {
     return fail(copied.error());
   }
   std::vector<DefinitionPlace> places;
-  for (const SalvagedStream& stream : found.streams) places.push_back({stream.added_position, stream.counts_position});
+  for (const SalvagedStream& stream : found.streams)
+    places.push_back({stream.added_position, stream.counts_position});
   return places;
 }
 
@@ -245,10 +246,12 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, Exi
                     path, found->gaps.front().from));
   }
   if (out.empty() && found->is_old) {
-    return fail(ErrorCode::kCorrupt,
-                fmt::format("{}: written by OpenNI 1.0 to 1.3, whose files are not finished in place; give --out FILE to "
-                            "write what is whole into another file",
-                            path));
+    return fail(
+        ErrorCode::kCorrupt,
+        fmt::format(
+            "{}: written by OpenNI 1.0 to 1.3, whose files are not finished in place; give --out FILE to "
+            "write what is whole into another file",
+            path));
   }
   if (out.empty()) {
     auto file = OutputFile::open(path);
@@ -276,8 +279,8 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, Exi
   return report;
 }
 
-Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out, Existing existing,
-                      const ProgressReport& progress) {
+Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out,
+                      Existing existing, const ProgressReport& progress) {
   const auto whole = check(path);
   if (!whole) return fail(whole.error());
   if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());

@@ -18,7 +18,7 @@ namespace copresence::recording {
 using ProgressReport = std::function<void(double)>;
 
 struct RepairReport {
-  bool was_whole = false;           ///< there was nothing to do
+  bool was_whole = false;                                                 ///< there was nothing to do
   std::uint64_t depth_frames = 0, color_frames = 0, infrared_frames = 0;  ///< now
   std::uint64_t dropped_bytes = 0;  ///< of an incomplete record at the end
   std::uint64_t gaps = 0;           ///< damaged places in the middle that are passed over now
@@ -43,7 +43,7 @@ struct CutReport {
 /// of their own at `out`, with their own times, so that the part knows when it began by the clock where the whole does.
 /// `to_s` may lie beyond the end.
 /// Fails  as check(); kInvalid where no depth frame lies there, or `out` exists with kKeep; kUnavailable (disk).
-Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out, Existing existing,
-                      const ProgressReport& progress);
+Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out,
+                      Existing existing, const ProgressReport& progress);
 
 }  // namespace copresence::recording

@@ -175,7 +175,8 @@ class Search {
     fields.text();
     const auto type = static_cast<NodeType>(fields.u32());
     fields.u32();  // codec
-    if (!fields.ok() || (!found_.is_old && record.fields_bytes < kRecordBytes + kNodeCountsBytes)) return false;
+    if (!fields.ok() || (!found_.is_old && record.fields_bytes < kRecordBytes + kNodeCountsBytes))
+      return false;
     const std::uint64_t counts_at = found_.is_old ? 0 : record.at + record.fields_bytes - kNodeCountsBytes;
     found_.largest_node = std::max(found_.largest_node, record.node);
     found_.streams.push_back({record.node, type, record.at, counts_at, {}});

@@ -23,10 +23,12 @@ RecordedStream::FieldOfView view_of(const CameraModel& model) {
 // What the check would refuse in the finished file is refused before it is written.
 Result<void> check_stream(RecordedStream::Kind kind, const CameraModel& model, const OniContent& content) {
   if (!is_sane(view_of(model))) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("a camera of {}x{} pixels with fx {:g} and fy {:g} has no field of view that a camera can "
-                            "have; check its intrinsics",
-                            model.width, model.height, model.fx, model.fy));
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format(
+            "a camera of {}x{} pixels with fx {:g} and fy {:g} has no field of view that a camera can "
+            "have; check its intrinsics",
+            model.width, model.height, model.fx, model.fy));
   }
   const bool is_depth = kind == RecordedStream::Kind::kDepth;
   StreamFormat format;
@@ -53,7 +55,8 @@ Result<void> check_content(const OniContent& content) {
   if (content.camera.color) {
     if (auto usable = check(content.camera.color->model); !usable) return fail(usable.error());
   }
-  if (auto plays = check_stream(RecordedStream::Kind::kDepth, content.camera.model, content); !plays) return plays;
+  if (auto plays = check_stream(RecordedStream::Kind::kDepth, content.camera.model, content); !plays)
+    return plays;
   if (!content.color) return {};
   const CameraModel& color = content.camera.color ? content.camera.color->model : content.camera.model;
   return check_stream(RecordedStream::Kind::kColor, color, content);

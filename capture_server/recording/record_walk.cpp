@@ -72,10 +72,10 @@ Result<void> RecordWalk::header() {
   max_node_ = fields.u32();
   is_old_ = is_old_version(version);
   if (version != kFileVersion && !is_old_) {
-    return unusable(
-        fmt::format("written in version {}.{}.{}.{} of the format, only 1.0.0.4 to 1.0.1.0 can be read; record it "
-                    "again with OpenNI 2",
-                    version & 0xff, version >> 8 & 0xff, version >> 16 & 0xffff, version >> 32));
+    return unusable(fmt::format(
+        "written in version {}.{}.{}.{} of the format, only 1.0.0.4 to 1.0.1.0 can be read; record it "
+        "again with OpenNI 2",
+        version & 0xff, version >> 8 & 0xff, version >> 16 & 0xffff, version >> 32));
   }
   if (max_timestamp_ > kMaxTimestamp) return damaged(kHeaderTimestampAt, "its last time makes no sense");
   if (max_node_ >= kMaxNodes) {
@@ -234,7 +234,8 @@ Result<void> RecordWalk::property(const Record& record, FieldReader fields) {
     FieldReader number(value);
     const auto unix_zero = std::bit_cast<std::int64_t>(number.u64());
     const auto limit = static_cast<std::int64_t>(kMaxTimestamp);
-    if (record.type != RecordType::kGeneralProperty || !number.whole() || unix_zero < -limit || unix_zero > limit) {
+    if (record.type != RecordType::kGeneralProperty || !number.whole() || unix_zero < -limit ||
+        unix_zero > limit) {
       return damaged(record.at, "the time at which it began is not one");
     }
     unix_zero_us_ = unix_zero;

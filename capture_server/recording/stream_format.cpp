@@ -122,7 +122,8 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
   if (width == 0 || height == 0) return corrupt("has no size");
   if (width % 2 || height % 2 || width > 4096 || height > 4096) {
     return unsupported(fmt::format(
-        "is {}x{} pixels, only even sizes up to 4096 can be used; use another mode or scale the images", width, height));
+        "is {}x{} pixels, only even sizes up to 4096 can be used; use another mode or scale the images",
+        width, height));
   }
   const std::uint64_t format = pixel_format                  ? pixel_format
                                : stream.kind == Kind::kDepth ? kDepthMillimetre
@@ -139,7 +140,8 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
   const std::uint64_t frame_bytes = std::uint64_t{width} * height * bytes_per_pixel(stream.kind);
   if (frame_bytes > kMaxPlayerFrame) {
     return unsupported(
-        fmt::format("is {}x{} pixels, more than OpenNI2 can play ({} bytes a frame, {} are too many); use a smaller mode or scale "
+        fmt::format("is {}x{} pixels, more than OpenNI2 can play ({} bytes a frame, {} are too many); use a "
+                    "smaller mode or scale "
                     "the images down",
                     width, height, kMaxPlayerFrame, frame_bytes));
   }

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <atomic>
 
+#include "capture_server/diagnosis/device_facts.h"
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/sensor/color_pairing.h"
 #include "capture_server/sensor/cpu_starvation.h"
-#include "capture_server/sensor/device_facts.h"
 #include "capture_server/sensor/frame_source.h"
-#include "capture_server/sensor/lasting_source.h"
+#include "capture_server/sensor/frame_synchronizer.h"
 #include "capture_server/sensor/open_ni.h"
 #include "capture_server/sensor/projector.h"
+#include "capture_server/sensor/reconnecting_source.h"
 
 namespace copresence::sensor {
 namespace {
@@ -86,7 +86,7 @@ class DeviceSource final : public FrameSource {
     Instant at{};
     std::shared_ptr<RgbdFrame> copy = std::make_shared<RgbdFrame>();
   };
-  using Pairing = ColorPairing<Held>;
+  using Pairing = FrameSynchronizer<Held>;
 
   Result<void> open_stream(openni::VideoStream& stream, openni::SensorType type, int width, int height);
   Result<Pairing::Pair> next_pair(const std::stop_token& stop);
@@ -274,8 +274,7 @@ Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_toke
   const int stream_count = description_.has_color ? 2 : 1;
   const Duration dark = controls_.projector ? Duration(controls_.projector->round()) : Duration(0);
   WatchedTime time;
-  const Instant give_up =
-      time.look(kMostALook) + dark + (counters_.frames ? kStallAfter : kFirstFrameAfter);
+  const Instant give_up = time.look(kMostALook) + dark + (counters_.frames ? kStallAfter : kFirstFrameAfter);
   Instant waits_until = Instant::max();  // for colour
   while (true) {
     // A camera that is dark may send no depth: what did not come then is not lost.
@@ -345,7 +344,7 @@ Result<std::unique_ptr<FrameSource>> open_lasting_device(const std::string& uri,
                                                          const CameraControls& controls) {
   // OpenNI2 and its drivers stay up over the camera's absence: they are told of its return.
   const auto session = std::make_shared<const OpenNiSession>(drivers_for(uri));
-  return LastingSource::open([session, wanted = uri, controls]() mutable {
+  return ReconnectingSource::open([session, wanted = uri, controls]() mutable {
     auto source = open_device(wanted, controls);
     if (source) wanted = (*source)->description().uri;
     return source;

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
+#include "capture_server/diagnosis/usb_cameras.h"
 #include "capture_server/sensor/projector_schedule.h"
-#include "capture_server/sensor/usb_cameras.h"
 #include "common/frame/camera_model.h"
 #include "common/frame/depth_unit.h"
 #include "common/frame/rgbd_frame.h"

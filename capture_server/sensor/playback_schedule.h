@@ -37,9 +37,10 @@ class PlaybackSchedule {
     using std::chrono::microseconds;
     if (!begun_) {
       begun_ = true;
-      due_ = begin_ && *begin_ > now ? *begin_ : in_step(now);
+      due_ = begin_ && *begin_ > now ? *begin_ : in_sync(now);
     } else {
-      const Duration step = microseconds(std::clamp<std::int64_t>(timestamp_us - last_us_, 0, kLongestPauseUs));
+      const Duration step =
+          microseconds(std::clamp<std::int64_t>(timestamp_us - last_us_, 0, kLongestPauseUs));
       Duration advance = step - ahead_;
       if (step == Duration::zero() || ahead_ > Duration::zero()) advance = std::max(advance, period_);
       ahead_ = std::clamp<Duration>(ahead_ + advance - step, Duration::zero(), microseconds(kLongestPauseUs));
@@ -51,7 +52,7 @@ class PlaybackSchedule {
   }
 
   /// The next whole step of the clock.
-  static Instant in_step(Instant now) { return now + (kStep - now.time_since_epoch() % kStep) % kStep; }
+  static Instant in_sync(Instant now) { return now + (kStep - now.time_since_epoch() % kStep) % kStep; }
 
  private:
   static constexpr Duration kLate = std::chrono::milliseconds(200);

@@ -10,15 +10,15 @@
 #include <cstring>
 
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/sensor/color_pairing.h"
 #include "capture_server/sensor/cpu_starvation.h"
 #include "capture_server/sensor/frame_source.h"
+#include "capture_server/sensor/frame_synchronizer.h"
 #include "capture_server/sensor/open_ni.h"
 #include "capture_server/sensor/playback_schedule.h"
 #include "capture_server/sensor/read_position.h"
 #include "capture_server/sensor/recording_track.h"
 #include "capture_server/sensor/session_clock.h"
-#include "common/frame/waiting.h"
+#include "common/flow/waiting.h"
 
 namespace copresence::sensor {
 namespace {
@@ -105,7 +105,7 @@ class RecordingSource final : public FrameSource {
   Result<RgbdFrame> next(std::stop_token stop) override;
 
  private:
-  using Pairing = ColorPairing<openni::VideoFrameRef>;
+  using Pairing = FrameSynchronizer<openni::VideoFrameRef>;
 
   Result<void> refused(const std::string& what) const;
   Result<void> open_player();
@@ -146,9 +146,9 @@ class RecordingSource final : public FrameSource {
   SourceCounters counters_;
 
   bool session_is_looked_for_ = false;
-  std::optional<SessionClock> replays_;     // of which this replay is one, where it is
-  std::int64_t first_round_ = 0;            // of the session, in which this replay's first pass lies
-  std::optional<Pairing::Pair> pending_;    // read, but due only later
+  std::optional<SessionClock> replays_;   // of which this replay is one, where it is
+  std::int64_t first_round_ = 0;          // of the session, in which this replay's first pass lies
+  std::optional<Pairing::Pair> pending_;  // read, but due only later
   Instant pending_due_{};
 };
 
@@ -328,7 +328,7 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
     }
     const auto has_had_time = [&](Duration silent) {
       return kStallTimeout.is_over(silent,
-                               waited_before ? waited_for_a_core() - *waited_before : Duration::zero());
+                                   waited_before ? waited_for_a_core() - *waited_before : Duration::zero());
     };
     if (got_one) {
       heard = now;
@@ -350,7 +350,7 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_pair(const std::sto
 void RecordingSource::join_session(Instant now) {
   if (std::exchange(session_is_looked_for_, true) || settings_.begin || !recording_.began_unix_us) return;
   const SessionSpan own{*recording_.began_unix_us, *recording_.began_unix_us + recording_.duration_us};
-  replays_ = SessionClock::join(SessionClock::default_folder(), own, PlaybackSchedule::in_step(now));
+  replays_ = SessionClock::join(SessionClock::default_folder(), own, PlaybackSchedule::in_sync(now));
   if (!replays_) return;
   const SessionTimeline& timeline = replays_->timeline();
   first_round_ = timeline.round_at(own, now);
@@ -372,7 +372,8 @@ std::optional<Instant> RecordingSource::due_of(const Pairing::Pair& pair) {
 }
 
 // The next pair that is shown, at most kSignOfLife before it is due.
-Result<RecordingSource::Pairing::Pair> RecordingSource::next_shown(const std::stop_token& stop, Instant& due) {
+Result<RecordingSource::Pairing::Pair> RecordingSource::next_shown(const std::stop_token& stop,
+                                                                   Instant& due) {
   const Instant begin = steady_clock::now();
   while (true) {
     if (!pending_) {
@@ -381,8 +382,9 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_shown(const std::st
       const auto when = due_of(*pair);
       if (!when && steady_clock::now() - begin < kSignOfLife) continue;
       if (!when) {
-        return fail(ErrorCode::kUnavailable,
-                    fmt::format("{}: goes forward to where the other replays of its session are", recording_.path));
+        return fail(
+            ErrorCode::kUnavailable,
+            fmt::format("{}: goes forward to where the other replays of its session are", recording_.path));
       }
       pending_ = std::move(*pair);
       pending_due_ = *when;
@@ -391,8 +393,9 @@ Result<RecordingSource::Pairing::Pair> RecordingSource::next_shown(const std::st
     if (replays_ && pending_due_ - now > kSignOfLife) {
       wait_until(now + kSignOfLife, stop);
       if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
-      return fail(ErrorCode::kUnavailable,
-                  fmt::format("{}: its session has begun, but this camera's part of it has not", recording_.path));
+      return fail(
+          ErrorCode::kUnavailable,
+          fmt::format("{}: its session has begun, but this camera's part of it has not", recording_.path));
     }
     due = pending_due_;
     Pairing::Pair pair = std::move(*pending_);

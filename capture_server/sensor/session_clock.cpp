@@ -41,11 +41,13 @@ std::string SessionClock::default_folder() {
   const std::string folder = fmt::format("/tmp/copresence-{}", ::getuid());
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return {};
   struct stat status {};
-  const bool is_ours = ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::getuid();
+  const bool is_ours =
+      ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::getuid();
   return is_ours ? folder : std::string();
 }
 
-std::optional<SessionClock> SessionClock::join(const std::string& folder, const SessionSpan& own, Instant begin) {
+std::optional<SessionClock> SessionClock::join(const std::string& folder, const SessionSpan& own,
+                                               Instant begin) {
   if (folder.empty() || own.to_us <= own.from_us) return std::nullopt;
   const int descriptor =
       ::open((folder + "/copresence-replay").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -72,7 +74,9 @@ std::optional<SessionClock> SessionClock::join(const std::string& folder, const 
 }
 
 SessionClock::SessionClock(SessionClock&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), timeline_(other.timeline_), is_joined_(other.is_joined_) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      timeline_(other.timeline_),
+      is_joined_(other.is_joined_) {}
 
 SessionClock& SessionClock::operator=(SessionClock&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);

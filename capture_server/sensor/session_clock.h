@@ -52,7 +52,9 @@ class SessionTimeline {
 
   /// Whether the session shows this instant. What a recording holds beyond the first replay's is left out: a round has
   /// one length for all.
-  bool contains(std::int64_t session_us) const { return session_us >= span_.from_us && session_us < span_.to_us; }
+  bool contains(std::int64_t session_us) const {
+    return session_us >= span_.from_us && session_us < span_.to_us;
+  }
 
  private:
   Duration round_length() const { return std::chrono::microseconds(span_.to_us - span_.from_us); }

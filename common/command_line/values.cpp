@@ -64,8 +64,9 @@ std::string unwritable(const std::string& text, bool is_replaced) {
   } else if ((is_replaced || !fs::exists(file, none)) && access(folder.c_str(), W_OK) != 0) {
     why = fmt::format("you may not write in the folder {}", folder.string());
   }
-  return why.empty() ? why : fmt::format("\"{}\" is not a file that can be written: {}",
-                                         text::excerpt(text, kMostOfAValue), text::excerpt(why, kMostOfAValue));
+  return why.empty() ? why
+                     : fmt::format("\"{}\" is not a file that can be written: {}",
+                                   text::excerpt(text, kMostOfAValue), text::excerpt(why, kMostOfAValue));
 }
 
 }  // namespace

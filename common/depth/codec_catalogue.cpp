@@ -4,10 +4,10 @@
 #include <charconv>
 #include <string>
 
-#include "common/depth/accuracy_codec.h"
-#include "common/depth/phase_codec.h"
-#include "common/depth/quantized_codec.h"
-#include "common/depth/spiral_codec.h"
+#include "common/depth/chroma/phase_codec.h"
+#include "common/depth/chroma/spiral_codec.h"
+#include "common/depth/levels/accuracy_codec.h"
+#include "common/depth/levels/quantized_codec.h"
 
 namespace copresence::depth {
 namespace {

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "common/depth/background_fill.h"
 #include "common/depth/codec_catalogue.h"
-#include "common/depth/completion.h"
 #include "common/depth/edge_repair.h"
+#include "common/depth/entropy/residual_coder.h"
+#include "common/depth/levels/chained_checksum.h"
+#include "common/depth/mask/validity_mask.h"
 #include "common/depth/plane_codec.h"
-#include "common/depth/sample_coder.h"
-#include "common/depth/side_data_seal.h"
-#include "common/depth/state_mask.h"
 
 namespace copresence::depth {
 
@@ -50,10 +50,10 @@ struct Encoder::Parts {
   std::unique_ptr<PlaneEncoder> planes;
   DepthCodecDescription description;
   DepthFormat format;
-  Completion completion;
-  StateMaskEncoder mask;
-  std::optional<SampleEncoder> samples;  // where pictures are coded without loss and monochrome
-  SideDataSeal seal;
+  BackgroundFill completion;
+  ValidityMaskEncoder mask;
+  std::optional<ResidualEncoder> samples;  // where pictures are coded without loss and monochrome
+  ChainedChecksum seal;
   std::uint8_t coding = kThroughVideo;
   bool lossless = false;
   bool keyframe_due = true;
@@ -99,13 +99,13 @@ Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& s
   parts.keyframe_due = true;  // until this frame is done
   const auto encoded = parts.planes->encode(parts.completion.depth(), parts.completion.states(), out);
   if (!encoded) return fail(encoded.error());
-  out.state_mask.push_back(parts.coding);
-  parts.mask.encode(parts.completion.states(), out.keyframe, out.state_mask);
+  out.validity_mask.push_back(parts.coding);
+  parts.mask.encode(parts.completion.states(), out.keyframe, out.validity_mask);
   if (parts.samples) {
     parts.samples->encode(out.picture, parts.completion.states(), out.keyframe, out.samples);
     out.picture = Picture();
   }
-  parts.seal.close(out.keyframe, out.table, out.samples, out.state_mask);
+  parts.seal.close(out.keyframe, out.table, out.samples, out.validity_mask);
   parts.keyframe_due = false;
   return out;
 }
@@ -127,12 +127,12 @@ struct Decoder::Parts {
   std::unique_ptr<PlaneDecoder> planes;
   DepthFormat format;
   PixelFormat picture;
-  StateMaskDecoder mask;
-  SampleDecoder samples;
+  ValidityMaskDecoder mask;
+  ResidualDecoder samples;
   PlanarDepth exact;  // a frame whose picture came as samples, since the last keyframe
   EdgeRepair repair;
   int repair_from;  // quantiser
-  SideDataSeal seal;
+  ChainedChecksum seal;
 };
 
 Decoder::Decoder(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -161,7 +161,7 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
     parts.seal.break_chain();
     return fail(ErrorCode::kCorrupt, why);
   };
-  const auto mask = parts.seal.open(planes.keyframe, planes.table, planes.samples, planes.state_mask);
+  const auto mask = parts.seal.open(planes.keyframe, planes.table, planes.samples, planes.validity_mask);
   if (!mask)
     return damaged("state mask, level table or samples are damaged, or a frame is missing before them");
   const std::uint8_t coding = mask->empty() ? std::uint8_t{255} : mask->front();

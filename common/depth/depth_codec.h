@@ -42,7 +42,7 @@ class Encoder {
   void set_sensor_levels(std::span<const std::uint16_t> levels);
 
   /// Tells whether depth is coded without loss from the next frame on, which is a keyframe where that changes. Codecs with monochrome
-  /// pictures then give samples (sample_coder.h) instead; the others' pictures must come through video coding as they are. It is
+  /// pictures then give samples (residual_coder.h) instead; the others' pictures must come through video coding as they are. It is
   /// off at first.
   void set_lossless(bool lossless);
 

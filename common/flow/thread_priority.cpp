@@ -31,13 +31,13 @@ std::set<pid_t> threads_now() {
 
 }  // namespace
 
-void give_way(int steps) {
+void lower_priority(int steps) {
   lower(static_cast<pid_t>(syscall(SYS_gettid)), steps);
 }
 
 NewThreads::NewThreads() : before_(threads_now()) {}
 
-void NewThreads::give_way(int steps) const {
+void NewThreads::lower_priority(int steps) const {
   for (const pid_t thread : threads_now()) {
     if (!before_.contains(thread)) lower(thread, steps);
   }

@@ -13,7 +13,7 @@ namespace copresence::flow {
 
 /// The calling thread, and those it makes from now on, give way to others by so many steps of nice (1 to 19),
 /// for good. Where nothing else wants the core they lose nothing.
-void give_way(int steps);
+void lower_priority(int steps);
 
 /// Lowers the priority of threads that a library makes for itself, while the thread that calls the library
 /// keeps its own.
@@ -23,7 +23,7 @@ class NewThreads {
   NewThreads();
 
   /// Every thread of this process that was made since gives way, as above.
-  void give_way(int steps) const;
+  void lower_priority(int steps) const;
 
  private:
   std::set<pid_t> before_;

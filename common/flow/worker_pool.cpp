@@ -18,7 +18,7 @@ WorkerPool::~WorkerPool() {
   for (auto& thread : threads_) thread.request_stop();
 }
 
-void WorkerPool::run(int jobs, JobRef job) {
+void WorkerPool::run(int jobs, FunctionRef job) {
   if (jobs > 1 && !threads_.empty()) {
     {
       std::lock_guard lock(mutex_);
@@ -44,7 +44,7 @@ void WorkerPool::serve(const std::stop_token& stop, int worker) {
   std::unique_lock lock(mutex_);
   while (work_.wait(lock, stop, [&] { return job_ != nullptr && round_ != served; })) {
     served = round_;
-    const JobRef job = *job_;
+    const FunctionRef job = *job_;
     const int jobs = jobs_;
     ++working_;
     lock.unlock();
@@ -54,7 +54,7 @@ void WorkerPool::serve(const std::stop_token& stop, int worker) {
   }
 }
 
-void WorkerPool::take_jobs(const JobRef& job, int jobs, int worker) {
+void WorkerPool::take_jobs(const FunctionRef& job, int jobs, int worker) {
   for (int number = next_.fetch_add(1, std::memory_order_relaxed); number < jobs;
        number = next_.fetch_add(1, std::memory_order_relaxed)) {
     job(number, worker);

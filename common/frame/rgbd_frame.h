@@ -17,12 +17,12 @@ using Instant = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
 
 /// What identifies a frame from sensor to screen.
-struct FrameStamp {
+struct FrameMetadata {
   std::uint64_t sequence = 0;  ///< counts captured frames of one stream from 1, without gaps at the sensor
   Instant captured_at{};       ///< when the capture process held the frame, on that process's monotonic clock
   Rigid3 world_from_camera;    ///< the camera's pose at that instant, metres
 
-  friend bool operator==(const FrameStamp&, const FrameStamp&) = default;
+  friend bool operator==(const FrameMetadata&, const FrameMetadata&) = default;
 };
 
 /// How long the server's stages took for one frame. They travel beside it, since the two ends' clocks differ.
@@ -39,7 +39,7 @@ struct SensorTimes {
 };
 
 struct RgbdFrame {
-  FrameStamp stamp;
+  FrameMetadata stamp;
   DepthImage depth;  ///< in the stream's DepthUnit, along the optical axis; 0 exactly where state is kHole
   StateImage state;  ///< same shape as depth
   std::optional<ColorImage> color;  ///< from registration on: same shape and camera model as depth

@@ -16,6 +16,10 @@
 #include "common/gl/name.h"
 #include "common/result.h"
 
+namespace copresence::window {
+class Window;
+}
+
 namespace copresence::gl {
 
 /// Whether the driver checks and reports: slower, for tests.
@@ -74,7 +78,7 @@ class Context {
   bool is_on_its_thread() const { return std::this_thread::get_id() == thread_; }
 
  private:
-  friend class Window;
+  friend class window::Window;
   friend class Framebuffer;
 
   explicit Context(Debug debug);

@@ -36,7 +36,8 @@ class Reader {
   void only_keys(const toml::table& table, std::initializer_list<std::string_view> known) {
     for (const auto& [key, value] : table) {
       if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
-        wrong(value, fmt::format("unknown key \"{}\"; known here are {}", text::excerpt(key.str()), fmt::join(known, ", ")));
+        wrong(value, fmt::format("unknown key \"{}\"; known here are {}", text::excerpt(key.str()),
+                                 fmt::join(known, ", ")));
       }
     }
   }
@@ -105,8 +106,9 @@ class Reader {
       return std::nullopt;
     }
     if (rigid.translation.cwiseAbs().maxCoeff() > kFarthestM) {
-      wrong(*table.get(key), fmt::format("\"{}\" is more than {:g} m away from the origin: poses are in metres",
-                                         key, kFarthestM));
+      wrong(*table.get(key),
+            fmt::format("\"{}\" is more than {:g} m away from the origin: poses are in metres", key,
+                        kFarthestM));
       return std::nullopt;
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rigid.rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);

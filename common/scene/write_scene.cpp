@@ -177,9 +177,8 @@ bool say_the_same(const Scene& a, const Scene& b, const fs::path& folder) {
 Result<void> check_readable(const std::string& text, const Scene& scene, const fs::path& path) {
   const auto again = parse(text, path);
   if (!again) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}: is not written, since it could not be read again: {}", path.string(),
-                            again.error().what));
+    return fail(ErrorCode::kInvalid, fmt::format("{}: is not written, since it could not be read again: {}",
+                                                 path.string(), again.error().what));
   }
   const bool has_all = std::all_of(scene.cameras.begin(), scene.cameras.end(),
                                    [&](const Camera& camera) { return again->find(camera.name); });

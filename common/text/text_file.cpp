@@ -40,9 +40,8 @@ Result<std::string> read_text_file(const fs::path& path, std::string_view as, st
   std::string text(most_bytes + 1, '\0');
   if (file) file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!file.is_open() || file.bad()) {
-    return fail(
-        ErrorCode::kUnavailable,
-        fmt::format("{}: cannot be read as {}: {}", name, as, std::generic_category().message(errno)));
+    return fail(ErrorCode::kUnavailable, fmt::format("{}: cannot be read as {}: {}", name, as,
+                                                     std::generic_category().message(errno)));
   }
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (text.size() > most_bytes) {

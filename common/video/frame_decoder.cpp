@@ -31,7 +31,7 @@ Result<PlanarFrame> FrameDecoder::decode(const EncodedFrame& encoded) {
 }
 
 Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
-  auto data = extract_side_data(encoded.depth, encoded.color);
+  auto data = bitstream::extract_side_data(encoded.depth, encoded.color);
   if (!data) return fail(data.error());
   const bool keyframe = data->previous == 0;
   if (!keyframe && previous_ != data->previous) {
@@ -68,7 +68,7 @@ Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
   frame.depth.keyframe = keyframe;
   frame.depth.quantiser = data->quantiser;
   frame.depth.samples = std::move(data->samples);
-  frame.depth.state_mask = std::move(data->state_mask);
+  frame.depth.validity_mask = std::move(data->validity_mask);
   frame.depth.table = std::move(data->table);
   frame.durations = encoded.durations;
   return frame;

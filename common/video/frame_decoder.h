@@ -9,12 +9,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/bitstream/side_data.h"
 #include "common/frame/encoded_frame.h"
 #include "common/frame/planar_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 #include "common/video/picture_decoder.h"
-#include "common/video/side_data.h"
 
 namespace copresence::video {
 

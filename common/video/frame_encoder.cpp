@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "common/video/side_data.h"
+#include "common/bitstream/side_data.h"
 
 namespace copresence::video {
 
@@ -18,12 +18,12 @@ PictureRate color_rate(int kbps, double frames_per_second) {
   return {double(kbps), kbps * kColorBufferFrames / frames_per_second};
 }
 
-std::optional<DepthBudget> depth_budget(const VideoSettings& settings, double frames_per_second) {
+std::optional<DepthRateController> depth_budget(const VideoSettings& settings, double frames_per_second) {
   if (!settings.depth_kbps) return std::nullopt;
-  return DepthBudget(*settings.depth_kbps, frames_per_second);
+  return DepthRateController(*settings.depth_kbps, frames_per_second);
 }
 
-std::optional<PictureRate> first_rate(const std::optional<DepthBudget>& budget) {
+std::optional<PictureRate> first_rate(const std::optional<DepthRateController>& budget) {
   if (!budget) return std::nullopt;
   return budget->picture_rate(0);
 }
@@ -54,7 +54,7 @@ Result<FrameEncoder> FrameEncoder::open(const StreamDescription& stream, const V
 }
 
 FrameEncoder::FrameEncoder(const VideoSettings& settings, PictureEncoder depth,
-                           std::optional<DepthBudget> budget, std::optional<PictureEncoder> color)
+                           std::optional<DepthRateController> budget, std::optional<PictureEncoder> color)
     : settings_(settings), depth_(std::move(depth)), budget_(budget), color_(std::move(color)) {}
 
 void FrameEncoder::encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe) {
@@ -76,7 +76,7 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   Result<AccessUnit> color = frame.color ? std::move(color_ahead_->color) : AccessUnit();
   color_ahead_.reset();
 
-  SideData data;
+  bitstream::SideData data;
   data.sequence = frame.stamp.sequence;
   data.previous = keyframe ? 0 : previous_;
   data.captured_at = frame.stamp.captured_at;
@@ -85,9 +85,9 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
     data.world_from_camera = frame.stamp.world_from_camera;
   data.table = frame.depth.table;
   data.samples = frame.depth.samples;
-  data.state_mask = frame.depth.state_mask;
+  data.validity_mask = frame.depth.validity_mask;
 
-  if (budget_) depth_.set_rate(budget_->picture_rate(side_data_bytes(data)));
+  if (budget_) depth_.set_rate(budget_->picture_rate(bitstream::side_data_bytes(data)));
   const auto depth = encode_depth(frame.depth);
   if (!depth) return fail(depth.error());
   if (!flat_) data.quantiser = static_cast<std::uint8_t>(depth_.quantiser());
@@ -97,7 +97,7 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   EncodedFrame encoded;
   encoded.keyframe = keyframe;
   encoded.sequence = frame.stamp.sequence;
-  encoded.depth = add_side_data(*depth, *color, data);
+  encoded.depth = bitstream::add_side_data(*depth, *color, data);
   encoded.color = std::move(*color);
   encoded.durations = frame.durations;
   if (budget_) budget_->spent(encoded.depth.size());

@@ -7,12 +7,12 @@
 #include <optional>
 #include <vector>
 
+#include "common/bitstream/blank_picture.h"
 #include "common/frame/encoded_frame.h"
 #include "common/frame/planar_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
-#include "common/video/depth_budget.h"
-#include "common/video/flat_picture.h"
+#include "common/video/depth_rate_controller.h"
 #include "common/video/picture_encoder.h"
 #include "common/video/video_settings.h"
 
@@ -41,7 +41,7 @@ class FrameEncoder {
   Result<bool> change(const VideoSettings& settings);
 
  private:
-  FrameEncoder(const VideoSettings& settings, PictureEncoder depth, std::optional<DepthBudget> budget,
+  FrameEncoder(const VideoSettings& settings, PictureEncoder depth, std::optional<DepthRateController> budget,
                std::optional<PictureEncoder> color);
 
   using AccessUnit = std::vector<std::uint8_t>;
@@ -49,8 +49,8 @@ class FrameEncoder {
 
   VideoSettings settings_;
   PictureEncoder depth_;
-  std::optional<FlatPictureWriter> flat_;  // instead of depth_, since the last keyframe
-  std::optional<DepthBudget> budget_;
+  std::optional<bitstream::BlankPictureWriter> flat_;  // instead of depth_, since the last keyframe
+  std::optional<DepthRateController> budget_;
   std::optional<PictureEncoder> color_;
   struct Ahead {
     std::uint64_t sequence;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "common/video/access_unit.h"
+#include "common/bitstream/access_unit.h"
 #include "common/video/libav.h"
 
 namespace copresence::video {
@@ -94,14 +94,14 @@ Result<Picture> PictureDecoder::decode(std::span<const std::uint8_t> access_unit
 }
 
 Result<Picture> PictureDecoder::decode_checked(std::span<const std::uint8_t> access_unit) {
-  const auto nals = split_access_unit(access_unit);
+  const auto nals = bitstream::split_access_unit(access_unit);
   if (!nals) return fail(nals.error());
   bool keyframe = false;
   padded_.clear();
-  for (const Nal& nal : *nals) {
+  for (const bitstream::Nal& nal : *nals) {
     if (!nal.is_essential()) continue;
-    keyframe = keyframe || nal.type() == NalType::kIdrSlice;
-    append_nal(padded_, nal.bytes);
+    keyframe = keyframe || nal.type() == bitstream::NalType::kIdrSlice;
+    bitstream::append_nal(padded_, nal.bytes);
   }
   if (keyframe_needed_ && !keyframe) {
     return fail(ErrorCode::kCorrupt, "a picture builds on pictures that were lost: a keyframe is needed");

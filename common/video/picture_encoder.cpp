@@ -71,7 +71,7 @@ bool slows_down_by_avx512() {
 }
 
 void set_presets(AVCodecContext& context, const PictureSettings& settings) {
-  const bool live = settings.effort == Effort::kLive;
+  const bool live = settings.effort == Preset::kLive;
   set(context, "preset", live ? "ultrafast" : "superfast");
   set(context, "tune", "zerolatency");
   set(context, "forced-idr", "1");

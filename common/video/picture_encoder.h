@@ -27,7 +27,7 @@ struct PictureRate {
 
 struct PictureSettings {
   PictureKind kind = PictureKind::kDepth;
-  Effort effort = Effort::kDense;
+  Preset effort = Preset::kDense;
   PixelFormat format = PixelFormat::kGray8;
   int width = 0;  ///< even
   int height = 0;

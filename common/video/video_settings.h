@@ -9,13 +9,13 @@
 namespace copresence::video {
 
 /// What encoding may cost in processor time, both pictures. The same quantiser means the same error with either.
-enum class Effort {
+enum class Preset {
   kDense,  ///< fewest bits that still keep up with one camera: benches, recordings, fast machines
   kLive,  ///< two thirds of the time to encode and to decode for a tenth more bits of depth and 3 dB of colour
 };
 
 struct VideoSettings {
-  Effort effort = Effort::kDense;
+  Preset effort = Preset::kDense;
   /// Quantiser of the depth pictures, 0 (lossless) to 51 for 8 bit and 63 for 10 bit; 12 more there are as
   /// coarse as at 8 bit. From 1 to 7 costs more than lossless. Not used when depth_kbps is set.
   int depth_qp = 12;

@@ -126,7 +126,7 @@ class FrameClient::Connection {
       watch_.bytes_came(reader_.last_arrival());
       watch_.message_has(kHeaderBytes + header->body_bytes);
       if (header->type == MessageType::kFrame)
-        return welcomed_ ? read_frame(header->body_bytes) : confused();
+        return welcomed_ ? read_frame(header->body_bytes) : protocol_error();
       body_.resize(header->body_bytes);
       reader_.read({asio::buffer(body_)}, [this, type = header->type](const asio::error_code& body_error) {
         if (body_error) return lost(body_error);
@@ -174,9 +174,9 @@ class FrameClient::Connection {
   void take(MessageType type) {
     switch (type) {
       case MessageType::kRefusal:
-        return welcomed_ ? confused() : take_refusal();
+        return welcomed_ ? protocol_error() : take_refusal();
       case MessageType::kWelcome:
-        return welcomed_ ? confused() : take_welcome();
+        return welcomed_ ? protocol_error() : take_welcome();
       case MessageType::kEndOfStream: {
         auto end = decode_end_of_stream(body_);
         if (!end) return fail_with(end.error());
@@ -185,7 +185,7 @@ class FrameClient::Connection {
       case MessageType::kNotice: {
         const auto notice = decode_notice(body_);
         if (!notice) return fail_with(notice.error());
-        if (!welcomed_) return confused();
+        if (!welcomed_) return protocol_error();
         if (++notices_ > kMostNotices) return fail_with(ErrorCode::kCorrupt, "notices and no frames");
         if (on_notice_) on_notice_(notice->text);
         return read_message();
@@ -193,19 +193,19 @@ class FrameClient::Connection {
       case MessageType::kPong: {
         const auto pong = decode_pong(body_);
         if (!pong) return fail_with(pong.error());
-        if (pong->client_time != ping_at_) return confused();
+        if (pong->client_time != ping_at_) return protocol_error();
         learn_clock(*std::exchange(ping_at_, std::nullopt), pong->server_time);
         return read_message();
       }
       default:
-        return confused();
+        return protocol_error();
     }
   }
 
   void take_refusal() {
     auto refusal = decode_refusal(body_);
     if (!refusal) return fail_with(refusal.error());
-    const bool final = refusal->reason == RefusalReason::kVersion;
+    const bool final = refusal->reason == RejectReason::kVersion;
     fail_with(final ? ErrorCode::kRefused : ErrorCode::kUnavailable, std::move(refusal->text));
   }
 
@@ -272,7 +272,7 @@ class FrameClient::Connection {
                          error == asio::error::broken_pipe;
     fail_with(ErrorCode::kUnavailable, hung_up ? "the server hung up" : error.message());
   }
-  void confused() { fail_with(ErrorCode::kCorrupt, "a message that does not belong here"); }
+  void protocol_error() { fail_with(ErrorCode::kCorrupt, "a message that does not belong here"); }
   void fail_with(const Error& error) { fail_with(error.code, error.what); }
   void fail_with(ErrorCode code, std::string what) {
     if (failure_) return;  // the first one tells most

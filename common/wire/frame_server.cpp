@@ -69,7 +69,7 @@ class FrameServer::Loop {
     forget_closed();
   }
 
-  void send(Departure departure) {
+  void send(OutboundFrame departure) {
     std::lock_guard lock(mutex_);
     ++frames_offered_;
     if (departures_.size() >= kMaxDepartures) {  // the wire thread stands still: begin anew at a keyframe
@@ -93,13 +93,13 @@ class FrameServer::Loop {
   void tell(std::string notice) {
     asio::post(io_, [this, notice = std::move(notice)]() mutable {
       stream_.notice = std::move(notice);
-      const Bytes message = encode(Notice{stream_.notice});
+      const Bytes message = encode(CameraStatus{stream_.notice});
       for (const auto& session : sessions_) session->tell(message);
     });
   }
 
   void end(std::string reason) {
-    asio::post(io_, [this, reason = std::move(reason)] { say_goodbye(reason); });
+    asio::post(io_, [this, reason = std::move(reason)] { close_gracefully(reason); });
   }
 
   ServerCounters counters() const {
@@ -193,7 +193,7 @@ class FrameServer::Loop {
   }
 
   void distribute() {
-    std::vector<Departure> departures;
+    std::vector<OutboundFrame> departures;
     std::uint64_t overrun = 0;
     {
       std::lock_guard lock(mutex_);
@@ -204,7 +204,7 @@ class FrameServer::Loop {
     if (overrun > 0) {
       for (const auto& session : sessions_) session->skip(overrun);
     }
-    for (const Departure& departure : departures) {
+    for (const OutboundFrame& departure : departures) {
       const EncodedFrame& frame = *departure.frame;
       for (const auto& session : sessions_) session->offer(departure);
       if (frame.keyframe) stream_.keyframe_requested = false;
@@ -233,12 +233,12 @@ class FrameServer::Loop {
     bytes_sent_ = stream_.bytes_sent;
   }
 
-  void say_goodbye(const std::string& reason) {
+  void close_gracefully(const std::string& reason) {
     if (std::exchange(ending_, true)) return;
     stop_accepting();
     const Bytes last = encode(EndOfStream{reason});
     for (const auto& session : sessions_) {
-      session->is_streaming() ? session->say_goodbye(last, Ending::kServerEnds)
+      session->is_streaming() ? session->close_gracefully(last, Ending::kServerEnds)
                               : session->close(Ending::kServerEnds);
     }
     publish();
@@ -259,7 +259,7 @@ class FrameServer::Loop {
 
   // Everybody's.
   mutable std::mutex mutex_;
-  std::vector<Departure> departures_;
+  std::vector<OutboundFrame> departures_;
   bool distributing_ = false;  // the wire thread has been told of them
   std::uint64_t overrun_ = 0, frames_offered_ = 0, bytes_sent_ = 0;
   std::size_t clients_ = 0;

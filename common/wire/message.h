@@ -4,8 +4,8 @@
 // holds that page against message_codec.h.
 //
 // Every message is a header of 8 bytes and a body; numbers are little-endian. The client speaks first
-// (Hello), the server answers with a Refusal or a Welcome and then sends frames; the client acknowledges each
-// one. Hello and Refusal keep their layout in every version, so that any two releases can tell each other
+// (Hello), the server answers with a Reject or a Welcome and then sends frames; the client acknowledges each
+// one. Hello and Reject keep their layout in every version, so that any two releases can tell each other
 // apart.
 //
 // Thread: values.
@@ -56,15 +56,15 @@ struct Hello {
   friend bool operator==(const Hello&, const Hello&) = default;
 };
 
-enum class RefusalReason : std::uint8_t {
+enum class RejectReason : std::uint8_t {
   kVersion = 1,  ///< final: trying again is of no use
   kFull = 2,     ///< as many clients as the server takes; one may leave
 };
 
-struct Refusal {
-  RefusalReason reason = RefusalReason::kVersion;
+struct Reject {
+  RejectReason reason = RejectReason::kVersion;
   std::string text;  ///< one sentence
-  friend bool operator==(const Refusal&, const Refusal&) = default;
+  friend bool operator==(const Reject&, const Reject&) = default;
 };
 
 struct Welcome {
@@ -109,9 +109,9 @@ struct EndOfStream {
 };
 
 /// What keeps the server's camera from sending frames; it goes on by itself. Empty: nothing does any more.
-struct Notice {
+struct CameraStatus {
   std::string text;  ///< one sentence
-  friend bool operator==(const Notice&, const Notice&) = default;
+  friend bool operator==(const CameraStatus&, const CameraStatus&) = default;
 };
 
 struct FrameAck {

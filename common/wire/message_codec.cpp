@@ -141,7 +141,7 @@ Bytes encode(const Hello& hello) {
   });
 }
 
-Bytes encode(const Refusal& refusal) {
+Bytes encode(const Reject& refusal) {
   return message(MessageType::kRefusal, [&](ByteWriter& to) {
     to.number(static_cast<std::uint8_t>(refusal.reason));
     to.text(made_printable(refusal.text, kMaxTextBytes));
@@ -184,7 +184,7 @@ Bytes encode(const EndOfStream& end) {
                  [&](ByteWriter& to) { to.text(made_printable(end.reason, kMaxTextBytes)); });
 }
 
-Bytes encode(const Notice& notice) {
+Bytes encode(const CameraStatus& notice) {
   return message(MessageType::kNotice,
                  [&](ByteWriter& to) { to.text(made_printable(notice.text, kMaxTextBytes)); });
 }
@@ -260,11 +260,11 @@ Result<Hello> decode_hello(std::span<const std::uint8_t> body) {
   return hello;
 }
 
-Result<Refusal> decode_refusal(std::span<const std::uint8_t> body) {
+Result<Reject> decode_refusal(std::span<const std::uint8_t> body) {
   ByteReader from(body);
-  const auto reason = static_cast<RefusalReason>(from.number<std::uint8_t>());
-  Refusal refusal{reason, from.text()};
-  const bool known = reason == RefusalReason::kVersion || reason == RefusalReason::kFull;
+  const auto reason = static_cast<RejectReason>(from.number<std::uint8_t>());
+  Reject refusal{reason, from.text()};
+  const bool known = reason == RejectReason::kVersion || reason == RejectReason::kFull;
   if (!known || !from.complete() || refusal.text.size() > kMaxTextBytes || !is_printable(refusal.text)) {
     return corrupt("a refusal that cannot be read");
   }
@@ -318,9 +318,9 @@ Result<EndOfStream> decode_end_of_stream(std::span<const std::uint8_t> body) {
   return end;
 }
 
-Result<Notice> decode_notice(std::span<const std::uint8_t> body) {
+Result<CameraStatus> decode_notice(std::span<const std::uint8_t> body) {
   ByteReader from(body);
-  Notice notice{from.text()};
+  CameraStatus notice{from.text()};
   if (!from.complete() || notice.text.size() > kMaxTextBytes || !is_printable(notice.text)) {
     return corrupt("a notice that cannot be read");
   }

@@ -24,10 +24,10 @@ using FrameHeadMessage = std::array<std::uint8_t, kHeaderBytes + kFrameHeadBytes
 /// A whole message, header and body. Texts are shortened to kMaxTextBytes and made printable.
 /// Welcome requires a description that passes check().
 Bytes encode(const Hello& message);
-Bytes encode(const Refusal& message);
+Bytes encode(const Reject& message);
 Bytes encode(const Welcome& message);
 Bytes encode(const EndOfStream& message);
-Bytes encode(const Notice& message);
+Bytes encode(const CameraStatus& message);
 Bytes encode(const FrameAck& message);
 Bytes encode(const Ping& message);
 Bytes encode(const Pong& message);
@@ -42,10 +42,10 @@ Result<MessageHeader> decode_header(std::span<const std::uint8_t, kHeaderBytes> 
 
 /// One body each, exactly as long as its header said.
 Result<Hello> decode_hello(std::span<const std::uint8_t> body);
-Result<Refusal> decode_refusal(std::span<const std::uint8_t> body);
+Result<Reject> decode_refusal(std::span<const std::uint8_t> body);
 Result<Welcome> decode_welcome(std::span<const std::uint8_t> body);
 Result<EndOfStream> decode_end_of_stream(std::span<const std::uint8_t> body);
-Result<Notice> decode_notice(std::span<const std::uint8_t> body);
+Result<CameraStatus> decode_notice(std::span<const std::uint8_t> body);
 Result<FrameAck> decode_frame_ack(std::span<const std::uint8_t> body);
 Result<Ping> decode_ping(std::span<const std::uint8_t> body);
 Result<Pong> decode_pong(std::span<const std::uint8_t> body);

@@ -27,7 +27,8 @@ NameLookup::NameLookup(asio::io_context& io, std::string host, std::uint16_t por
   std::thread([shared = shared_, host = std::move(host), port] {
     asio::io_context own;
     asio::error_code error;
-    const auto found = tcp::resolver(own).resolve(host, std::to_string(port), tcp::resolver::numeric_service, error);
+    const auto found =
+        tcp::resolver(own).resolve(host, std::to_string(port), tcp::resolver::numeric_service, error);
     std::vector<tcp::endpoint> endpoints(found.begin(), found.end());
     std::lock_guard lock(shared->mutex);
     if (!shared->work) return;

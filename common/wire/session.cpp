@@ -112,25 +112,25 @@ bool Session::take_hello(std::span<const std::uint8_t> body) {
   const auto hello = decode_hello(body);
   if (!hello) return false;
   if (hello->version != kProtocolVersion) {
-    say_goodbye(
-        encode(Refusal{RefusalReason::kVersion,
-                       fmt::format("the server speaks protocol version {}, this client {}: install the same "
-                                   "release of Copresence on both",
-                                   kProtocolVersion, hello->version)}),
+    close_gracefully(
+        encode(Reject{RejectReason::kVersion,
+                      fmt::format("the server speaks protocol version {}, this client {}: install the same "
+                                  "release of Copresence on both",
+                                  kProtocolVersion, hello->version)}),
         Ending::kOtherVersion);
     return true;
   }
   if (!stream_.admit(*this, Stage::kNewcomer)) {
-    say_goodbye(encode(Refusal{
-                    RefusalReason::kFull,
-                    fmt::format("the server has {} clients already, as many as it takes: close one of them",
-                                room_for(Stage::kClient))}),
-                Ending::kNoPlace);
+    close_gracefully(
+        encode(Reject{RejectReason::kFull,
+                      fmt::format("the server has {} clients already, as many as it takes: close one of them",
+                                  room_for(Stage::kClient))}),
+        Ending::kNoPlace);
     return true;
   }
   stage_ = Stage::kNewcomer;
   queue({encode(Welcome{stream_.clock_id, std::chrono::steady_clock::now(), stream_.description}), nullptr});
-  if (!stream_.notice.empty()) queue({encode(Notice{stream_.notice}), nullptr});
+  if (!stream_.notice.empty()) queue({encode(CameraStatus{stream_.notice}), nullptr});
   lives(std::chrono::steady_clock::now());
   enter(Phase::kStreaming);
   return true;
@@ -150,7 +150,7 @@ bool Session::take_ack(std::span<const std::uint8_t> body) {
   return true;
 }
 
-void Session::offer(const Departure& departure) {
+void Session::offer(const OutboundFrame& departure) {
   if (!is_streaming()) return;
   const EncodedFrame& frame = *departure.frame;
   const std::size_t bytes = kFrameHeadBytes + frame.depth.size() + frame.color.size();
@@ -181,7 +181,7 @@ void Session::tell(const Bytes& notice) {
   if (is_streaming() && out_.size() < kMaxQueued) queue({notice, nullptr});
 }
 
-void Session::say_goodbye(const Bytes& last, Ending why) {
+void Session::close_gracefully(const Bytes& last, Ending why) {
   if (phase_ == Phase::kLeaving || phase_ == Phase::kClosed) return;
   ending_ = why;
   enter(Phase::kLeaving);

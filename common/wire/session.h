@@ -23,7 +23,7 @@
 namespace copresence::wire {
 
 /// A frame on its way to every client.
-struct Departure {
+struct OutboundFrame {
   std::shared_ptr<const EncodedFrame> frame;
   FrameCounters counters;  ///< window_full: not encoded since no client had room
   Instant sent_at{};
@@ -47,11 +47,11 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(asio::ip::tcp::socket socket, Stream& stream);
 
   void start();
-  void offer(const Departure& departure);  ///< queues the frame if the window allows, counts it otherwise
+  void offer(const OutboundFrame& departure);  ///< queues the frame if the window allows, counts it otherwise
   void skip(std::uint64_t frames);
   void tell(const Bytes& notice);
   /// The last message; closes when the client has read it, or after a second.
-  void say_goodbye(const Bytes& last, Ending why);
+  void close_gracefully(const Bytes& last, Ending why);
   void close(Ending why);
   /// Looks for signs of life; closes a session that showed none in time.
   void sweep(Instant now);

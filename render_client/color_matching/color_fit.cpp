@@ -28,13 +28,13 @@ class Dice {
   std::uint64_t state_ = 0x9E3779B97F4A7C15U;
 };
 
-float error(const ColorMap& map, const ColorPair& pair) {
+float error(const ColorCorrection& map, const ColorPair& pair) {
   return (apply(map, pair.from) - pair.to).cwiseAbs().maxCoeff();
 }
 
 // Gain and offset from two pairs; a channel in which they hardly differ gets a gain alone.
-std::optional<ColorMap> guess(const ColorPair& a, const ColorPair& b) {
-  ColorMap map = ColorMap::Zero();
+std::optional<ColorCorrection> guess(const ColorPair& a, const ColorPair& b) {
+  ColorCorrection map = ColorCorrection::Zero();
   for (int c = 0; c < 3; ++c) {
     const float apart = a.from[c] - b.from[c];
     const float gain = std::abs(apart) >= kApart ? (a.to[c] - b.to[c]) / apart
@@ -47,7 +47,8 @@ std::optional<ColorMap> guess(const ColorPair& a, const ColorPair& b) {
   return map;
 }
 
-std::vector<ColorPair> agreeing(std::span<const ColorPair> pairs, const ColorMap& map, float tolerance) {
+std::vector<ColorPair> agreeing(std::span<const ColorPair> pairs, const ColorCorrection& map,
+                                float tolerance) {
   std::vector<ColorPair> result;
   for (const ColorPair& pair : pairs) {
     if (error(map, pair) <= tolerance) result.push_back(pair);
@@ -64,7 +65,7 @@ std::vector<ColorPair> spread(const std::vector<ColorPair>& pairs, std::size_t m
 
 }  // namespace
 
-ColorMap refine_color_map(std::span<const ColorPair> pairs, const ColorMap& near) {
+ColorCorrection refine_color_map(std::span<const ColorPair> pairs, const ColorCorrection& near) {
   assert(!pairs.empty());
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
@@ -86,7 +87,7 @@ std::optional<ColorFit> fit_color_map(std::span<const ColorPair> pairs) {
   for (std::size_t i = 0; i < std::min(pairs.size(), kMostTested); ++i) {
     tested.push_back(pairs.size() <= kMostTested ? pairs[i] : pairs[dice.below(pairs.size())]);
   }
-  ColorMap best;
+  ColorCorrection best;
   std::size_t most = 0;
   for (int i = 0; i < kGuesses; ++i) {
     const auto map = guess(tested[dice.below(tested.size())], tested[dice.below(tested.size())]);
@@ -100,7 +101,7 @@ std::optional<ColorFit> fit_color_map(std::span<const ColorPair> pairs) {
   }
   if (3 * most < tested.size()) return std::nullopt;
 
-  ColorMap map = refine_color_map(agreeing(pairs, best, kCoarse), best);
+  ColorCorrection map = refine_color_map(agreeing(pairs, best, kCoarse), best);
   for (int round = 0; round < 2; ++round) {
     const auto inliers = agreeing(pairs, map, kFine);
     if (inliers.size() < kFewestPairs || 3 * inliers.size() < pairs.size()) return std::nullopt;

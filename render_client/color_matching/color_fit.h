@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "render_client/color_matching/color_map.h"
+#include "render_client/color_matching/color_correction.h"
 
 namespace copresence::color_matching {
 
@@ -16,7 +16,7 @@ namespace copresence::color_matching {
 inline constexpr std::size_t kFewestPairs = 60;
 
 struct ColorFit {
-  ColorMap map;
+  ColorCorrection map;
   std::vector<ColorPair> inliers;  ///< at most kMostInliers of those that agree, spread over all
   std::size_t agreeing = 0;        ///< how many agree
   double rms = 0;                  ///< of their channels, 0 to 1
@@ -29,6 +29,6 @@ std::optional<ColorFit> fit_color_map(std::span<const ColorPair> pairs);
 
 /// Least squares over all twelve numbers, held towards `near` by the weight of a fraction of the pairs: colours that a
 /// scene does not show, a grey room's reds, keep what `near` says of them. Requires pairs.
-ColorMap refine_color_map(std::span<const ColorPair> pairs, const ColorMap& near);
+ColorCorrection refine_color_map(std::span<const ColorPair> pairs, const ColorCorrection& near);
 
 }  // namespace copresence::color_matching

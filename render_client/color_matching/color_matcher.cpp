@@ -37,21 +37,21 @@ std::vector<Overlap> find_overlaps(std::span<const PosedFrame> frames) {
 }
 
 // Of a fit's map, the other way round.
-ColorMap inverse(const Overlap& overlap) {
+ColorCorrection inverse(const Overlap& overlap) {
   std::vector<ColorPair> back;
   for (const ColorPair& pair : overlap.fit.inliers) back.push_back({pair.to, pair.from});
   const Eigen::Matrix3f linear = overlap.fit.map.leftCols<3>();
-  ColorMap guess;
+  ColorCorrection guess;
   guess.leftCols<3>() = linear.inverse();
   guess.col(3) = -(guess.leftCols<3>() * overlap.fit.map.col(3));
   return refine_color_map(back, guess);
 }
 
 // Every camera's map along the best overlaps to the reference.
-std::vector<std::optional<ColorMap>> chain_to_reference(const std::vector<Overlap>& overlaps,
-                                                        std::size_t cameras) {
-  std::vector<std::optional<ColorMap>> maps(cameras);
-  maps[0] = ColorMap::Identity();
+std::vector<std::optional<ColorCorrection>> chain_to_reference(const std::vector<Overlap>& overlaps,
+                                                               std::size_t cameras) {
+  std::vector<std::optional<ColorCorrection>> maps(cameras);
+  maps[0] = ColorCorrection::Identity();
   for (bool grown = true; grown;) {
     grown = false;
     for (const Overlap& overlap : overlaps) {
@@ -71,7 +71,8 @@ std::vector<std::optional<ColorMap>> chain_to_reference(const std::vector<Overla
 
 // All maps at once: the least squares of map(a) of one camera's colour minus map(b) of the other's, over the inliers of
 // all overlaps, each map held a little towards its chained one.
-void spread_what_is_left(const std::vector<Overlap>& overlaps, std::vector<std::optional<ColorMap>>& maps) {
+void spread_what_is_left(const std::vector<Overlap>& overlaps,
+                         std::vector<std::optional<ColorCorrection>>& maps) {
   std::vector<int> unknown(maps.size(), -1);
   int count = 0;
   for (std::size_t i = 1; i < maps.size(); ++i) {
@@ -116,7 +117,7 @@ void spread_what_is_left(const std::vector<Overlap>& overlaps, std::vector<std::
 
 }  // namespace
 
-std::vector<std::optional<ColorMap>> match_colors(std::span<const PosedFrame> frames) {
+std::vector<std::optional<ColorCorrection>> match_colors(std::span<const PosedFrame> frames) {
   assert(!frames.empty());
   const auto overlaps = find_overlaps(frames);
   auto maps = chain_to_reference(overlaps, frames.size());
@@ -124,13 +125,13 @@ std::vector<std::optional<ColorMap>> match_colors(std::span<const PosedFrame> fr
   return maps;
 }
 
-void SteadyMaps::follow(std::span<const std::optional<ColorMap>> found, Duration elapsed) {
+void SteadyMaps::follow(std::span<const std::optional<ColorCorrection>> found, Duration elapsed) {
   assert(found.size() == maps_.size());
   const double seconds = std::chrono::duration<double>(elapsed).count();
   const auto share = static_cast<float>(1 - std::exp(-seconds / kEaseSeconds));
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     if (!found[i]) continue;
-    maps_[i] = maps_[i] ? ColorMap(*maps_[i] + share * (*found[i] - *maps_[i])) : *found[i];
+    maps_[i] = maps_[i] ? ColorCorrection(*maps_[i] + share * (*found[i] - *maps_[i])) : *found[i];
   }
 }
 

@@ -19,7 +19,7 @@ namespace copresence::color_matching {
 
 /// The maps from `frames`, the first of which is the reference, or nothing for a camera that no chain of
 /// overlaps joins to it. An entry without colour or without a place (a null frame) takes no part.
-std::vector<std::optional<ColorMap>> match_colors(std::span<const PosedFrame> frames);
+std::vector<std::optional<ColorCorrection>> match_colors(std::span<const PosedFrame> frames);
 
 /// What to show while matches come in: the first one at once, later ones eased in, since exposure changes
 /// over seconds and a fit's noise must not show as flicker; and the last one where the overlap is gone.
@@ -28,15 +28,17 @@ class SteadyMaps {
   explicit SteadyMaps(std::size_t cameras) : maps_(cameras) {}
 
   /// Takes in what a match has found, `elapsed` after the one before.
-  void follow(std::span<const std::optional<ColorMap>> found, Duration elapsed);
+  void follow(std::span<const std::optional<ColorCorrection>> found, Duration elapsed);
 
   bool is_known(std::size_t camera) const { return maps_[camera].has_value(); }
 
   /// Identity where nothing is known.
-  ColorMap map(std::size_t camera) const { return maps_[camera].value_or(ColorMap::Identity()); }
+  ColorCorrection map(std::size_t camera) const {
+    return maps_[camera].value_or(ColorCorrection::Identity());
+  }
 
  private:
-  std::vector<std::optional<ColorMap>> maps_;
+  std::vector<std::optional<ColorCorrection>> maps_;
 };
 
 }  // namespace copresence::color_matching

@@ -8,7 +8,7 @@
 #include "common/frame/camera_model.h"
 #include "common/frame/depth_unit.h"
 #include "common/frame/rgbd_frame.h"
-#include "render_client/color_matching/color_map.h"
+#include "render_client/color_matching/color_correction.h"
 
 namespace copresence::color_matching {
 

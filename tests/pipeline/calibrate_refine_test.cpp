@@ -65,7 +65,8 @@ class Refine : public ::testing::Test {
   }
 
   Rigid3 refined(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"--out", folder_ / "out.toml", "--json", folder_ / "out.json", "--overwrite"};
+    std::vector<std::string> arguments{"--out", folder_ / "out.toml", "--json", folder_ / "out.json",
+                                       "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Ended ended = run("refine", arguments);
     EXPECT_EQ(ended.code, 0) << ended.words;

@@ -14,15 +14,15 @@
 #include <set>
 #include <thread>
 
-#include "capture_server/frame_encoding.h"
+#include "capture_server/encoding/frame_encoding.h"
 #include "capture_server/hole_filling/hole_filler.h"
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
 #include "common/wire/frame_client.h"
-#include "render_client/depth_smoothing.h"
-#include "render_client/renderer/cpu_renderer.h"
-#include "render_client/temporal_filter.h"
+#include "render_client/decoding/depth_smoothing.h"
+#include "render_client/decoding/temporal_filter.h"
+#include "render_client/renderer/cpu/cpu_renderer.h"
 #include "render_client/viewpoint/look_at.h"
 #include "tests/pipeline/running_room.h"
 #include "tests/support/real_recordings.h"
@@ -114,7 +114,7 @@ class Fidelity : public ::testing::Test {
     while (frame.stamp.sequence < sequence) {
       frame = *(*source)->next({});
       if (!sent.contains(frame.stamp.sequence)) continue;
-      server::keep_range(frame, to_units(DepthRange{}, unit));
+      server::clip_to_range(frame, to_units(DepthRange{}, unit));
       EXPECT_TRUE((*filler)->fill(frame));
       temporal_filter.apply(frame, unit);
     }

@@ -12,15 +12,15 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture_server/frame_encoding.h"
+#include "capture_server/encoding/frame_encoding.h"
 #include "capture_server/hole_filling/hole_filler.h"
-#include "capture_server/simulation/simulated_kinect.h"
 #include "common/flow/worker_pool.h"
 #include "render_client/color_matching/color_matcher.h"
-#include "render_client/depth_smoothing.h"
-#include "render_client/renderer/cpu_renderer.h"
-#include "render_client/temporal_filter.h"
+#include "render_client/decoding/depth_smoothing.h"
+#include "render_client/decoding/temporal_filter.h"
+#include "render_client/renderer/cpu/cpu_renderer.h"
 #include "render_client/viewpoint/look_at.h"
+#include "simulation/simulated_kinect.h"
 
 namespace copresence::testing {
 namespace {
@@ -83,7 +83,7 @@ class MergedTruth : public ::testing::Test {
       RgbdFrame frame;
       kinect.expose(kPhase, number, frame.depth, frame.color.emplace());
       frame.state = StateImage(640, 480, DepthState::kMeasured);
-      server::keep_range(frame, to_units(DepthRange{}, DepthUnit::kMillimetre));
+      server::clip_to_range(frame, to_units(DepthRange{}, DepthUnit::kMillimetre));
       const auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
                                              {640, 480, DepthUnit::kMillimetre, DepthRange{}});
       EXPECT_TRUE((*filler)->fill(frame));
@@ -100,7 +100,8 @@ class MergedTruth : public ::testing::Test {
     return frames(kHalfASecond);
   }
 
-  static std::vector<std::optional<color_matching::ColorMap>> match(const std::vector<RgbdFrame>& frames) {
+  static std::vector<std::optional<color_matching::ColorCorrection>> match(
+      const std::vector<RgbdFrame>& frames) {
     std::vector<color_matching::PosedFrame> posed;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       posed.push_back(
@@ -110,7 +111,7 @@ class MergedTruth : public ::testing::Test {
   }
 
   static renderer::MergedView show(const std::vector<RgbdFrame>& frames,
-                                   const std::vector<std::optional<color_matching::ColorMap>>& maps) {
+                                   const std::vector<std::optional<color_matching::ColorCorrection>>& maps) {
     std::vector<renderer::CameraView> views;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       renderer::CameraView view;
@@ -170,7 +171,7 @@ TEST_F(MergedTruth, ColourMatchingBringsTheViewNearTheTruth) {
   const auto captured = frames_after_half_a_second();
   const auto maps = match(captured);
   ASSERT_TRUE(maps[1]);
-  const std::vector<std::optional<color_matching::ColorMap>> none(2);
+  const std::vector<std::optional<color_matching::ColorCorrection>> none(2);
   const auto matched = show(captured, maps), unmatched = show(captured, none);
   auto eye = true_camera(eye_.lens, eye_.world_from_eye);
   const ColorImage& truth = eye.look(kPhase).color;

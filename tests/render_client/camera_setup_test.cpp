@@ -42,7 +42,7 @@ TEST(CameraSetup, TakesWhatTheSceneFileSays) {
   scene::Scene scene = scene_with({640, 480, 500, 500, 310, 250, {}});
   scene::Camera& camera = scene.cameras.front();
   camera.world_from_camera.emplace().translation.x() = 2;
-  camera.color_matching = color_matching::ColorMap::Identity() * 0.5F;
+  camera.color_matching = color_matching::ColorCorrection::Identity() * 0.5F;
   camera.calibration_error_mm = 12;
   const CameraSetup setup = resolve_setup(stream_of("left"), &scene);
   EXPECT_EQ(setup.model, camera.model);
@@ -50,8 +50,8 @@ TEST(CameraSetup, TakesWhatTheSceneFileSays) {
 
   RgbdFrame frame;
   frame.stamp.world_from_camera.translation.x() = 7;
-  const renderer::CameraView view =
-      camera_view(setup, frame, 3, color_matching::ColorMap(color_matching::ColorMap::Identity()));
+  const renderer::CameraView view = camera_view(
+      setup, frame, 3, color_matching::ColorCorrection(color_matching::ColorCorrection::Identity()));
   EXPECT_EQ(view.frame, &frame);
   EXPECT_EQ(view.version, 3U);
   EXPECT_EQ(view.model, camera.model);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What most tests include, parsed once instead of by each: cmake/room.cmake puts it before every one of them. A test names what it
+// What most tests include, parsed once instead of by each: cmake/module.cmake puts it before every one of them. A test names what it
 // uses nevertheless.
 
 #include <fmt/format.h>

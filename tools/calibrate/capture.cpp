@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 #include "common/wire/host_port.h"
 #include "tools/calibrate/stream_source.h"
 

@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "common/wire/frame_client.h"
-#include "render_client/frame_decoding.h"
+#include "render_client/decoding/frame_decoding.h"
 #include "render_client/stream/limited_log.h"
 
 namespace copresence::calibrate {

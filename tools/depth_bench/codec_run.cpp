@@ -56,7 +56,7 @@ Result<Row> run_codec(const DepthRecording& recording, const std::string& codec,
     tally.encode_ms.push_back(coded - start);
     tally.bytes += encoded->depth.size();
     tally.largest = std::max<std::uint64_t>(tally.largest, encoded->depth.size());
-    tally.mask_bytes += frame.depth.state_mask.size();
+    tally.mask_bytes += frame.depth.validity_mask.size();
     error.add(recording.depth[i], recording.states[i], back, states_back);
     if (snapshot && i == recording.depth.size() / 2) {
       *snapshot = {std::move(frame.depth.picture), std::move(decoded->depth.picture), recording.depth[i],

@@ -2,7 +2,7 @@
 
 #include <stop_token>
 
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 
 namespace copresence::depth_bench {
 

@@ -17,7 +17,7 @@ std::vector<std::string> candidates() {
   return names;
 }
 
-Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Effort effort,
+Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset effort,
                               tools::Progress& progress) {
   std::vector<Row> rows;
   for (const std::string& codec : candidates()) {

@@ -52,8 +52,10 @@ constexpr ForeignFormat kForeignFormats[] = {
     {"BM"sv, 0, "a BMP image", kConvert},
     {"WEBP"sv, 8, "a WebP image", kConvert},
     {"\x76\x2f\x31\x01"sv, 0, "an OpenEXR image", "convert depth to 16-bit PNG in millimetres"},
-    {"\x93NUMPY"sv, 0, "a NumPy array", "write depth as 16-bit PNG in millimetres, for example with cv2.imwrite"},
-    {"ftyp"sv, 4, "a HEIC, AVIF or video file", "convert it to PNG or JPEG first; of a video extract the frames"},
+    {"\x93NUMPY"sv, 0, "a NumPy array",
+     "write depth as 16-bit PNG in millimetres, for example with cv2.imwrite"},
+    {"ftyp"sv, 4, "a HEIC, AVIF or video file",
+     "convert it to PNG or JPEG first; of a video extract the frames"},
     {"\x00\x00\x00\x0cjP"sv, 0, "a JPEG 2000 image", kConvert},
     {"\xff\x0a"sv, 0, "a JPEG XL image", kConvert},
     {"P7\n"sv, 0, "a PAM image", kConvert},
@@ -126,7 +128,8 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
       at += 2;
       continue;
     }
-    const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    const bool is_frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
     if (!is_frame) {
       if (marker == 0xD9 || marker == 0xDA) return broken();
       const std::uint32_t length = big_endian(bytes, 2, 2);
@@ -161,7 +164,8 @@ std::optional<double> next_number(Bytes bytes, std::size_t& at) {
     }
   }
   std::string text;
-  while (at < bytes.size() && !std::isspace(bytes[at]) && text.size() < 32) text += static_cast<char>(bytes[at++]);
+  while (at < bytes.size() && !std::isspace(bytes[at]) && text.size() < 32)
+    text += static_cast<char>(bytes[at++]);
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != 0) return std::nullopt;
@@ -175,7 +179,8 @@ Result<PictureHeader> netpbm_header(Bytes bytes) {
   const bool has_largest = bytes[1] != '1' && bytes[1] != '4';
   const auto largest = has_largest ? next_number(bytes, at) : std::optional(1.0);
   constexpr double kMost = 1e9;
-  if (!width || !height || !largest || !(*width >= 0) || *width > kMost || !(*height >= 0) || *height > kMost) {
+  if (!width || !height || !largest || !(*width >= 0) || *width > kMost || !(*height >= 0) ||
+      *height > kMost) {
     return broken();
   }
   PictureHeader header;
@@ -240,8 +245,9 @@ Result<PictureHeader> header_of(const ReadAt& read_at) {
                   fmt::format("{}, which is not read here; {}", format.name, format.mend));
     }
   }
-  return fail(ErrorCode::kCorrupt,
-              "not an image that is read here (PNG, JPEG, PGM, PPM, TIFF, PFM), or damaged; take another copy of it");
+  return fail(
+      ErrorCode::kCorrupt,
+      "not an image that is read here (PNG, JPEG, PGM, PPM, TIFF, PFM), or damaged; take another copy of it");
 }
 
 tl::unexpected<Error> named(const std::filesystem::path& path, const Error& error) {
@@ -253,8 +259,8 @@ tl::unexpected<Error> named(const std::filesystem::path& path, const Error& erro
 Result<PictureHeader> read_header(const ReadAt& read_at) {
   auto header = header_of(read_at);
   if (!header) return header;
-  const bool sound = header->width > 0 && header->height > 0 && header->channels >= 1 && header->channels <= 4 &&
-                     header->bits >= 1 && header->bits <= 64;
+  const bool sound = header->width > 0 && header->height > 0 && header->channels >= 1 &&
+                     header->channels <= 4 && header->bits >= 1 && header->bits <= 64;
   if (!sound) return broken();
   return header;
 }
@@ -264,8 +270,9 @@ Result<PictureHeader> read_header(const std::filesystem::path& path) {
   std::ifstream file;
   if (std::filesystem::is_regular_file(path, problem)) file.open(path, std::ios::binary);
   if (!file.is_open()) {
-    return fail(ErrorCode::kNotFound,
-                fmt::format("{}: cannot be read; check that it is there and that you may read it", path.string()));
+    return fail(
+        ErrorCode::kNotFound,
+        fmt::format("{}: cannot be read; check that it is there and that you may read it", path.string()));
   }
   const auto header = read_header([&](std::uint64_t offset, std::span<std::uint8_t> into) {
     file.clear();

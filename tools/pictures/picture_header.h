@@ -21,13 +21,15 @@ enum class Format { kPng, kJpeg, kNetpbm, kTiff, kPfm };
 struct PictureHeader {
   Format format = Format::kPng;
   int width = 0, height = 0;  ///< pixels as stored
-  int orientation = 1;        ///< JPEG: how a viewer should turn the picture, EXIF's 1 to 8; 1 where none is named
-  int channels = 0;           ///< 1 to 4; a palette counts as 3
-  int bits = 0;               ///< per channel
-  bool is_float = false;      ///< TIFF and PFM
-  bool is_palette = false;    ///< PNG: colours by number, as label images have them
+  int orientation = 1;  ///< JPEG: how a viewer should turn the picture, EXIF's 1 to 8; 1 where none is named
+  int channels = 0;     ///< 1 to 4; a palette counts as 3
+  int bits = 0;         ///< per channel
+  bool is_float = false;    ///< TIFF and PFM
+  bool is_palette = false;  ///< PNG: colours by number, as label images have them
 
-  std::uint64_t pixels() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
+  std::uint64_t pixels() const {
+    return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  }
 };
 
 /// The largest picture that load() takes, pixels.
@@ -45,6 +47,7 @@ Result<PictureHeader> read_header(const std::filesystem::path& path);
 
 /// All bytes of an image file whose header is sound and that has at most `most_pixels`.
 /// Fails  as read_header(); kInvalid for a larger image or a file that is larger than such an image can be.
-Result<std::vector<std::uint8_t>> load(const std::filesystem::path& path, std::uint64_t most_pixels = kMostPixels);
+Result<std::vector<std::uint8_t>> load(const std::filesystem::path& path,
+                                       std::uint64_t most_pixels = kMostPixels);
 
 }  // namespace copresence::pictures

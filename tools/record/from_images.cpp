@@ -38,9 +38,10 @@ Size size_of(const cv::Mat& image) {
 
 Result<void> check_size(const std::filesystem::path& path, const cv::Mat& image, const Size& size) {
   if (size_of(image) == size) return {};
-  return fail(ErrorCode::kInvalid,
-              fmt::format("{}: {}x{} pixels, but the first image has {}x{}; take them out or into a set of their own",
-                          path.string(), image.cols, image.rows, size.width, size.height));
+  return fail(
+      ErrorCode::kInvalid,
+      fmt::format("{}: {}x{} pixels, but the first image has {}x{}; take them out or into a set of their own",
+                  path.string(), image.cols, image.rows, size.width, size.height));
 }
 
 // The same view in another size, with the same shape of its pixels; of another aspect about the same middle.
@@ -102,15 +103,16 @@ class Making {
     const double seconds =
         static_cast<double>((images_.depth.back().time - images_.depth.front().time).count()) * 1e-6;
     std::string text = fmt::format("times are taken for {}", name(images_.unit));
-    if (images_.unit == TimeUnit::kFrames) text += fmt::format(" at {:g} frames/s", settings_.frames_per_second);
+    if (images_.unit == TimeUnit::kFrames)
+      text += fmt::format(" at {:g} frames/s", settings_.frames_per_second);
     text += fmt::format(": {:.2f} s, {:.1f} frames/s", seconds, 1e6 / recording::usual_period_us(times));
     if (images_.since_1970) text += ", from " + utc_text(images_.depth.front().time);
     report_.remarks.push_back(std::move(text));
     const std::size_t standing = recording::steps_without_time(times);
     if (standing) {
-      report_.remarks.push_back(fmt::format(
-          "{} depth images have the time of the one before; they are played at {} frames/s", standing,
-          times.frames_per_second));
+      report_.remarks.push_back(
+          fmt::format("{} depth images have the time of the one before; they are played at {} frames/s",
+                      standing, times.frames_per_second));
     }
   }
 
@@ -157,7 +159,8 @@ class Making {
     if (*color_is_odd) remark_on_odd_size("colour", color_size_);
     content.color = recording::ColorCoding::kJpeg;
     content.camera.registered = is_registered() && color_size_ == depth_size_;
-    if (!content.camera.registered) content.camera.color = recording::ColorCameraNote{camera_of(color_size_), {}};
+    if (!content.camera.registered)
+      content.camera.color = recording::ColorCameraNote{camera_of(color_size_), {}};
     return {};
   }
 
@@ -186,10 +189,12 @@ class Making {
       case DepthCoding::kKinectDisparity:
       case DepthCoding::kSwappedDisparity:
         report_.remarks.emplace_back(
-            "depth is a Kinect's raw disparity of 11 bits: metres by 351.3 / (1092.5 - raw), colour not registered");
+            "depth is a Kinect's raw disparity of 11 bits: metres by 351.3 / (1092.5 - raw), colour not "
+            "registered");
         return;
       case DepthCoding::kSwapped:
-        report_.remarks.emplace_back("depth has the two bytes of each number exchanged: they are exchanged again");
+        report_.remarks.emplace_back(
+            "depth has the two bytes of each number exchanged: they are exchanged again");
         break;
       case DepthCoding::kFloat:
         report_.depth_per_metre =
@@ -206,10 +211,10 @@ class Making {
     };
     const double other = images_.has_tum_depth ? kUsualPerMetre : kTumPerMetre;
     if (!is_a_room(report_.depth_per_metre) && is_a_room(other)) {
-      report_.remarks.emplace_back(
-          fmt::format("the middle depth of the first image is {:.2f} m at {:g} to a metre, but {:.2f} m at {:g}: if "
-                      "that is right, give --depth-scale {:g}",
-                      middle / report_.depth_per_metre, report_.depth_per_metre, middle / other, other, other));
+      report_.remarks.emplace_back(fmt::format(
+          "the middle depth of the first image is {:.2f} m at {:g} to a metre, but {:.2f} m at {:g}: if "
+          "that is right, give --depth-scale {:g}",
+          middle / report_.depth_per_metre, report_.depth_per_metre, middle / other, other, other));
     }
   }
 
@@ -238,14 +243,15 @@ class Making {
     if (!image) return fail(image.error());
     if (auto fits = check_size(timed.path, *image, depth_size_); !fits) return fits;
     if ((image->type() == CV_32FC1) != (coding_ == DepthCoding::kFloat)) {
-      return fail(ErrorCode::kInvalid,
-                  fmt::format("{}: holds other numbers than the first depth image, 16 bits or floating-point; take "
-                              "it out of the set",
-                              timed.path.string()));
+      return fail(
+          ErrorCode::kInvalid,
+          fmt::format("{}: holds other numbers than the first depth image, 16 bits or floating-point; take "
+                      "it out of the set",
+                      timed.path.string()));
     }
     ++report_.depth_frames;
-    return writer.write_depth(time_of(timed), convert_depth(*image, coding_, report_.depth_per_metre, settings_.unit,
-                                                            report_.too_far));
+    return writer.write_depth(time_of(timed), convert_depth(*image, coding_, report_.depth_per_metre,
+                                                            settings_.unit, report_.too_far));
   }
 
   Result<void> write_color(recording::OniWriter& writer, const TimedImage& timed) {

@@ -15,8 +15,8 @@ namespace copresence::record {
 struct FromImagesReport {
   std::size_t depth_frames = 0, color_frames = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t too_far = 0;  ///< depth pixels beyond what the unit holds, which are holes now
-  double depth_per_metre = 0;  ///< 0 where the images hold a Kinect's raw disparities
+  std::uint64_t too_far = 0;         ///< depth pixels beyond what the unit holds, which are holes now
+  double depth_per_metre = 0;        ///< 0 where the images hold a Kinect's raw disparities
   std::vector<std::string> remarks;  ///< sentences for the user: what was taken, left out and assumed
 };
 

@@ -78,7 +78,8 @@ cv::Mat decode_pfm(const Loaded& loaded) {
   const std::size_t begin = end_of_header(loaded.bytes, 3);
   const std::size_t row_bytes = 4u * static_cast<std::size_t>(loaded.header.width);
   const auto rows = static_cast<std::size_t>(loaded.header.height);
-  if (loaded.header.channels != 1 || begin > loaded.bytes.size() || loaded.bytes.size() - begin < rows * row_bytes) {
+  if (loaded.header.channels != 1 || begin > loaded.bytes.size() ||
+      loaded.bytes.size() - begin < rows * row_bytes) {
     return {};
   }
   const auto header_end = loaded.bytes.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -119,7 +120,8 @@ double roughness(const cv::Mat& image, Value value) {
 bool has_empty_low_bytes(const cv::Mat& image) {
   for (int y = 0; y < image.rows; ++y) {
     const auto* row = image.ptr<std::uint16_t>(y);
-    if (std::any_of(row, row + image.cols, [](std::uint16_t value) { return value % 256 != 0; })) return false;
+    if (std::any_of(row, row + image.cols, [](std::uint16_t value) { return value % 256 != 0; }))
+      return false;
   }
   return true;
 }
@@ -192,7 +194,8 @@ Result<cv::Mat> read_depth(const fs::path& path) {
                             path.string(), image.channels(), 8 * image.elemSize1()));
   }
   if (image.cols < 2 || image.rows < 2) {
-    return fail(ErrorCode::kInvalid, fmt::format("{}: {}x{} pixels are no depth image", path.string(), image.cols, image.rows));
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: {}x{} pixels are no depth image", path.string(), image.cols, image.rows));
   }
   return even(image);
 }
@@ -202,8 +205,8 @@ DepthCoding find_coding(const cv::Mat& first, const fs::path& path) {
   const auto same = [](std::uint16_t value) { return value; };
   const auto header = pictures::read_header(path);
   const bool is_netpbm = header && header->format == Format::kNetpbm;
-  const bool are_swapped = !has_empty_low_bytes(first) &&
-                           kSmoother * roughness(first, swapped) < roughness(first, same);
+  const bool are_swapped =
+      !has_empty_low_bytes(first) && kSmoother * roughness(first, swapped) < roughness(first, same);
   if (is_netpbm) {
     if (!are_swapped && are_disparities(first, same)) return DepthCoding::kKinectDisparity;
     if (are_swapped && are_disparities(first, swapped)) return DepthCoding::kSwappedDisparity;
@@ -246,7 +249,8 @@ Result<ColorPicture> read_color(const fs::path& path) {
   const cv::Mat bgr = decode(loaded->bytes, cv::IMREAD_COLOR);
   if (bgr.empty()) return does_not_decode(path);
   if (bgr.cols < 2 || bgr.rows < 2) {
-    return fail(ErrorCode::kInvalid, fmt::format("{}: {}x{} pixels are no picture", path.string(), bgr.cols, bgr.rows));
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: {}x{} pixels are no picture", path.string(), bgr.cols, bgr.rows));
   }
   ColorPicture picture;
   picture.bgr = even(bgr);

@@ -46,8 +46,8 @@ DepthImage convert_depth(const cv::Mat& stored, DepthCoding coding, double per_m
                          std::uint64_t& too_far);
 
 struct ColorPicture {
-  cv::Mat bgr;                            ///< 8 bits, as its camera was held, of even size
-  std::vector<std::uint8_t> jpeg_as_is;   ///< the file where a recording can hold it unchanged, else empty
+  cv::Mat bgr;                           ///< 8 bits, as its camera was held, of even size
+  std::vector<std::uint8_t> jpeg_as_is;  ///< the file where a recording can hold it unchanged, else empty
 };
 
 /// Fails  as read_depth(), but for the number of channels and bits.

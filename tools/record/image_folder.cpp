@@ -56,10 +56,11 @@ Result<FoundImages> from_associations(const fs::path& list, const std::string& t
     const auto relative = [&](const ListedImage& image) { return image.path.lexically_relative(folder); };
     const bool depth_first = is_depth(relative(line.images[0]), line.images[0].path);
     if (depth_first == is_depth(relative(line.images[1]), line.images[1].path)) {
-      return fail(ErrorCode::kInvalid,
-                  fmt::format("{}:{}: not one depth image and one colour image: by neither their names nor their "
-                              "contents is one depth and the other not",
-                              list.string(), line.number));
+      return fail(
+          ErrorCode::kInvalid,
+          fmt::format("{}:{}: not one depth image and one colour image: by neither their names nor their "
+                      "contents is one depth and the other not",
+                      list.string(), line.number));
     }
     ListedImage& color = line.images[depth_first ? 1 : 0];
     if (relative(color).string().find("rgb") == std::string::npos &&
@@ -121,9 +122,10 @@ Result<std::optional<FoundImages>> from_lists(const fs::path& folder, std::vecto
     const auto text = read(folder / name);
     if (!text) continue;
     if (!found) {
-      return fail(ErrorCode::kNotFound,
-                  fmt::format("{}: it lists colour, but there is no depth.txt beside it; unpack the whole set",
-                              (folder / name).string()));
+      return fail(
+          ErrorCode::kNotFound,
+          fmt::format("{}: it lists colour, but there is no depth.txt beside it; unpack the whole set",
+                      (folder / name).string()));
     }
     if (!found->color.empty()) {
       remarks.push_back(fmt::format("left: {}", name));
@@ -167,9 +169,12 @@ Result<FoundImages> by_names(const fs::path& folder, const FolderContent& conten
   if (!color) return fail(color.error());
   FoundImages found;
   if (!*depth) return found;
-  const auto take = [&](const ImageGroup& group, Listed& list, std::optional<TimeScale>& scale) -> Result<void> {
+  const auto take = [&](const ImageGroup& group, Listed& list,
+                        std::optional<TimeScale>& scale) -> Result<void> {
     auto named = times_of_names(group.paths, choice.times, choice.frames_per_second);
-    if (!named) return fail(named.error().code, fmt::format("{}: {}", (folder / group.label).string(), named.error().what));
+    if (!named)
+      return fail(named.error().code,
+                  fmt::format("{}: {}", (folder / group.label).string(), named.error().what));
     list = std::move(named->images);
     scale = named->scale;
     return {};
@@ -217,11 +222,13 @@ Result<void> check_together(const ImageFolder& images, const fs::path& folder) {
                                       images.depth.front().time - images.color.back().time);
   if (apart <= kFarthestApart) return {};
   const auto seconds = [](microseconds time) { return static_cast<double>(time.count()) * 1e-6; };
-  return fail(ErrorCode::kInvalid,
-              fmt::format("{}: depth lies from {:.3f} to {:.3f} s and colour from {:.3f} to {:.3f} s, so they were not "
-                          "taken together or their times differ in unit; give --times, or lists of pairs",
-                          folder.string(), seconds(images.depth.front().time), seconds(images.depth.back().time),
-                          seconds(images.color.front().time), seconds(images.color.back().time)));
+  return fail(
+      ErrorCode::kInvalid,
+      fmt::format(
+          "{}: depth lies from {:.3f} to {:.3f} s and colour from {:.3f} to {:.3f} s, so they were not "
+          "taken together or their times differ in unit; give --times, or lists of pairs",
+          folder.string(), seconds(images.depth.front().time), seconds(images.depth.back().time),
+          seconds(images.color.front().time), seconds(images.color.back().time)));
 }
 
 tl::unexpected<Error> no_depth(const fs::path& folder, const FolderContent& content) {
@@ -233,16 +240,18 @@ tl::unexpected<Error> no_depth(const fs::path& folder, const FolderContent& cont
   fs::recursive_directory_iterator inner(folder, fs::directory_options::skip_permission_denied, ignored), end;
   for (int looked = 0; inner != end && looked < 10'000; inner.increment(ignored), ++looked) {
     if (inner.depth() >= 2 && content.groups.empty() && has_image_ending(inner->path())) {
-      return fail(ErrorCode::kNotFound,
-                  fmt::format("{}: its images lie deeper, in {}; give the folder that holds the depth and the colour "
-                              "images or their two folders",
-                              folder.string(), inner->path().parent_path().string()));
+      return fail(
+          ErrorCode::kNotFound,
+          fmt::format("{}: its images lie deeper, in {}; give the folder that holds the depth and the colour "
+                      "images or their two folders",
+                      folder.string(), inner->path().parent_path().string()));
     }
   }
-  return fail(ErrorCode::kNotFound,
-              fmt::format("{}: no depth image is in it: none of its lists names one, and no image of one channel and "
-                          "16 bits lies in it or in its folders",
-                          folder.string()));
+  return fail(
+      ErrorCode::kNotFound,
+      fmt::format("{}: no depth image is in it: none of its lists names one, and no image of one channel and "
+                  "16 bits lies in it or in its folders",
+                  folder.string()));
 }
 
 }  // namespace
@@ -250,7 +259,8 @@ tl::unexpected<Error> no_depth(const fs::path& folder, const FolderContent& cont
 Result<ImageFolder> find_images(const fs::path& given, const FolderChoice& choice) {
   std::error_code ignored;
   if (!fs::is_directory(given, ignored)) {
-    return fail(ErrorCode::kNotFound, fmt::format("{}: no such folder; give a folder of images", given.string()));
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{}: no such folder; give a folder of images", given.string()));
   }
   const fs::path folder = given.has_filename() ? given : given.parent_path();
   ImageFolder images;
@@ -278,11 +288,13 @@ Result<ImageFolder> find_images(const fs::path& given, const FolderChoice& choic
     found.depth_scale = *scale;
   }
   const TimeScale scale = *found.depth_scale;
-  if (found.color_scale && found.color_scale->unit != scale.unit && found.color.size() > 1 && found.depth.size() > 1) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}: depth has {} in its names and colour {}, so that it is not known which were taken "
-                            "together; give lists of pairs (associations.txt), or --times",
-                            folder.string(), name(scale.unit), name(found.color_scale->unit)));
+  if (found.color_scale && found.color_scale->unit != scale.unit && found.color.size() > 1 &&
+      found.depth.size() > 1) {
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("{}: depth has {} in its names and colour {}, so that it is not known which were taken "
+                    "together; give lists of pairs (associations.txt), or --times",
+                    folder.string(), name(scale.unit), name(found.color_scale->unit)));
   }
   images.has_tum_depth = found.has_tum_depth;
   images.unit = scale.unit;

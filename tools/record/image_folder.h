@@ -16,7 +16,8 @@ namespace copresence::record {
 
 struct TimedImage {
   std::filesystem::path path;
-  std::chrono::microseconds time{};  ///< since 1970 where ImageFolder::since_1970, else from the set's own zero
+  std::chrono::microseconds
+      time{};  ///< since 1970 where ImageFolder::since_1970, else from the set's own zero
   friend bool operator==(const TimedImage&, const TimedImage&) = default;
 };
 
@@ -32,7 +33,7 @@ struct ImageFolder {
 
 /// What decides where a folder leaves a choice.
 struct FolderChoice {
-  double frames_per_second = 30;  ///< of frame numbers
+  double frames_per_second = 30;       ///< of frame numbers
   std::optional<TimeUnit> times = {};  ///< recognised where not given
   std::string depth = {}, color = {};  ///< a folder or a label of ImageGroup; the likeliest where empty
 };

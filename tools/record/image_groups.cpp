@@ -20,21 +20,22 @@ namespace fs = std::filesystem;
 
 // Words of names, in lower case. What a word means as a whole, since "ir" and "d" are parts of many others.
 constexpr std::string_view kOtherWords[] = {
-    "mask",     "masks",      "label",   "labels",    "seg",        "segmentation", "semantic",  "semantics",
-    "instance", "instances",  "normal",  "normals",   "ir",         "infrared",     "infra",     "nir",
-    "panoptic", "confidence", "conf",    "amplitude", "intensity",  "fisheye",      "thermal",   "flow",
-    "vis",      "visual",     "preview", "thumb",     "thumbnail",  "thumbnails",   "overlay",   "heatmap",
-    "colormap", "colorized",  "pseudo",  "edges",     "disparity",  "albedo",       "uncertainty", "grayscale",
-    "visualization"};
+    "mask",      "masks",      "label",     "labels",      "seg",       "segmentation", "semantic",
+    "semantics", "instance",   "instances", "normal",      "normals",   "ir",           "infrared",
+    "infra",     "nir",        "panoptic",  "confidence",  "conf",      "amplitude",    "intensity",
+    "fisheye",   "thermal",    "flow",      "vis",         "visual",    "preview",      "thumb",
+    "thumbnail", "thumbnails", "overlay",   "heatmap",     "colormap",  "colorized",    "pseudo",
+    "edges",     "disparity",  "albedo",    "uncertainty", "grayscale", "visualization"};
 constexpr std::string_view kDepthWords[] = {"depth", "depths", "dpt", "depthmap", "depthmaps", "dep"};
-constexpr std::string_view kColorWords[] = {"color", "colors", "colour", "rgb",   "bgr",   "image", "images",
-                                            "img",   "imgs",   "photo",  "photos"};
+constexpr std::string_view kColorWords[] = {"color",  "colors", "colour", "rgb",   "bgr",   "image",
+                                            "images", "img",    "imgs",   "photo", "photos"};
 // Names of the sensor's own pictures, brought to the other camera's view; and what was computed from them.
 constexpr std::string_view kAlignedWords[] = {"aligned", "registered", "reg"};
-constexpr std::string_view kMadeWords[] = {"filled",   "inpaint",  "inpainted", "completed", "completion", "dense",
-                                           "pred",     "predicted", "estimated", "rendered",  "render",     "gt",
-                                           "refined",  "smooth",   "smoothed",  "filtered",  "denoised",   "raw",
-                                           "noisy",    "mono",     "fill",      "interpolated", "undistorted"};
+constexpr std::string_view kMadeWords[] = {
+    "filled",  "inpaint",   "inpainted", "completed",    "completion", "dense",
+    "pred",    "predicted", "estimated", "rendered",     "render",     "gt",
+    "refined", "smooth",    "smoothed",  "filtered",     "denoised",   "raw",
+    "noisy",   "mono",      "fill",      "interpolated", "undistorted"};
 
 constexpr int kRankAligned = 0, kRankPlain = 1, kRankLoose = 2, kRankMade = 3, kRankByContent = 4;
 
@@ -138,8 +139,8 @@ void list(const fs::path& folder, std::vector<fs::path>& images, std::size_t& hi
 std::string telling_words(const fs::path& relative) {
   std::string telling;
   for (const std::string& word : words_of(relative.stem().string())) {
-    const bool tells = word == "d" || word == "r" || kind_of_word(word) || is_in(kAlignedWords, word) || is_in(kMadeWords, word) ||
-                       word == "left" || word == "right";
+    const bool tells = word == "d" || word == "r" || kind_of_word(word) || is_in(kAlignedWords, word) ||
+                       is_in(kMadeWords, word) || word == "left" || word == "right";
     if (tells) telling += word + ' ';
   }
   return telling;
@@ -246,14 +247,15 @@ Result<const ImageGroup*> choose(const FolderContent& content, ImageKind kind, c
   }
   if (best.empty() && !wanted.empty()) {
     return fail(ErrorCode::kNotFound,
-                fmt::format("{}: {} names \"{}\", but no images are called so; give a folder in it", folder, flag,
-                            wanted));
+                fmt::format("{}: {} names \"{}\", but no images are called so; give a folder in it", folder,
+                            flag, wanted));
   }
   if (best.size() > 1) {
     std::string labels;
     for (const ImageGroup* group : best) labels += (labels.empty() ? "" : ", ") + group->label;
-    return fail(ErrorCode::kInvalid, fmt::format("{}: several groups of images may be {}: {}; choose one with {} {}",
-                                                 folder, what, labels, flag, best.front()->label));
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: several groups of images may be {}: {}; choose one with {} {}", folder, what,
+                            labels, flag, best.front()->label));
   }
   return best.empty() ? nullptr : best.front();
 }

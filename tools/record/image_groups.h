@@ -31,10 +31,10 @@ bool holds_depth(const std::filesystem::path& path);
 
 /// Images of one folder and of one kind of name.
 struct ImageGroup {
-  std::string label;                         ///< for people: "depth/", "ir*.png"
-  std::string folder;                        ///< relative; empty for the images' folder itself
+  std::string label;   ///< for people: "depth/", "ir*.png"
+  std::string folder;  ///< relative; empty for the images' folder itself
   ImageKind kind = ImageKind::kOther;
-  int rank = 0;                              ///< among groups of one kind: the lower, the likelier it is meant
+  int rank = 0;  ///< among groups of one kind: the lower, the likelier it is meant
   std::vector<std::filesystem::path> paths;  ///< sorted by name
 };
 

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr std::string_view kEndings[] = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm",  ".pfm", ".tif",
+constexpr std::string_view kEndings[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm",  ".pfm", ".tif",
                                          ".tiff", ".bmp", ".webp", ".exr", ".npy", ".heic", ".jp2", ".gif"};
 
 // A word of a line, and whether a comma, a semicolon or a tab follows it.
@@ -80,8 +80,9 @@ std::optional<std::vector<ListedImage>> images_of(const std::vector<Word>& words
 }
 
 bool is_header(const std::vector<Word>& words) {
-  return std::none_of(words.begin(), words.end(),
-                      [](const Word& word) { return parse_number(word.text) || has_image_ending(word.text); });
+  return std::none_of(words.begin(), words.end(), [](const Word& word) {
+    return parse_number(word.text) || has_image_ending(word.text);
+  });
 }
 
 }  // namespace
@@ -93,8 +94,8 @@ bool has_image_ending(const fs::path& path) {
   return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings);
 }
 
-Result<std::vector<ListLine>> parse_list(std::string_view text, const fs::path& folder, const std::string& name,
-                                         std::size_t images_per_line) {
+Result<std::vector<ListLine>> parse_list(std::string_view text, const fs::path& folder,
+                                         const std::string& name, std::size_t images_per_line) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
     return fail(ErrorCode::kInvalid, fmt::format("{}: a UTF-16 text; save it as UTF-8", name));

@@ -47,7 +47,8 @@ recording::Existing existing(bool overwrite) {
 }
 
 std::string frames(const recording::RepairReport& report) {
-  std::string text = fmt::format("{} frames of depth, {} of colour", report.depth_frames, report.color_frames);
+  std::string text =
+      fmt::format("{} frames of depth, {} of colour", report.depth_frames, report.color_frames);
   if (report.infrared_frames) text += fmt::format(", {} of infrared", report.infrared_frames);
   return text;
 }
@@ -68,14 +69,14 @@ Result<std::string> run(const RepairSettings& settings) {
 
 Result<std::string> run(const CutSettings& settings) {
   Bar bar(settings.out);
-  const auto done = recording::cut(settings.recording, settings.from_s, settings.to_s.value_or(kNoEnd), settings.out,
-                                   existing(settings.overwrite), bar.report());
+  const auto done = recording::cut(settings.recording, settings.from_s, settings.to_s.value_or(kNoEnd),
+                                   settings.out, existing(settings.overwrite), bar.report());
   if (!done) return fail(done.error());
   std::string text = fmt::format("{}: {} frames of depth, {} of colour\n", settings.out, done->depth_frames,
                                  done->color_frames);
   if (settings.to_s && *settings.to_s > done->whole_s) {
-    text += fmt::format("{} is only {:.1f} s long, so the part ends there and not at {:g} s\n", settings.recording,
-                        done->whole_s, *settings.to_s);
+    text += fmt::format("{} is only {:.1f} s long, so the part ends there and not at {:g} s\n",
+                        settings.recording, done->whole_s, *settings.to_s);
   }
   return text;
 }

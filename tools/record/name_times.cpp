@@ -103,7 +103,8 @@ std::optional<Column> dates_of(const std::vector<fs::path>& paths, double frames
   for (const TimeNumber& number : column) distinct.insert(number.value);
   if (column.size() > 1) {
     const long double span = *distinct.rbegin() - *distinct.begin();
-    if (span < static_cast<long double>(column.size()) * 1e-3L) return std::nullopt;  // behind them frames are counted
+    if (span < static_cast<long double>(column.size()) * 1e-3L)
+      return std::nullopt;  // behind them frames are counted
   }
   return column;
 }
@@ -134,7 +135,8 @@ Result<NamedTimes> times_of_names(const std::vector<fs::path>& paths, std::optio
   const bool none_varies = columns.empty() || (paths.size() > 1 && !varies(columns.back()));
   if (none_varies) {
     Column places;
-    for (std::size_t i = 0; i < paths.size(); ++i) places.push_back({static_cast<long double>(i), false, false});
+    for (std::size_t i = 0; i < paths.size(); ++i)
+      places.push_back({static_cast<long double>(i), false, false});
     return with_times(paths, places, {TimeUnit::kFrames, false});
   }
   std::optional<std::size_t> counts;  // the last column that counts frames

@@ -23,7 +23,7 @@ struct NamedTimes {
 /// is a time is taken before one that counts frames, and of several that count the last. Dates are read as UTC. Where
 /// no number changes from name to name, images count by their order.
 /// Fails  kInvalid: recognise_times() cannot decide.
-Result<NamedTimes> times_of_names(const std::vector<std::filesystem::path>& paths, std::optional<TimeUnit> unit,
-                                  double frames_per_second);
+Result<NamedTimes> times_of_names(const std::vector<std::filesystem::path>& paths,
+                                  std::optional<TimeUnit> unit, double frames_per_second);
 
 }  // namespace copresence::record

@@ -155,7 +155,8 @@ std::string to_table(const RecordingInfo& info) {
       "{}: {:.1f} s, {:.1f} MB{}\n{}", info.file, info.seconds, static_cast<double>(info.bytes) * 1e-6,
       info.finished ? "" : ", unfinished: its recorder was stopped (record repair)",
       info.started_unix_us ? "" : "\n");
-  if (info.started_unix_us) text += "began " + utc_text(std::chrono::microseconds(*info.started_unix_us)) + "\n\n";
+  if (info.started_unix_us)
+    text += "began " + utc_text(std::chrono::microseconds(*info.started_unix_us)) + "\n\n";
   text += fmt::format("{:<9}{:>10}{:>7}{:>8}{:>9}{:>8}{:>8}{:>12}{:>9}\n", "stream", "size", "coding",
                       "frames", "missing", "rate/s", "gaps", "longest ms", "Mbit/s");
   for (const StreamInfo& stream : info.streams) {
@@ -188,8 +189,9 @@ std::string to_table(const RecordingInfo& info) {
   }
   for (const StreamInfo& stream : info.streams) {
     if (stream.without_time) {
-      text += fmt::format("{}: the times of {} frames stand still or go back; they are played at {:.4g} frames/s\n",
-                          name(stream.kind), stream.without_time, stream.fps);
+      text += fmt::format(
+          "{}: the times of {} frames stand still or go back; they are played at {:.4g} frames/s\n",
+          name(stream.kind), stream.without_time, stream.fps);
     }
     for (std::size_t i = 0; i < std::min(stream.pauses.size(), kPausesShown); ++i) {
       const auto& pause = stream.pauses[i];

@@ -10,7 +10,8 @@
 namespace copresence::record {
 namespace {
 
-constexpr const char* kOverwrite = "replace the file of --out where it exists; without it an existing file is kept";
+constexpr const char* kOverwrite =
+    "replace the file of --out where it exists; without it an existing file is kept";
 
 }  // namespace
 
@@ -55,8 +56,10 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   std::vector<double> distortion;
   auto* images_command = app.add_subcommand(
       "from-images",
-      "makes a recording of a folder of images: depth as 16-bit PNG, PGM or TIFF or as floating-point TIFF or PFM, "
-      "colour as JPEG, PNG, PPM or TIFF. Times and pairs come from associations.txt, or depth.txt and rgb.txt or "
+      "makes a recording of a folder of images: depth as 16-bit PNG, PGM or TIFF or as floating-point TIFF "
+      "or PFM, "
+      "colour as JPEG, PNG, PPM or TIFF. Times and pairs come from associations.txt, or depth.txt and "
+      "rgb.txt or "
       "color.txt, else from the names. What is depth and what is colour is recognised by names and contents");
   images_command->add_option("FOLDER", images.folder, "the images")
       ->required()
@@ -78,13 +81,15 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
                                     {"ns", TimeUnit::kNanoseconds},
                                     {"frame", TimeUnit::kFrames}}));
   images_command
-      ->add_option("--depth", images.depth, "take depth from this folder in FOLDER, and no lists [the likeliest]")
+      ->add_option("--depth", images.depth,
+                   "take depth from this folder in FOLDER, and no lists [the likeliest]")
       ->check(some("a folder's name"));
   images_command->add_option("--color", images.color, "likewise colour")->check(some("a folder's name"));
   images_command
-      ->add_option("--depth-scale", images.depth_per_metre,
-                   "what a depth of 1 m is in the images [5000 with TUM's lists, 1 in floating-point images, else "
-                   "1000]")
+      ->add_option(
+          "--depth-scale", images.depth_per_metre,
+          "what a depth of 1 m is in the images [5000 with TUM's lists, 1 in floating-point images, else "
+          "1000]")
       ->check(number_above_zero(65535));
   images_command->add_option("--unit", images.unit, "depth unit of the recording: mm or 0.1mm [mm]")
       ->transform(one_of<DepthUnit>({{"mm", DepthUnit::kMillimetre}, {"0.1mm", DepthUnit::k100Micrometres}}));
@@ -103,17 +108,21 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       ->expected(1, 8)
       ->check(number(-1e6, 1e6))
       ->needs(lens[0]);
-  images_command->add_flag("!--unregistered", images.registered,
-                           "colour is not as the depth camera sees it (it is taken to be, but for raw disparities)");
-  images_command->add_option("--jpeg-quality", images.jpeg_quality, "of colour that is not a JPEG already, 1 to 100")
+  images_command->add_flag(
+      "!--unregistered", images.registered,
+      "colour is not as the depth camera sees it (it is taken to be, but for raw disparities)");
+  images_command
+      ->add_option("--jpeg-quality", images.jpeg_quality, "of colour that is not a JPEG already, 1 to 100")
       ->check(whole_number(1, 100))
       ->capture_default_str();
 
   try {
     app.parse(argc, argv);
-    if (*cut_command && cut.to_s && *cut.to_s <= cut.from_s) throw CLI::ValidationError("--to", "must lie after --from");
+    if (*cut_command && cut.to_s && *cut.to_s <= cut.from_s)
+      throw CLI::ValidationError("--to", "must lie after --from");
     if (repair.overwrite && repair.out.empty()) {
-      throw CLI::ValidationError("--overwrite", "without --out the recording itself is repaired: leave it out");
+      throw CLI::ValidationError("--overwrite",
+                                 "without --out the recording itself is repaired: leave it out");
     }
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(explain(app, error));

@@ -27,7 +27,7 @@ struct RepairSettings {
 
 struct CutSettings {
   std::string recording, out;
-  double from_s = 0;            ///< seconds after the first frame
+  double from_s = 0;           ///< seconds after the first frame
   std::optional<double> to_s;  ///< likewise; the recording's end where not given
   bool overwrite = false;
 };
@@ -43,7 +43,8 @@ struct FromImagesSettings {
   double frames_per_second = 30;  ///< where the images have no times
   std::optional<TimeUnit> times;  ///< what numbers in lists and names are; recognised where not given
   std::string depth, color;       ///< folders or groups of images to take; the likeliest where empty
-  std::optional<double> depth_per_metre;  ///< what a depth of one metre is in the images; by the set where not given
+  std::optional<double>
+      depth_per_metre;  ///< what a depth of one metre is in the images; by the set where not given
   DepthUnit unit = DepthUnit::kMillimetre;
   std::optional<Intrinsics> intrinsics;  ///< a Kinect's where not given
   bool registered = true;                ///< colour is as the depth camera sees it

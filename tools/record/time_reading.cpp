@@ -131,14 +131,14 @@ class Numbers {
 
   double seconds(TimeUnit unit) const {
     const long double span = values_.back() - values_.front();
-    return static_cast<double>(unit == TimeUnit::kFrames ? span / frames_per_second_ : span / per_second(unit));
+    return static_cast<double>(unit == TimeUnit::kFrames ? span / frames_per_second_
+                                                         : span / per_second(unit));
   }
 
   // 33, 33, 34: rounded times of a camera. Frames that were left out make every step a multiple of one number.
   bool steps_are_a_clocks() const {
-    const bool multiples = std::all_of(steps_.begin(), steps_.end(), [&](long double step) {
-      return std::fmod(step, usual_step_) == 0;
-    });
+    const bool multiples = std::all_of(steps_.begin(), steps_.end(),
+                                       [&](long double step) { return std::fmod(step, usual_step_) == 0; });
     const auto near = std::count_if(steps_.begin(), steps_.end(), [&](long double step) {
       return std::abs(step - usual_step_) <= kJitter * usual_step_;
     });
@@ -159,13 +159,14 @@ class Numbers {
     }
     std::string readings;
     for (const TimeUnit unit : units) {
-      readings += fmt::format("{}as {}: {:.3g} s at {:.3g} frames/s", readings.empty() ? "" : "; ", short_name(unit),
-                              seconds(unit), rate(unit));
+      readings += fmt::format("{}as {}: {:.3g} s at {:.3g} frames/s", readings.empty() ? "" : "; ",
+                              short_name(unit), seconds(unit), rate(unit));
     }
-    return fail(ErrorCode::kInvalid,
-                fmt::format("the times from {} to {} {} ({}); say what they are with --times s, ms, us, ns or frame",
-                            text(values_.front()), text(values_.back()),
-                            none ? "fit no unit" : "can be read in more than one way", readings));
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("the times from {} to {} {} ({}); say what they are with --times s, ms, us, ns or frame",
+                    text(values_.front()), text(values_.back()),
+                    none ? "fit no unit" : "can be read in more than one way", readings));
   }
 
   static std::string text(long double value) {
@@ -222,10 +223,11 @@ Result<microseconds> to_time(const TimeNumber& number, TimeUnit unit, double fra
   const long double us = unit == TimeUnit::kFrames ? number.value / frames_per_second * 1e6L
                                                    : number.value / per_second(unit) * 1e6L;
   if (!(std::abs(us) <= kMostMicroseconds)) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("the time {:g}, taken as {}, lies more than a thousand years from zero; say what it is "
-                            "with --times s, ms, us, ns or frame",
-                            number.value, name(unit)));
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("the time {:g}, taken as {}, lies more than a thousand years from zero; say what it is "
+                    "with --times s, ms, us, ns or frame",
+                    number.value, name(unit)));
   }
   return microseconds(std::llround(us));
 }
@@ -238,7 +240,8 @@ std::optional<TimeNumber> find_date(std::string_view text) {
   std::smatch found;
   if (!std::regex_search(copy, found, kDate)) return std::nullopt;
   // 2022-04-15_000123: a frame's number behind a date.
-  const bool is_compact = found.position(5) == found.position(4) + 2 && found.position(6) == found.position(5) + 2;
+  const bool is_compact =
+      found.position(5) == found.position(4) + 2 && found.position(6) == found.position(5) + 2;
   if (is_compact && !found[7].matched && found[4].str() == "00") return std::nullopt;
   std::tm date{};
   const auto number = [&](std::size_t i) { return std::stoi(found[i].str()); };
@@ -264,7 +267,8 @@ std::string utc_text(microseconds since_1970) {
   std::tm date{};
   ::gmtime_r(&time, &date);
   return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}.{:03} UTC", date.tm_year + 1900, date.tm_mon + 1,
-                     date.tm_mday, date.tm_hour, date.tm_min, date.tm_sec, (since_1970 - seconds).count() / 1000);
+                     date.tm_mday, date.tm_hour, date.tm_min, date.tm_sec,
+                     (since_1970 - seconds).count() / 1000);
 }
 
 }  // namespace copresence::record

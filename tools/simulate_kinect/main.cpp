@@ -7,9 +7,9 @@
 
 #include "capture_server/recording/oni_check.h"
 #include "capture_server/recording/oni_writer.h"
-#include "capture_server/simulation/simulated_kinect.h"
 #include "render_client/viewpoint/eye_path.h"
 #include "render_client/viewpoint/look_at.h"
+#include "simulation/simulated_kinect.h"
 #include "tools/simulate_kinect/output.h"
 #include "tools/simulate_kinect/settings.h"
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "capture_server/simulation/true_camera.h"
 #include "common/frame/camera_model.h"
 #include "common/frame/rigid3.h"
 #include "common/result.h"
+#include "simulation/true_camera.h"
 
 namespace copresence::simulate_kinect {
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "capture_server/simulation/simulated_kinect.h"
 #include "common/command_line/mistakes.h"
 #include "common/command_line/values.h"
+#include "simulation/simulated_kinect.h"
 
 namespace copresence::simulate_kinect {
 

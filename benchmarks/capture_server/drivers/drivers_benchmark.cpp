@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "capture_server/sensor/frame_source.h"
-#include "common/flow/latest.h"
+#include "common/flow/mailbox.h"
 
 namespace copresence::sensor {
 namespace {
@@ -124,7 +124,7 @@ void arrival_to_encoder(benchmark::State& state, const std::string& uri) {
   const auto source = open_device(uri);
   if (!source) return state.SkipWithError(source.error().what.c_str());
   for (int i = 0; i < 75; ++i) benchmark::DoNotOptimize((*source)->next({}));
-  flow::Latest<RgbdFrame> mailbox;
+  flow::Mailbox<RgbdFrame> mailbox;
   std::jthread capture([&](std::stop_token stop) {
     while (!stop.stop_requested()) {
       if (auto frame = (*source)->next(stop)) mailbox.put(std::move(*frame));

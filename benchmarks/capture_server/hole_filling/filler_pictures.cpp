@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "capture_server/hole_filling/hole_filler.h"
-#include "capture_server/simulation/simulated_kinect.h"
+#include "simulation/simulated_kinect.h"
 
 namespace copresence::hole_filling {
 namespace {

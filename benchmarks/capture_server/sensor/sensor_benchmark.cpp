@@ -5,7 +5,7 @@
 #include <sys/resource.h>
 
 #include "capture_server/recording/oni_check.h"
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 #include "tests/support/real_recordings.h"
 
 namespace copresence {

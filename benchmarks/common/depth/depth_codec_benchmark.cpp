@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/depth/depth_codec.h"
-#include "common/depth/state_mask.h"
+#include "common/depth/mask/validity_mask.h"
 #include "tests/common/depth/scenes.h"
 
 namespace copresence::depth {
@@ -52,7 +52,7 @@ void decode_depth(benchmark::State& state, std::string_view codec) {
 }
 
 void encode_mask(benchmark::State& state) {
-  StateMaskEncoder encoder(kWidth, kHeight);
+  ValidityMaskEncoder encoder(kWidth, kHeight);
   std::vector<std::uint8_t> bytes;
   std::size_t i = 0;
   for (auto _ : state) {
@@ -64,8 +64,8 @@ void encode_mask(benchmark::State& state) {
 }
 
 void decode_mask(benchmark::State& state) {
-  StateMaskEncoder encoder(kWidth, kHeight);
-  StateMaskDecoder decoder(kWidth, kHeight);
+  ValidityMaskEncoder encoder(kWidth, kHeight);
+  ValidityMaskDecoder decoder(kWidth, kHeight);
   std::vector<std::uint8_t> bytes;
   StateImage states;
   std::size_t i = 0;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "capture_server/hole_filling/hole_filler.h"
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 #include "common/color/yuv420.h"
 #include "common/depth/depth_codec.h"
 #include "common/video/frame_decoder.h"
@@ -128,7 +128,7 @@ const int kRegistered = [] {
     const std::string name = std::filesystem::path(recording).stem();
     const std::pair<const char*, Case> cases[] = {
         // What capture_server sends unless told otherwise.
-        {"live", {recording, {.effort = Effort::kLive, .depth_qp = 20}, Part::kBoth, "adaptive"}},
+        {"live", {recording, {.effort = Preset::kLive, .depth_qp = 20}, Part::kBoth, "adaptive"}},
         {"both", {recording, {}, Part::kBoth}},
         {"depth", {recording, {}, Part::kDepth}},
         {"depth_lossless", {recording, {.depth_qp = 0}, Part::kDepth}},

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "common/flow/worker_pool.h"
-#include "render_client/renderer/band_merge.h"
-#include "render_client/renderer/cpu_renderer.h"
-#include "render_client/renderer/depth_mesh.h"
-#include "render_client/renderer/source_texture.h"
+#include "render_client/renderer/cpu/band_merge.h"
+#include "render_client/renderer/cpu/cpu_renderer.h"
+#include "render_client/renderer/cpu/depth_mesh.h"
+#include "render_client/renderer/cpu/source_texture.h"
 #include "tests/render_client/renderer/surfaces.h"
 
 namespace copresence::renderer {
@@ -78,7 +78,7 @@ BENCHMARK(whole_view)
 void moved_eye(benchmark::State& state) {
   Room room(int(state.range(0)));
   const VirtualCamera eye = orbiting_eye(1280, 720, 10, 2);
-  NoWorkers workers;
+  InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
   MergedView view;
   for (auto _ : state) benchmark::DoNotOptimize(renderer->render(room.cameras, eye, {.color = true}, view));

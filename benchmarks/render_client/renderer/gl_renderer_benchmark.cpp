@@ -3,7 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "render_client/renderer/gl_renderer.h"
+#include "render_client/renderer/gl/gl_renderer.h"
 #include "tests/render_client/renderer/surfaces.h"
 
 namespace copresence::renderer {

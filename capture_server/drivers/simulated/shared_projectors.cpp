@@ -48,7 +48,8 @@ void SharedProjectors::set(std::size_t camera, bool shines) {
 
 simulation::Projectors SharedProjectors::shining() const {
   simulation::Projectors on;
-  for (std::size_t i = 0; i < simulation::kMostKinects; ++i) on[i] = is_alive(std::atomic_ref(entries_[i]).load());
+  for (std::size_t i = 0; i < simulation::kMostKinects; ++i)
+    on[i] = is_alive(std::atomic_ref(entries_[i]).load());
   return on;
 }
 

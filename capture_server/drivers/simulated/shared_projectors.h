@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <string>
 
-#include "capture_server/simulation/simulated_kinect.h"
 #include "common/result.h"
+#include "simulation/simulated_kinect.h"
 
 namespace copresence::drivers {
 

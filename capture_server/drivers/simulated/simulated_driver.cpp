@@ -27,10 +27,10 @@
 #include "capture_server/drivers/simulated/frame_clock.h"
 #include "capture_server/drivers/simulated/shared_projectors.h"
 #include "capture_server/drivers/simulated/simulated_uri.h"
-#include "capture_server/simulation/frame_marker.h"
-#include "capture_server/simulation/kinect_noise.h"
-#include "capture_server/simulation/simulated_kinect.h"
-#include "common/frame/waiting.h"
+#include "common/flow/waiting.h"
+#include "simulation/frame_marker.h"
+#include "simulation/kinect_noise.h"
+#include "simulation/simulated_kinect.h"
 
 namespace copresence::drivers {
 namespace {

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <fstream>
 
-#include "capture_server/simulation/simulated_kinect.h"
+#include "simulation/simulated_kinect.h"
 
 namespace copresence::drivers {
 namespace {

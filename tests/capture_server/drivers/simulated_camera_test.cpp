@@ -11,11 +11,11 @@
 #include <fstream>
 
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/simulation/frame_marker.h"
-#include "capture_server/simulation/kinect_noise.h"
-#include "capture_server/simulation/simulated_kinect.h"
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 #include "common/flow/worker_pool.h"
+#include "simulation/frame_marker.h"
+#include "simulation/kinect_noise.h"
+#include "simulation/simulated_kinect.h"
 #include "tests/support/open_ni.h"
 #include "tests/support/process.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "capture_server/hole_filling/hole_filler.h"
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 #include "tests/support/real_recordings.h"
 
 namespace copresence::hole_filling {

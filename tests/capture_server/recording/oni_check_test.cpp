@@ -291,8 +291,10 @@ TEST(UsualPeriod, IsTheNominalOneWhereTimesSayNothing) {
   EXPECT_NEAR(usual_period_us(stream_at({})), 33'333.3, 0.1);
   EXPECT_NEAR(usual_period_us(stream_at({5, 5, 5, 5})), 33'333.3, 0.1);
   EXPECT_NEAR(usual_period_us(stream_at({0, 0, 0, 0, 0, 1'000'000})), 33'333.3, 0.1);
-  EXPECT_NEAR(usual_period_us(stream_at({0, 33, 66, 100})), 33'333.3, 0.1) << "milliseconds, not microseconds";
-  EXPECT_NEAR(usual_period_us(stream_at({0, 40'000, 80'000, 9'000'000, 9'040'000})), 40'000, 0.1) << "one jump";
+  EXPECT_NEAR(usual_period_us(stream_at({0, 33, 66, 100})), 33'333.3, 0.1)
+      << "milliseconds, not microseconds";
+  EXPECT_NEAR(usual_period_us(stream_at({0, 40'000, 80'000, 9'000'000, 9'040'000})), 40'000, 0.1)
+      << "one jump";
   EXPECT_NEAR(usual_period_us(stream_at({0, 33'000, 67'000, 100'000})), 33'333.3, 0.1);
 }
 
@@ -327,7 +329,8 @@ TEST(OniWriterContent, RefusesBeforeItWritesWhatNobodyCouldPlay) {
   EXPECT_NE(refusal(flat), "accepted");
   auto writer = OniWriter::create(folder.file("a.oni"), content);
   ASSERT_TRUE(writer) << writer.error().what;
-  EXPECT_FALSE(writer->write_depth(std::chrono::microseconds(std::int64_t{1} << 57), DepthImage(640, 480, 900)));
+  EXPECT_FALSE(
+      writer->write_depth(std::chrono::microseconds(std::int64_t{1} << 57), DepthImage(640, 480, 900)));
 }
 
 }  // namespace

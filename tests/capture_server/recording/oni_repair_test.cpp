@@ -127,7 +127,8 @@ TEST_F(OniRepair, WritesACopyAndLeavesTheOriginal) {
   ASSERT_TRUE(repair(file("a.oni"), file("b.oni"), Existing::kKeep, kNobodyWatches));
   EXPECT_EQ(bytes_of(file("a.oni")), before);
   EXPECT_EQ(frames_in(file("b.oni")).first, 5u);
-  EXPECT_EQ(repair(file("a.oni"), file("a.oni"), Existing::kKeep, kNobodyWatches).error().code, ErrorCode::kInvalid);
+  EXPECT_EQ(repair(file("a.oni"), file("a.oni"), Existing::kKeep, kNobodyWatches).error().code,
+            ErrorCode::kInvalid);
 }
 
 TEST_F(OniRepair, PassesOverDamageInTheMiddleInACopyOnly) {
@@ -148,12 +149,14 @@ TEST_F(OniRepair, PassesOverDamageInTheMiddleInACopyOnly) {
 
 TEST_F(OniRepair, SaysSoWhereThereIsNothingToSave) {
   test::write_bytes(file("a.oni"), Bytes(100, 'x'));
-  EXPECT_THAT(repair(file("a.oni"), "", Existing::kKeep, kNobodyWatches).error().what, HasSubstr("not an OpenNI recording"));
+  EXPECT_THAT(repair(file("a.oni"), "", Existing::kKeep, kNobodyWatches).error().what,
+              HasSubstr("not an OpenNI recording"));
   const Bytes bytes = write("b.oni");
   test::write_bytes(file("b.oni"), Bytes(bytes.begin(), bytes.begin() + 40));
   EXPECT_THAT(repair(file("b.oni"), "", Existing::kKeep, kNobodyWatches).error().what,
               HasSubstr("nothing of it can be saved"));
-  EXPECT_EQ(repair(file("missing.oni"), "", Existing::kKeep, kNobodyWatches).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(repair(file("missing.oni"), "", Existing::kKeep, kNobodyWatches).error().code,
+            ErrorCode::kNotFound);
 }
 
 TEST_F(OniRepair, SurvivesEveryFlippedByteOutsideThePayloads) {
@@ -163,7 +166,8 @@ TEST_F(OniRepair, SurvivesEveryFlippedByteOutsideThePayloads) {
       Bytes damaged = bytes;
       damaged[at] ^= 0xff;
       test::write_bytes(file("a.oni"), damaged);
-      if (const auto report = repair(file("a.oni"), file("b.oni"), Existing::kReplace, kNobodyWatches); report) {
+      if (const auto report = repair(file("a.oni"), file("b.oni"), Existing::kReplace, kNobodyWatches);
+          report) {
         ASSERT_TRUE(check(file("b.oni"))) << at;
       } else {
         ASSERT_FALSE(report.error().what.empty());
@@ -180,7 +184,8 @@ TEST_F(OniRepair, CutsATimeOutOfARecording) {
   EXPECT_EQ(report->depth_frames, 3u);
   EXPECT_EQ(frames_in(file("b.oni"), 4), std::pair(std::size_t{3}, std::size_t{3}));
   EXPECT_EQ(check(file("b.oni"))->find(Kind::kDepth)->timestamps_us.front(), 5'000'000u + 4 * 33'333);
-  EXPECT_EQ(cut(file("a.oni"), 5, 6, file("c.oni"), Existing::kKeep, kNobodyWatches).error().code, ErrorCode::kInvalid);
+  EXPECT_EQ(cut(file("a.oni"), 5, 6, file("c.oni"), Existing::kKeep, kNobodyWatches).error().code,
+            ErrorCode::kInvalid);
   EXPECT_FALSE(std::filesystem::exists(file("c.oni")));
 }
 
@@ -213,8 +218,9 @@ TEST_F(OniRepair, FinishesARecordingOfOpenNisOwnThatWasCutOff) {
 TEST_F(OniRepair, NeverOverwritesAFileUnasked) {
   write("a.oni");
   test::write_bytes(file("b.oni"), Bytes(10, 'x'));
-  for (const auto& error : {repair(file("a.oni"), file("b.oni"), Existing::kKeep, kNobodyWatches).error(),
-                            cut(file("a.oni"), 0, 1, file("b.oni"), Existing::kKeep, kNobodyWatches).error()}) {
+  for (const auto& error :
+       {repair(file("a.oni"), file("b.oni"), Existing::kKeep, kNobodyWatches).error(),
+        cut(file("a.oni"), 0, 1, file("b.oni"), Existing::kKeep, kNobodyWatches).error()}) {
     EXPECT_EQ(error.code, ErrorCode::kInvalid);
     EXPECT_THAT(error.what, testing::AllOf(HasSubstr("b.oni"), HasSubstr("--overwrite")));
   }
@@ -233,7 +239,8 @@ TEST_F(OniRepair, CutsAndFinishesRecordingsOfOpenNi1InTodaysFormat) {
     // Without its end, in the middle of its last frame.
     old.resize(old.size() - 500);
     test::write_bytes(file("old.oni"), old);
-    EXPECT_THAT(repair(file("old.oni"), "", Existing::kKeep, kNobodyWatches).error().what, HasSubstr("--out"));
+    EXPECT_THAT(repair(file("old.oni"), "", Existing::kKeep, kNobodyWatches).error().what,
+                HasSubstr("--out"));
     const auto report = repair(file("old.oni"), file("whole.oni"), Existing::kReplace, kNobodyWatches);
     ASSERT_TRUE(report) << build << ": " << report.error().what;
     EXPECT_EQ(report->depth_frames, 12u) << build;

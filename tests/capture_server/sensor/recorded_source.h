@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "capture_server/source.h"
+#include "capture_server/sensor/source.h"
 #include "tests/support/recording_scene.h"
 
 namespace copresence::sensor {

@@ -255,7 +255,8 @@ TEST_F(RecordingSource, ShowsTheInstantThatOtherReplaysOfItsSessionShow) {
       for (int i = 0; i < 5; ++i) {
         const auto frame = source->next({});
         EXPECT_TRUE(frame) << frame.error().what;
-        if (frame) zero = std::min<Instant>(zero, frame->stamp.captured_at - milliseconds(frame->depth(5, 5)));
+        if (frame)
+          zero = std::min<Instant>(zero, frame->stamp.captured_at - milliseconds(frame->depth(5, 5)));
       }
       return zero;
     };

@@ -40,7 +40,8 @@ TEST_F(SessionClockTest, ShowsOneInstantOfTheSessionWheneverReplaysAreStarted) {
   }
   EXPECT_EQ(left->timeline().due(kLeft.from_us, 0), kStart);
   EXPECT_EQ(right->timeline().due(kRight.from_us, 0), kStart + seconds(2));
-  EXPECT_FALSE(right->timeline().contains(kRight.to_us - 1)) << "the first replay's length is that of a round";
+  EXPECT_FALSE(right->timeline().contains(kRight.to_us - 1))
+      << "the first replay's length is that of a round";
 }
 
 TEST_F(SessionClockTest, ALateReplayJoinsTheRoundThatIsShown) {

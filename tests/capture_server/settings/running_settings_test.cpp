@@ -46,14 +46,14 @@ TEST_F(RunningSettingsTest, GiveNewRatesAndSayOldAndNew) {
   file_.write("source = \"desk.oni\"\ndepth-kbps = 1500\ncolor-kbps = 900\n");
   const std::string said = read_again();
   EXPECT_THAT(said, HasSubstr("desk.toml read again: color-kbps 2500 -> 900, depth-kbps 4000 -> 1500"));
-  EXPECT_EQ(running_.rates().try_take(), (Rates{20, 1500, 900}));
+  EXPECT_EQ(running_.rates().try_take(), (EncoderSettings{20, 1500, 900}));
   EXPECT_EQ(running_.now().rates.depth_kbps, 1500);
 }
 
 TEST_F(RunningSettingsTest, GoFromARateToAQuantiser) {
   file_.write("source = \"desk.oni\"\ndepth-qp = 24\n");
   EXPECT_THAT(read_again(), HasSubstr("depth-kbps 4000 -> none, depth-qp 20 -> 24"));
-  EXPECT_EQ(running_.rates().try_take(), (Rates{24, std::nullopt, 2500}));
+  EXPECT_EQ(running_.rates().try_take(), (EncoderSettings{24, std::nullopt, 2500}));
 }
 
 TEST_F(RunningSettingsTest, NameWhatTakesARestartEveryTimeAndLeaveItAlone) {

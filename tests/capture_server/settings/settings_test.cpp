@@ -189,7 +189,7 @@ TEST(Settings, AreReadAgainFromTheFileAsItIsThen) {
   file.write("source = \"desk.oni\"\ndepth-qp = 24\ncolor-kbps = 3000\n");
   const auto again = read_again(count, arguments.data());
   ASSERT_TRUE(again) << again.error().what;
-  EXPECT_EQ(again->rates, (Rates{24, std::nullopt, 800}));
+  EXPECT_EQ(again->rates, (EncoderSettings{24, std::nullopt, 800}));
   file.write("source = \"desk.oni\"\ndepth-qp = 24\nspeed = 3\n");
   EXPECT_THAT(read_again(count, arguments.data()).error().what, HasSubstr("desk.toml:3: "));
   file.write("");

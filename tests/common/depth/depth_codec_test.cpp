@@ -156,7 +156,7 @@ TEST_P(EveryCodec, FindsEveryChangedAndEveryMissingByteOfMaskTableAndSamples) {
     return !received && received.error().code == ErrorCode::kCorrupt && !stream.receive(second);
   };
   for (const PlanarDepth* frame : {&first, &second}) {
-    for (auto bytes : {&PlanarDepth::state_mask, &PlanarDepth::table, &PlanarDepth::samples}) {
+    for (auto bytes : {&PlanarDepth::validity_mask, &PlanarDepth::table, &PlanarDepth::samples}) {
       const std::size_t size = (frame->*bytes).size();
       for (std::size_t i = 0; i < size; ++i) {
         for (int bit = 0; bit < 8; ++bit) {

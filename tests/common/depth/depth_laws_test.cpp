@@ -8,9 +8,9 @@
 #include <set>
 
 #include "common/depth/depth_codec.h"
-#include "common/depth/level_table.h"
-#include "common/depth/sample_coder.h"
-#include "common/depth/state_mask.h"
+#include "common/depth/entropy/residual_coder.h"
+#include "common/depth/levels/codebook.h"
+#include "common/depth/mask/validity_mask.h"
 
 namespace copresence::depth {
 namespace {
@@ -52,8 +52,8 @@ DepthImage any_depth(Shape shape) {
 
 RC_GTEST_PROP(DepthLaws, StatesComeBackAsTheyWere, ()) {
   const Shape shape = any_shape();
-  StateMaskEncoder encoder(shape.width, shape.height);
-  StateMaskDecoder decoder(shape.width, shape.height);
+  ValidityMaskEncoder encoder(shape.width, shape.height);
+  ValidityMaskDecoder decoder(shape.width, shape.height);
   for (int frame = 0; frame < 4; ++frame) {
     const bool complete = frame == 0 || *rc::gen::arbitrary<bool>();
     const StateImage states = any_states(shape);
@@ -67,8 +67,8 @@ RC_GTEST_PROP(DepthLaws, StatesComeBackAsTheyWere, ()) {
 
 RC_GTEST_PROP(DepthLaws, SamplesComeBackAsTheyWere, ()) {
   const Shape shape = any_shape();
-  SampleEncoder encoder(PixelFormat::kGray10, shape.width, shape.height);
-  SampleDecoder decoder(PixelFormat::kGray10, shape.width, shape.height);
+  ResidualEncoder encoder(PixelFormat::kGray10, shape.width, shape.height);
+  ResidualDecoder decoder(PixelFormat::kGray10, shape.width, shape.height);
   Picture back;
   for (int frame = 0; frame < 4; ++frame) {
     const bool complete = frame == 0 || *rc::gen::arbitrary<bool>();
@@ -88,10 +88,10 @@ RC_GTEST_PROP(DepthLaws, SamplesComeBackAsTheyWere, ()) {
 
 RC_GTEST_PROP(DepthLaws, ATableChangeTurnsOneTableIntoTheOther, ()) {
   const DepthRangeUnits range{400, 5000};
-  LevelTable here(range, DepthUnit::kMillimetre), there = here;
+  Codebook here(range, DepthUnit::kMillimetre), there = here;
   std::set<std::uint16_t> known;
   for (int change = 0; change < 6; ++change) {
-    const LevelTable earlier = here;
+    const Codebook earlier = here;
     const int levels = *rc::gen::inRange(0, 30);
     for (int i = 0; i < levels; ++i) {
       const auto level = *rc::gen::inRange<std::uint16_t>(400, 5001);

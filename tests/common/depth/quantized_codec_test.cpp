@@ -1,4 +1,4 @@
-#include "common/depth/quantized_codec.h"
+#include "common/depth/levels/quantized_codec.h"
 
 #include <gmock/gmock.h>
 

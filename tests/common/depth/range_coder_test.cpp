@@ -1,4 +1,4 @@
-#include "common/depth/range_coder.h"
+#include "common/depth/entropy/range_coder.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ std::vector<Decision> decisions(double probability, int count) {
 }
 
 std::vector<std::uint8_t> write(const std::vector<Decision>& list) {
-  std::array<AdaptiveBit, 3> models;
+  std::array<BinaryContext, 3> models;
   std::vector<std::uint8_t> room(list.size() * RangeEncoder::kMostBytes + RangeEncoder::kEndBytes);
   RangeEncoder encoder(room.data());
   for (const Decision& d : list) encoder.encode(models[d.model], d.bit);
@@ -39,7 +39,7 @@ TEST(RangeCoder, ReadsWhatItWroteWhateverTheOdds) {
     for (const int count : {0, 1, 2, 7, 100, 20000}) {
       const auto list = decisions(probability, count);
       const auto bytes = write(list);
-      std::array<AdaptiveBit, 3> models;
+      std::array<BinaryContext, 3> models;
       RangeDecoder decoder(bytes);
       for (const Decision& d : list)
         ASSERT_EQ(decoder.decode(models[d.model]), d.bit) << probability << ' ' << count;
@@ -51,14 +51,14 @@ TEST(RangeCoder, CarriesThroughLongRunsOfOnes) {
   // Choosing the upper part again and again drives the low end towards all ones; one last choice may carry
   // through.
   for (int run = 1; run < 400; ++run) {
-    AdaptiveBit zeros;
+    BinaryContext zeros;
     std::vector<std::uint8_t> bytes(1000);
     RangeEncoder encoder(bytes.data());
     for (int i = 0; i < run; ++i) encoder.encode(zeros, false);
-    AdaptiveBit other;
+    BinaryContext other;
     for (int i = 0; i < 9; ++i) encoder.encode(other, i % 2 == 0);
     bytes.resize(static_cast<std::size_t>(encoder.finish() - bytes.data()));
-    AdaptiveBit zeros_again, other_again;
+    BinaryContext zeros_again, other_again;
     RangeDecoder decoder(bytes);
     for (int i = 0; i < run; ++i) ASSERT_FALSE(decoder.decode(zeros_again));
     for (int i = 0; i < 9; ++i) ASSERT_EQ(decoder.decode(other_again), i % 2 == 0);
@@ -76,14 +76,14 @@ TEST(RangeCoder, ReadsOnWhereItsBytesEnd) {
   const std::vector<Decision> list(3000, {0, false});
   std::vector<std::uint8_t> bytes = write(list);
   while (!bytes.empty() && bytes.back() == 0) bytes.pop_back();
-  AdaptiveBit model;
+  BinaryContext model;
   RangeDecoder decoder(bytes);
   for (const Decision& d : list) ASSERT_EQ(decoder.decode(model), d.bit);
 }
 
 TEST(RangeCoder, GoesOnInALargerRoom) {
   const auto list = decisions(0.3, 4000);
-  std::array<AdaptiveBit, 3> models;
+  std::array<BinaryContext, 3> models;
   std::vector<std::uint8_t> room(5000), larger(10000);
   RangeEncoder encoder(room.data());
   for (std::size_t i = 0; i < list.size(); ++i) {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "common/depth/depth_codec.h"
-#include "common/depth/side_data_seal.h"
+#include "common/depth/levels/chained_checksum.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace copresence;
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const DepthRangeUnits kRange = kFormat.units();
   static const DepthCodecDescription kDescription = Encoder::open("quantized", kFormat)->description();
   Decoder decoder = *Decoder::open(kDescription, kFormat);
-  SideDataSeal seal;
+  ChainedChecksum seal;
   DepthImage depth;
   StateImage states;
   std::span<const std::uint8_t> rest(data, size);
@@ -37,11 +37,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (rest.size() < table + mask + samples) break;
     planes.table.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(table));
     rest = rest.subspan(table);
-    planes.state_mask.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(mask));
+    planes.validity_mask.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(mask));
     rest = rest.subspan(mask);
     planes.samples.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(samples));
     rest = rest.subspan(samples);
-    seal.close(planes.keyframe, planes.table, planes.samples, planes.state_mask);
+    seal.close(planes.keyframe, planes.table, planes.samples, planes.validity_mask);
     if (!decoder.decode(planes, depth, states)) break;
     for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
       const bool hole = states.data()[i] == DepthState::kHole;

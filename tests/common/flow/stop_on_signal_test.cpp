@@ -164,7 +164,8 @@ TEST(StopOnSignal, TheSecondInterruptEndsAProcessThatHangsInAStopCallback) {
 
 TEST(StopOnSignal, NeitherTwoTerminationsNorOneOfEachEndAProcessEarly) {
   // A terminal's Ctrl-C reaches parent and child, and the parent hands it on as SIGTERM: in whichever order they come.
-  for (const auto& signals_sent : {std::vector{SIGTERM, SIGTERM, SIGINT, SIGTERM}, {SIGINT, SIGTERM, SIGTERM}}) {
+  for (const auto& signals_sent :
+       {std::vector{SIGTERM, SIGTERM, SIGINT, SIGTERM}, {SIGINT, SIGTERM, SIGTERM}}) {
     OtherProcess process([](const auto& say_ready) {
       StopOnSignal signals;
       say_ready();

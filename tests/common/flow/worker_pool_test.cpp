@@ -57,7 +57,7 @@ TEST(WorkerPool, NeedsNoJobsToEnd) {
 }
 
 TEST(WorkerPool, IsReplacedByTheCallersThreadWhereThereIsNone) {
-  NoWorkers none;
+  InlineExecutor none;
   std::vector<int> order;
   none.run(3, [&](int job, int) { order.push_back(job); });
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2}));

@@ -106,7 +106,8 @@ TEST(CameraModel, FieldOfViewMeansWhatItMeansToOpenNi) {
   for (const auto& [column, row] : {std::pair{0, 0}, {320, 240}, {17, 401}, {639, 479}}) {
     const double z = 2.5;
     const double x = (double(column) / kWidth - 0.5) * z * 2 * std::tan(kHorizontal / 2);
-    const double y = (double(row) / kHeight - 0.5) * z * 2 * std::tan(kVertical / 2);  // OpenNI's own y points up
+    const double y =
+        (double(row) / kHeight - 0.5) * z * 2 * std::tan(kVertical / 2);  // OpenNI's own y points up
     const Eigen::Vector3d point = unproject(camera, {double(column), double(row)}, z);
     EXPECT_NEAR(point.x(), x, 1e-12);
     EXPECT_NEAR(point.y(), y, 1e-12);

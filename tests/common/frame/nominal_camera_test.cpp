@@ -6,7 +6,8 @@ namespace copresence {
 namespace {
 
 TEST(NominalKinect, HasSquarePixelsInEverySize) {
-  for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1280, 720}, std::pair{480, 640}, std::pair{1280, 1024}}) {
+  for (const auto& [width, height] :
+       {std::pair{640, 480}, std::pair{1280, 720}, std::pair{480, 640}, std::pair{1280, 1024}}) {
     const CameraModel camera = nominal_kinect(width, height);
     EXPECT_DOUBLE_EQ(camera.fx, camera.fy) << width;
     EXPECT_NEAR(camera.fx, 575.8 * std::max(width, height) / 640, 0.1) << width;

@@ -32,7 +32,8 @@ TEST_F(TextFile, IsReadToItsLastByte) {
 }
 
 TEST_F(TextFile, SaysWhatIsInItsPlace) {
-  EXPECT_THAT(error_of(folder_ / "no" / "file"), HasSubstr("there is no file " + (folder_ / "no/file").string()));
+  EXPECT_THAT(error_of(folder_ / "no" / "file"),
+              HasSubstr("there is no file " + (folder_ / "no/file").string()));
   EXPECT_THAT(error_of(folder_), HasSubstr("is a folder, not a scene file"));
   ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   EXPECT_THAT(error_of(folder_ / "pipe"), HasSubstr("not a regular file"));

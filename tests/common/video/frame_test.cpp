@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "common/video/access_unit.h"
+#include "common/bitstream/access_unit.h"
 #include "common/video/frame_decoder.h"
 #include "common/video/frame_encoder.h"
 #include "tests/common/video/moving_scene.h"
@@ -36,7 +36,7 @@ TEST_F(Frames, ComeBackOneForOneWithEverythingThatMustBeExact) {
     EXPECT_EQ(back->stamp, frame.stamp);
     EXPECT_EQ(back->depth.keyframe, frame.depth.keyframe);
     EXPECT_EQ(back->depth.picture, frame.depth.picture);
-    EXPECT_EQ(back->depth.state_mask, frame.depth.state_mask);
+    EXPECT_EQ(back->depth.validity_mask, frame.depth.validity_mask);
     EXPECT_EQ(back->depth.table, frame.depth.table);
     ASSERT_TRUE(back->color);
     EXPECT_EQ(back->color->format(), PixelFormat::kYuv420);
@@ -204,10 +204,11 @@ TEST_F(Frames, KeepEverythingThroughACopyOfTheStreamAsAnnexB) {
   }
   // An access unit ends with its slice: one slice a picture.
   std::vector<std::vector<std::uint8_t>> copies(1);
-  const auto nals = split_access_unit(file).value();
-  for (const Nal& nal : nals) {
-    append_nal(copies.back(), nal.bytes);
-    if (nal.type() == NalType::kSlice || nal.type() == NalType::kIdrSlice) copies.emplace_back();
+  const auto nals = bitstream::split_access_unit(file).value();
+  for (const bitstream::Nal& nal : nals) {
+    bitstream::append_nal(copies.back(), nal.bytes);
+    if (nal.type() == bitstream::NalType::kSlice || nal.type() == bitstream::NalType::kIdrSlice)
+      copies.emplace_back();
   }
   ASSERT_EQ(copies.size(), frames.size() + 1);
   for (std::size_t i = 0; i < frames.size(); ++i) {

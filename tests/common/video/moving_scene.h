@@ -57,7 +57,7 @@ inline PlanarFrame moving_frame(const StreamDescription& stream, std::uint64_t s
   const int index = static_cast<int>(sequence);
   frame.depth.keyframe = keyframe;
   frame.depth.picture = moving_scene(stream.codec.format, stream.model.width, stream.model.height, index);
-  frame.depth.state_mask.assign(20 + sequence % 5, static_cast<std::uint8_t>(sequence % 3));
+  frame.depth.validity_mask.assign(20 + sequence % 5, static_cast<std::uint8_t>(sequence % 3));
   if (keyframe) frame.depth.table = {0, 0, 1, 0, 0, 3};
   if (stream.has_color) {
     frame.color = moving_scene(PixelFormat::kYuv420, stream.model.width, stream.model.height, index);

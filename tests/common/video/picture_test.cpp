@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <random>
 
-#include "common/video/access_unit.h"
+#include "common/bitstream/access_unit.h"
 #include "common/video/picture_decoder.h"
 #include "common/video/picture_encoder.h"
 #include "tests/common/video/moving_scene.h"
@@ -24,9 +24,9 @@ PictureDecoder decoder(PixelFormat format) {
 }
 
 bool is_keyframe(const std::vector<std::uint8_t>& access_unit) {
-  const auto nals = split_access_unit(access_unit).value();
+  const auto nals = bitstream::split_access_unit(access_unit).value();
   return std::any_of(nals.begin(), nals.end(),
-                     [](const Nal& nal) { return nal.type() == NalType::kIdrSlice; });
+                     [](const bitstream::Nal& nal) { return nal.type() == bitstream::NalType::kIdrSlice; });
 }
 
 class EveryFormat : public testing::TestWithParam<PixelFormat> {};

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "common/bitstream/side_data.h"
 #include "common/frame/bounds.h"
-#include "common/video/side_data.h"
 
 namespace copresence::video {
 namespace {
@@ -19,14 +19,14 @@ Bytes any_bytes() {
 
 RC_GTEST_PROP(VideoLaws, NoStartCodeShowsInANalUnitAndItsPayloadComesBack, ()) {
   const Bytes payload = any_bytes();
-  const Bytes nal = to_nal_bytes(payload);
-  RC_ASSERT(from_nal_bytes(nal) == payload);
+  const Bytes nal = bitstream::to_nal_bytes(payload);
+  RC_ASSERT(bitstream::from_nal_bytes(nal) == payload);
   for (std::size_t i = 0; i + 2 < nal.size(); ++i)
     RC_ASSERT(nal[i] != 0 || nal[i + 1] != 0 || nal[i + 2] > 2);
 }
 
 RC_GTEST_PROP(VideoLaws, SideDataComesBackAsItWasWhateverItIs, ()) {
-  SideData data;
+  bitstream::SideData data;
   data.sequence = *rc::gen::arbitrary<std::uint64_t>();
   data.previous = *rc::gen::arbitrary<std::uint64_t>();
   const auto captured_ns = *rc::gen::arbitrary<std::int64_t>();
@@ -36,18 +36,18 @@ RC_GTEST_PROP(VideoLaws, SideDataComesBackAsItWasWhateverItIs, ()) {
   if (*rc::gen::arbitrary<bool>()) data.world_from_camera = Rigid3{};
   data.table = any_bytes();
   data.samples = any_bytes();
-  data.state_mask = any_bytes();
+  data.validity_mask = any_bytes();
   const Bytes picture = {0, 0, 0, 1, 0x65, 0x33, 0x44};
   const Bytes color = data.has_color ? Bytes{0, 0, 0, 1, 0x61, 0x55} : Bytes{};
-  const Bytes unit = add_side_data(picture, color, data);
-  const auto back = extract_side_data(unit, color);
+  const Bytes unit = bitstream::add_side_data(picture, color, data);
+  const auto back = bitstream::extract_side_data(unit, color);
   const bool within_bounds = is_within_bounds(data.sequence) && is_within_bounds(data.previous) &&
                              is_within_bounds(static_cast<std::uint64_t>(captured_ns));
   RC_ASSERT(back.has_value() == within_bounds);
   RC_ASSERT(!back || *back == data);
   Bytes damaged = unit;
   damaged[*rc::gen::inRange<std::size_t>(0, unit.size())] ^= *rc::gen::inRange<std::uint8_t>(1, 255);
-  RC_ASSERT(!extract_side_data(damaged, color).has_value());
+  RC_ASSERT(!bitstream::extract_side_data(damaged, color).has_value());
 }
 
 }  // namespace

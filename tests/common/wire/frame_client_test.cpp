@@ -115,14 +115,13 @@ TEST(FrameClient, StopsConnectingWhenAsked) {
 }
 
 TEST(FrameClient, TakesARefusalOfItsVersionAsFinal) {
-  const Error error =
-      error_of_connecting(encode(Refusal{RefusalReason::kVersion, "install the same release"}));
+  const Error error = error_of_connecting(encode(Reject{RejectReason::kVersion, "install the same release"}));
   EXPECT_EQ(error.code, ErrorCode::kRefused);
   EXPECT_THAT(error.what, HasSubstr("install the same release"));
 }
 
 TEST(FrameClient, TakesAFullServerAsPassing) {
-  EXPECT_EQ(error_of_connecting(encode(Refusal{RefusalReason::kFull, "full"})).code, ErrorCode::kUnavailable);
+  EXPECT_EQ(error_of_connecting(encode(Reject{RejectReason::kFull, "full"})).code, ErrorCode::kUnavailable);
 }
 
 TEST(FrameClient, BelievesNoServerThatTalksNonsense) {
@@ -222,7 +221,7 @@ TEST(FrameClient, DoesNotCountItsOwnPausesAsRoundTrips) {
 TEST(FrameClient, TakesNoFloodOfNoticesForACamera) {
   Bytes flood;
   for (int i = 0; i < 1000; ++i) {
-    const Bytes notice = encode(Notice{"unplugged"});
+    const Bytes notice = encode(CameraStatus{"unplugged"});
     flood.insert(flood.end(), notice.begin(), notice.end());
   }
   FakeServer server(welcomes_and_says(flood));
@@ -241,7 +240,7 @@ TEST(FrameClient, GivesUpInTimeThoughTheServerNeverStopsTalking) {
     peer.hear();
     peer.say(encode(sample_welcome()));
     for (int i = 0; i < 50; ++i) {
-      peer.say(encode(Notice{"still unplugged"}));
+      peer.say(encode(CameraStatus{"still unplugged"}));
       std::this_thread::sleep_for(10ms);
     }
     peer.hear_out();

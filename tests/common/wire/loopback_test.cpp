@@ -184,7 +184,7 @@ TEST(Loopback, RefusesAnotherVersionAndSaysWhatToDo) {
   ASSERT_TRUE(answer);
   const auto refusal = decode_refusal(body_of(*answer));
   ASSERT_TRUE(refusal);
-  EXPECT_EQ(refusal->reason, RefusalReason::kVersion);
+  EXPECT_EQ(refusal->reason, RejectReason::kVersion);
   EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 5, this client 6"));
   EXPECT_THAT(refusal->text, HasSubstr("same release"));
   EXPECT_FALSE(stranger.hear());

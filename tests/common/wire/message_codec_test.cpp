@@ -63,12 +63,12 @@ StreamDescription with(const std::function<void(StreamDescription&)>& change) {
 
 TEST(MessageCodec, GivesBackWhatWasSaid) {
   EXPECT_EQ(*decode_hello(body_of(encode(Hello{7}))), Hello{7});
-  const Refusal refusal{RefusalReason::kFull, "full"};
+  const Reject refusal{RejectReason::kFull, "full"};
   EXPECT_EQ(*decode_refusal(body_of(encode(refusal))), refusal);
   EXPECT_EQ(*decode_welcome(body_of(encode(sample_welcome()))), sample_welcome());
   EXPECT_EQ(*decode_end_of_stream(body_of(encode(EndOfStream{"Ende: Küche"}))), EndOfStream{"Ende: Küche"});
-  EXPECT_EQ(*decode_notice(body_of(encode(Notice{"unplugged"}))), Notice{"unplugged"});
-  EXPECT_EQ(*decode_notice(body_of(encode(Notice{}))), Notice{});
+  EXPECT_EQ(*decode_notice(body_of(encode(CameraStatus{"unplugged"}))), CameraStatus{"unplugged"});
+  EXPECT_EQ(*decode_notice(body_of(encode(CameraStatus{}))), CameraStatus{});
   EXPECT_EQ(decode_frame_ack(body_of(encode(FrameAck{9})))->sequence, 9u);
   EXPECT_EQ(*decode_ping(body_of(encode(Ping{at_ns(77)}))), Ping{at_ns(77)});
   EXPECT_EQ(*decode_pong(body_of(encode(Pong{at_ns(77), at_ns(78)}))), (Pong{at_ns(77), at_ns(78)}));

@@ -8,8 +8,8 @@ namespace copresence::color_matching {
 namespace {
 
 // As different as two Kinects are, channels mixed a little.
-ColorMap kinect_like_map() {
-  ColorMap map;
+ColorCorrection kinect_like_map() {
+  ColorCorrection map;
   map << 0.88F, 0.04F, 0.02F, 0.03F,  //
       0.03F, 1.08F, -0.02F, -0.02F,   //
       -0.02F, 0.05F, 1.15F, 0.01F;
@@ -17,7 +17,7 @@ ColorMap kinect_like_map() {
 }
 
 // Colours of a room, mostly near grey; `wrong` of them seen as something else.
-std::vector<ColorPair> pairs_of(const ColorMap& map, std::size_t count, double wrong, unsigned seed) {
+std::vector<ColorPair> pairs_of(const ColorCorrection& map, std::size_t count, double wrong, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
   std::normal_distribution<float> tint(0, 0.06F), noise(0, 2.0F / 255);
@@ -33,7 +33,7 @@ std::vector<ColorPair> pairs_of(const ColorMap& map, std::size_t count, double w
 }
 
 // Worst channel over colours that a room has, of 255.
-float worst_error(const ColorMap& found, const ColorMap& truth) {
+float worst_error(const ColorCorrection& found, const ColorCorrection& truth) {
   float worst = 0;
   for (const ColorPair& pair : pairs_of(truth, 500, 0, 99)) {
     worst = std::max(worst, (apply(found, pair.from) - apply(truth, pair.from)).cwiseAbs().maxCoeff());
@@ -50,9 +50,9 @@ TEST(ColorFit, RecoversAnAffineChangeFromPairsOfWhichThreeInTenAreWrong) {
 }
 
 TEST(ColorFit, KeepsTheColoursWhereBothCamerasAgree) {
-  const auto fit = fit_color_map(pairs_of(ColorMap::Identity(), 2000, 0.2, 1));
+  const auto fit = fit_color_map(pairs_of(ColorCorrection::Identity(), 2000, 0.2, 1));
   ASSERT_TRUE(fit);
-  EXPECT_LT(worst_error(fit->map, ColorMap::Identity()), 1.5F);
+  EXPECT_LT(worst_error(fit->map, ColorCorrection::Identity()), 1.5F);
 }
 
 TEST(ColorFit, IsNotLedAstrayByAPersonOfOneColour) {

@@ -33,7 +33,7 @@ struct Camera {
   RgbdFrame frame;
   PosedFrame posed;
 
-  Camera(double x_m, const ColorMap& response) {
+  Camera(double x_m, const ColorCorrection& response) {
     const CameraModel model = small_model();
     frame.depth = DepthImage(model.width, model.height, std::uint16_t{2500});
     frame.state = StateImage(model.width, model.height, DepthState::kMeasured);
@@ -54,15 +54,16 @@ struct Camera {
   }
 };
 
-ColorMap gains(float r, float g, float b, float offset) {
-  ColorMap map = ColorMap::Zero();
+ColorCorrection gains(float r, float g, float b, float offset) {
+  ColorCorrection map = ColorCorrection::Zero();
   map.diagonal() << r, g, b;
   map.col(3).setConstant(offset);
   return map;
 }
 
 // How far a camera's mapped colours are from the reference's, worst channel on the wall, of 255.
-float worst_error(const ColorMap& found, const ColorMap& response, const ColorMap& reference) {
+float worst_error(const ColorCorrection& found, const ColorCorrection& response,
+                  const ColorCorrection& reference) {
   float worst = 0;
   for (double x = -1; x < 1; x += 0.1) {
     const Eigen::Vector3f truth = wall_color(x, 0.5 * x);
@@ -73,18 +74,18 @@ float worst_error(const ColorMap& found, const ColorMap& response, const ColorMa
 }
 
 TEST(ColorMatcher, MapsASecondCameraToTheReference) {
-  const ColorMap warm = gains(1.12F, 1.0F, 0.85F, 0.01F), cool = gains(0.9F, 1.0F, 1.1F, -0.01F);
+  const ColorCorrection warm = gains(1.12F, 1.0F, 0.85F, 0.01F), cool = gains(0.9F, 1.0F, 1.1F, -0.01F);
   const Camera a(0, warm), b(0.4, cool);
   const auto maps = match_colors(std::vector{a.view(), b.view()});
   ASSERT_TRUE(maps[0] && maps[1]);
-  EXPECT_EQ(*maps[0], ColorMap::Identity());
+  EXPECT_EQ(*maps[0], ColorCorrection::Identity());
   EXPECT_LT(worst_error(*maps[1], cool, warm), 3.0F);
 }
 
 TEST(ColorMatcher, ReachesCamerasThatOnlyTheirNeighboursOverlap) {
   // In a row, 1.4 m apart, each seeing 2.8 m of the wall: the fourth shares nothing with the first.
-  const ColorMap responses[] = {gains(1, 1, 1, 0), gains(0.9F, 1.05F, 1.1F, 0.01F),
-                                gains(1.1F, 0.95F, 1, -0.01F), gains(0.95F, 1, 0.88F, 0.02F)};
+  const ColorCorrection responses[] = {gains(1, 1, 1, 0), gains(0.9F, 1.05F, 1.1F, 0.01F),
+                                       gains(1.1F, 0.95F, 1, -0.01F), gains(0.95F, 1, 0.88F, 0.02F)};
   std::vector<Camera> cameras;
   for (int i = 0; i < 4; ++i) cameras.emplace_back(1.4 * i, responses[i]);
   std::vector<PosedFrame> views;
@@ -112,7 +113,7 @@ TEST(ColorMatcher, SaysNothingOfCamerasWithoutColourOrPlace) {
 
 TEST(ColorMatcher, IsNotMisledByColoursThatAreCutOff) {
   // The second camera is overexposed: much of the wall is white in it.
-  const ColorMap bright = gains(1.6F, 1.6F, 1.6F, 0.1F);
+  const ColorCorrection bright = gains(1.6F, 1.6F, 1.6F, 0.1F);
   const Camera a(0, gains(1, 1, 1, 0)), b(0.3, bright);
   const auto maps = match_colors(std::vector{a.view(), b.view()});
   ASSERT_TRUE(maps[1]);
@@ -136,21 +137,25 @@ TEST(ColorMatcher, IsNotMisledBySomebodyWhomOnlyOneCameraSees) {
 
 TEST(SteadyMaps, TakeTheFirstMatchAtOnceAndEaseInLaterOnes) {
   SteadyMaps maps(2);
-  EXPECT_EQ(maps.map(1), ColorMap::Identity());
-  maps.follow(std::vector<std::optional<ColorMap>>{ColorMap::Identity(), gains(0.9F, 0.9F, 0.9F, 0)},
-              milliseconds(0));
+  EXPECT_EQ(maps.map(1), ColorCorrection::Identity());
+  maps.follow(
+      std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), gains(0.9F, 0.9F, 0.9F, 0)},
+      milliseconds(0));
   EXPECT_FLOAT_EQ(maps.map(1)(0, 0), 0.9F);
-  maps.follow(std::vector<std::optional<ColorMap>>{ColorMap::Identity(), gains(1.1F, 1.1F, 1.1F, 0)},
-              milliseconds(500));
+  maps.follow(
+      std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), gains(1.1F, 1.1F, 1.1F, 0)},
+      milliseconds(500));
   EXPECT_GT(maps.map(1)(0, 0), 0.9F);
   EXPECT_LT(maps.map(1)(0, 0), 1.0F);
 }
 
 TEST(SteadyMaps, KeepTheLastMatchWhereTheOverlapIsGone) {
   SteadyMaps maps(2);
-  maps.follow(std::vector<std::optional<ColorMap>>{ColorMap::Identity(), gains(0.9F, 0.9F, 0.9F, 0)},
-              milliseconds(0));
-  maps.follow(std::vector<std::optional<ColorMap>>{ColorMap::Identity(), std::nullopt}, milliseconds(500));
+  maps.follow(
+      std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), gains(0.9F, 0.9F, 0.9F, 0)},
+      milliseconds(0));
+  maps.follow(std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), std::nullopt},
+              milliseconds(500));
   EXPECT_FLOAT_EQ(maps.map(1)(0, 0), 0.9F);
 }
 

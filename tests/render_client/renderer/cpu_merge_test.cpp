@@ -193,7 +193,7 @@ TEST(CpuMerge, GivesTheSamePictureWithAnyNumberOfThreads) {
 
 TEST(CpuMerge, ForgetsACameraThatIsGone) {
   Looking one(kinect_model(), wall(2), plain(kRed)), two(kinect_model(), wall(1), plain(kGreen));
-  NoWorkers workers;
+  InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
   const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
   MergedView view;

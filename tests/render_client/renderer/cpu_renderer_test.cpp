@@ -1,6 +1,6 @@
 // What one camera's surface looks like from anywhere.
 
-#include "render_client/renderer/cpu_renderer.h"
+#include "render_client/renderer/cpu/cpu_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -321,7 +321,7 @@ TEST(CpuRenderer, AppliesTheColorMatching) {
 
 TEST(CpuRenderer, KeepsWhatItDerivedUntilTheVersionChanges) {
   Looking camera(kinect_model(), wall(2));
-  NoWorkers workers;
+  InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
   const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
   MergedView view;
@@ -339,7 +339,7 @@ TEST(CpuRenderer, KeepsWhatItDerivedUntilTheVersionChanges) {
 
 TEST(CpuRenderer, DrawsWhatItPreparedWithoutLookingAtTheFrameAgain) {
   Looking camera(kinect_model(), wall(2));
-  NoWorkers workers;
+  InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
   renderer->prepare(views_of({&camera}));
   camera.frame = frame_of(camera.view.model, wall(3), std::nullopt);
@@ -352,7 +352,7 @@ TEST(CpuRenderer, DrawsWhatItPreparedWithoutLookingAtTheFrameAgain) {
 TEST(CpuRenderer, TakesNewerFramesAndOtherCamerasThanItPrepared) {
   Looking left(kinect_model(), wall(2)), right(kinect_model(), wall(2));
   const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
-  NoWorkers workers;
+  InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
   renderer->prepare(views_of({&left, &right}));
   left.frame = frame_of(left.view.model, wall(3), Paint(gradient));

@@ -1,4 +1,4 @@
-#include "render_client/renderer/depth_mesh.h"
+#include "render_client/renderer/cpu/depth_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "render_client/renderer/gl_renderer.h"
+#include "render_client/renderer/gl/gl_renderer.h"
 
 #include <cmath>
 #include <numbers>

@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "common/frame/workers.h"
-#include "render_client/renderer/cpu_renderer.h"
-#include "render_client/renderer/gl_renderer.h"
+#include "common/executor.h"
+#include "render_client/renderer/cpu/cpu_renderer.h"
+#include "render_client/renderer/gl/gl_renderer.h"
 #include "tests/render_client/renderer/surfaces.h"
 #include "tests/support/gl_test.h"
 
@@ -110,7 +110,7 @@ class RenderersAgree : public gl::GlTest {
  protected:
   // From several eyes; the worst of each.
   Difference differ(const Scene& scene, int largest_block) {
-    NoWorkers workers;
+    InlineExecutor workers;
     const auto cpu = make_cpu_renderer(workers, {.largest_block = largest_block});
     const auto gl = make_gl_renderer(context(), {.largest_block = largest_block});
     if (!gl) {

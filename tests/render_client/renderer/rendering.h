@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/flow/worker_pool.h"
-#include "render_client/renderer/cpu_renderer.h"
+#include "render_client/renderer/cpu/cpu_renderer.h"
 #include "tests/render_client/renderer/surfaces.h"
 
 namespace copresence::renderer {

@@ -7,9 +7,9 @@
 #include <chrono>
 
 #include "capture_server/recording/oni_writer.h"
-#include "capture_server/simulation/kinect_noise.h"
 #include "common/scene/scene.h"
 #include "common/scene/write_scene.h"
+#include "simulation/kinect_noise.h"
 #include "tests/support/process.h"
 #include "tests/tools/calibrate/painted_planes.h"
 

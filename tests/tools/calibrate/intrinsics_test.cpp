@@ -9,8 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture_server/simulation/simulated_kinect.h"
 #include "common/scene/scene.h"
+#include "simulation/simulated_kinect.h"
 #include "tests/support/process.h"
 #include "tests/tools/calibrate/painted_board.h"
 #include "tools/calibrate/lens/camera_info.h"

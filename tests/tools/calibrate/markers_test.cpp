@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "capture_server/simulation/marker_world.h"
 #include "common/scene/scene.h"
+#include "simulation/marker_world.h"
 #include "tests/support/process.h"
 
 namespace copresence {

@@ -221,8 +221,9 @@ TEST_F(FromImages, ReadsFloatingPointDepthInMetres) {
 
 TEST_F(FromImages, LooksAtAnImagesSizeBeforeItUnpacksIt) {
   // A PNG header that claims 30,000 x 30,000 pixels, and nothing behind it.
-  const unsigned char png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 0,   0,    0,    13, 'I', 'H', 'D', 'R',  0,
-                               0,    0x75, 0x30, 0,   0,    0x75, 0x30, 16,  0,    0,    0,  0,   0,   0,   0,    0};
+  const unsigned char png[] = {0x89, 'P',  'N', 'G', '\r', '\n', 0x1a, '\n', 0,    0, 0,
+                               13,   'I',  'H', 'D', 'R',  0,    0,    0x75, 0x30, 0, 0,
+                               0x75, 0x30, 16,  0,   0,    0,    0,    0,    0,    0, 0};
   std::ofstream(folder_.file("depth/1.png"), std::ios::binary)
       .write(reinterpret_cast<const char*>(png), sizeof(png));
   EXPECT_THAT(refusal(), testing::AllOf(HasSubstr("1.png"), HasSubstr("30000x30000")));

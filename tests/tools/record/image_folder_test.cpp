@@ -31,10 +31,13 @@ class ImageFolderTest : public testing::Test {
   }
   void depth(const std::string& name) const { image(name, CV_16UC1); }
   void color(const std::string& name) const { image(name, CV_8UC3); }
-  Result<ImageFolder> find(const FolderChoice& choice = {}) const { return find_images(folder_.file(""), choice); }
+  Result<ImageFolder> find(const FolderChoice& choice = {}) const {
+    return find_images(folder_.file(""), choice);
+  }
   std::string first_depth() const {
     const auto images = find();
-    return images ? images->depth.front().path.lexically_relative(folder_.file("")).string() : images.error().what;
+    return images ? images->depth.front().path.lexically_relative(folder_.file("")).string()
+                  : images.error().what;
   }
 
   const test::TemporaryFolder folder_;
@@ -86,17 +89,21 @@ TEST_F(ImageFolderTest, ReadsAssociationsInEitherOrder) {
 TEST_F(ImageFolderTest, ReadsListsAsEditorsWriteThem) {
   depth("depth/a b.png");
   color("rgb/a b.png");
-  for (const char* text : {"\xEF\xBB\xBF" "1.5 rgb/a b.png 1.5 depth/a b.png\r\n",
-                           "1.5;rgb/a b.png;1.5;depth/a b.png\n", "1.5, rgb/a b.png, 1.5, depth/a b.png\n",
-                           "1.5 \"rgb/a b.png\" 1.5 \"depth/a b.png\"\n", "1.5\trgb\\a b.png\t1.5\tdepth\\a b.png\r\n",
-                           "time;color;time;depth\n1.5;rgb/a b.png;1.5;depth/a b.png;0.1;0.2\n"}) {
+  for (const char* text :
+       {"\xEF\xBB\xBF"
+        "1.5 rgb/a b.png 1.5 depth/a b.png\r\n",
+        "1.5;rgb/a b.png;1.5;depth/a b.png\n", "1.5, rgb/a b.png, 1.5, depth/a b.png\n",
+        "1.5 \"rgb/a b.png\" 1.5 \"depth/a b.png\"\n", "1.5\trgb\\a b.png\t1.5\tdepth\\a b.png\r\n",
+        "time;color;time;depth\n1.5;rgb/a b.png;1.5;depth/a b.png;0.1;0.2\n"}) {
     put("associations.txt", text);
     const auto images = find();
     ASSERT_TRUE(images) << text << images.error().what;
     EXPECT_EQ(images->depth.front().path.filename(), "a b.png") << text;
     EXPECT_EQ(images->depth.front().time, microseconds(1'500'000)) << text;
   }
-  put("associations.txt", "\xFF\xFE" "1");
+  put("associations.txt",
+      "\xFF\xFE"
+      "1");
   EXPECT_THAT(find().error().what, HasSubstr("UTF-8"));
 }
 
@@ -116,7 +123,8 @@ TEST_F(ImageFolderTest, TakesWholeNumbersInAListForFramesAndTimesForTimes) {
   };
   EXPECT_EQ(time_of_second("1", "2", "3"), 66'667);
   EXPECT_EQ(time_of_second("1650000000000", "1650000000033", "1650000000066"), 1650000000033000);
-  EXPECT_EQ(time_of_second("1650000000000000000", "1650000000033333333", "1650000000066666666"), 1650000000033333);
+  EXPECT_EQ(time_of_second("1650000000000000000", "1650000000033333333", "1650000000066666666"),
+            1650000000033333);
 }
 
 TEST_F(ImageFolderTest, RefusesTimesOfTwoReadingsUntilToldTheUnit) {
@@ -147,7 +155,8 @@ TEST_F(ImageFolderTest, FindsTheTimeInEveryNamingScheme) {
   for (const Scheme& scheme :
        {Scheme{"0000001-000000000000", "0000002-000000033369", "0000003-000000066738", 33'369},  // Redwood
         Scheme{"1650000000000", "1650000000033", "1650000000066", 33'000},
-        Scheme{"Depth_1582018310593.05", "Depth_1582018310626.41", "Depth_1582018310659.77", 33'360},  // RealSense
+        Scheme{"Depth_1582018310593.05", "Depth_1582018310626.41", "Depth_1582018310659.77",
+               33'360},  // RealSense
         Scheme{"1650000000000000", "1650000000033333", "1650000000066666", 33'333},
         Scheme{"1650000000000000000", "1650000000033333333", "1650000000066666666", 33'333},
         Scheme{"1305031102-160407000", "1305031102-194330000", "1305031102-226738000", 33'923},
@@ -157,7 +166,8 @@ TEST_F(ImageFolderTest, FindsTheTimeInEveryNamingScheme) {
         Scheme{"2022-04-15_000001", "2022-04-15_000002", "2022-04-15_000003", 33'333},
         Scheme{"one", "three", "two", 33'333}}) {
     std::filesystem::remove_all(folder_.file("depth"));
-    for (const char* name : {scheme.first, scheme.second, scheme.third}) depth(fmt::format("depth/{}.png", name));
+    for (const char* name : {scheme.first, scheme.second, scheme.third})
+      depth(fmt::format("depth/{}.png", name));
     const auto images = find();
     ASSERT_TRUE(images) << images.error().what;
     EXPECT_NEAR(static_cast<double>((images->depth[1].time - images->depth[0].time).count()),
@@ -177,8 +187,9 @@ TEST_F(ImageFolderTest, TakesOneDepthFolderAndSaysWhatIsLeft) {
   EXPECT_EQ(images->depth.size(), 2u);
   EXPECT_EQ(images->color.size(), 2u);
   EXPECT_EQ(first_depth(), "depth/1.png");
-  EXPECT_THAT(images->remarks, Contains(testing::AllOf(HasSubstr("left: "), HasSubstr("depth_filled/ (2 images)"),
-                                                       HasSubstr("label/"), HasSubstr("masks/"))));
+  EXPECT_THAT(images->remarks,
+              Contains(testing::AllOf(HasSubstr("left: "), HasSubstr("depth_filled/ (2 images)"),
+                                      HasSubstr("label/"), HasSubstr("masks/"))));
   const auto other = find({.depth = "depth_filled"});
   ASSERT_TRUE(other) << other.error().what;
   EXPECT_EQ(other->depth.front().path.parent_path().filename(), "depth_filled");
@@ -210,8 +221,8 @@ TEST_F(ImageFolderTest, LeavesInfraredMasksAndHiddenFiles) {
   ASSERT_TRUE(images) << images.error().what;
   EXPECT_EQ(images->depth.size(), 2u);
   EXPECT_EQ(images->color.size(), 2u);
-  EXPECT_THAT(images->remarks, Contains(testing::AllOf(HasSubstr("ir*.png (2 images)"), HasSubstr("mask*.png"),
-                                                       HasSubstr("3 hidden files"))));
+  EXPECT_THAT(images->remarks, Contains(testing::AllOf(HasSubstr("ir*.png (2 images)"),
+                                                       HasSubstr("mask*.png"), HasSubstr("3 hidden files"))));
 }
 
 TEST_F(ImageFolderTest, KnowsDepthByItsContentWhereNoNameTells) {
@@ -258,7 +269,8 @@ TEST_F(ImageFolderTest, NamesWhatIsMissing) {
 
 TEST_F(ImageFolderTest, NamesTheFormatThatIsNotRead) {
   put("0001.exr", "\x76\x2f\x31\x01");
-  EXPECT_THAT(find().error().what, testing::AllOf(HasSubstr("0001.exr"), HasSubstr("OpenEXR"), HasSubstr("16-bit PNG")));
+  EXPECT_THAT(find().error().what,
+              testing::AllOf(HasSubstr("0001.exr"), HasSubstr("OpenEXR"), HasSubstr("16-bit PNG")));
 }
 
 TEST_F(ImageFolderTest, SaysThatImagesLieDeeper) {

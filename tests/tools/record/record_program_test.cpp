@@ -121,10 +121,11 @@ TEST(RecordProgram, CountsRepairedFramesAsInfoDoes) {
   const std::string bytes = read_all(kWhole);
   std::ofstream(folder / "cut_off.oni", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
   const Ended repaired = record({"repair", folder / "cut_off.oni"});
-  const auto streams = nlohmann::json::parse(record({"info", folder / "cut_off.oni", "--json"}).words)["streams"];
+  const auto streams =
+      nlohmann::json::parse(record({"info", folder / "cut_off.oni", "--json"}).words)["streams"];
   EXPECT_THAT(repaired.words, HasSubstr("finished with " + std::to_string(streams[0]["frames"].get<int>()) +
-                                        " frames of depth, " + std::to_string(streams[1]["frames"].get<int>()) +
-                                        " of colour"));
+                                        " frames of depth, " +
+                                        std::to_string(streams[1]["frames"].get<int>()) + " of colour"));
 }
 
 TEST(RecordProgram, AWrongCommandLineExitsWithTwo) {

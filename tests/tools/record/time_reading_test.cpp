@@ -61,17 +61,20 @@ TEST(TimeReading, RecognisesTimesFromAZeroOfTheirOwnByTheirSteps) {
 TEST(TimeReading, ShowsBothReadingsWhereTwoArePossible) {
   const auto tens = recognise("0 10 20 30");
   ASSERT_FALSE(tens);
-  EXPECT_THAT(tens.error().what, testing::AllOf(HasSubstr("as ms: 0.03 s at 100 frames/s"),
-                                                HasSubstr("as frame: 1 s at 3 frames/s"), HasSubstr("--times")));
+  EXPECT_THAT(tens.error().what,
+              testing::AllOf(HasSubstr("as ms: 0.03 s at 100 frames/s"),
+                             HasSubstr("as frame: 1 s at 3 frames/s"), HasSubstr("--times")));
   EXPECT_THAT(recognise("1650000000 1650000020 1650000040").error().what,
               testing::AllOf(HasSubstr("as s: 40 s"), HasSubstr("as ms: 0.04 s")));
-  EXPECT_THAT(recognise("0.25 20.25 40.25").error().what, testing::AllOf(HasSubstr("as s"), HasSubstr("as ms")));
+  EXPECT_THAT(recognise("0.25 20.25 40.25").error().what,
+              testing::AllOf(HasSubstr("as s"), HasSubstr("as ms")));
 }
 
 TEST(TimeReading, ConvertsWithoutLosingMicroseconds) {
   EXPECT_EQ(*to_time(*parse_number("1650000000033333333"), TimeUnit::kNanoseconds, 30),
             microseconds(1650000000033333));
-  EXPECT_EQ(*to_time(*parse_number("1305031102.160407"), TimeUnit::kSeconds, 30), microseconds(1305031102160407));
+  EXPECT_EQ(*to_time(*parse_number("1305031102.160407"), TimeUnit::kSeconds, 30),
+            microseconds(1305031102160407));
   EXPECT_EQ(*to_time(*parse_number("3"), TimeUnit::kFrames, 30), microseconds(100'000));
   EXPECT_FALSE(to_time(*parse_number("1e12"), TimeUnit::kSeconds, 30));
 }

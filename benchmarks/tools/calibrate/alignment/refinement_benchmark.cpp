@@ -15,7 +15,7 @@
 #include <random>
 #include <vector>
 
-#include "capture_server/simulation/simulated_kinect.h"
+#include "simulation/simulated_kinect.h"
 #include "tests/tools/calibrate/geometry/rig.h"
 #include "tools/calibrate/alignment/refinement.h"
 #include "tools/calibrate/alignment/static_depth.h"

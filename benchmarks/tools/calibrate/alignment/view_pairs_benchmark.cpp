@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "benchmarks/tools/calibrate/alignment/generalized_icp.h"
-#include "capture_server/simulation/simulated_kinect.h"
+#include "simulation/simulated_kinect.h"
 #include "tests/support/real_recordings.h"
 #include "tools/calibrate/alignment/descent.h"
 #include "tools/calibrate/alignment/refinement.h"

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "capture_server/simulation/simulated_kinect.h"
+#include "simulation/simulated_kinect.h"
 
 namespace copresence::calibration {
 namespace {

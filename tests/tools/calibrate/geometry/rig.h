@@ -10,10 +10,10 @@
 #include <random>
 #include <vector>
 
-#include "capture_server/simulation/kinect_noise.h"
-#include "capture_server/simulation/simulated_kinect.h"
 #include "common/frame/camera_model.h"
 #include "common/frame/rigid3.h"
+#include "simulation/kinect_noise.h"
+#include "simulation/simulated_kinect.h"
 #include "tools/calibrate/geometry/layout.h"
 #include "tools/calibrate/geometry/plane_depth.h"
 #include "tools/calibrate/geometry/world_fit.h"

@@ -1,0 +1,58 @@
+// The picture of docs/simulation.md: kinect_picture OUT.jpg
+//
+// What camera 1 of the simulated room's two delivers: its colours, and its depth with the holes in red.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "simulation/simulated_kinect.h"
+
+namespace copresence::simulation {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+
+// Near is white, far is black, even in 1/z as the sensor's steps are.
+cv::Mat picture_of(const DepthImage& depth_mm) {
+  constexpr double kNear = 1 / 1200.0, kFar = 1 / 5500.0;
+  cv::Mat picture(kHeight, kWidth, CV_8UC3);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const auto depth = depth_mm(x, y);
+      const double nearness = (1.0 / std::max<int>(depth, 1) - kFar) / (kNear - kFar);
+      const auto gray = cv::saturate_cast<std::uint8_t>(255 * nearness);
+      picture.at<cv::Vec3b>(y, x) = depth ? cv::Vec3b(gray, gray, gray) : cv::Vec3b(0, 0, 190);
+    }
+  }
+  return picture;
+}
+
+int draw(const char* path) {
+  const auto world = std::make_shared<const World>(World::make("room").value());
+  auto kinect = SimulatedKinect::make(world, kinect_model(kWidth, kHeight), kinect_poses(2), 1,
+                                      DepthUnit::kMillimetre, 1)
+                    .value();
+  DepthImage depth;
+  ColorImage color;
+  kinect.expose(0.25, 15, depth, color);
+  const cv::Mat rgb(kHeight, kWidth, CV_8UC3, color.data());
+  cv::Mat bgr, both;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  cv::hconcat(bgr, picture_of(depth), both);
+  if (cv::imwrite(path, both, {cv::IMWRITE_JPEG_QUALITY, 80})) return 0;
+  fmt::print(stderr, "kinect_picture: {} cannot be written; give a path that ends in .jpg\n", path);
+  return 1;
+}
+
+}  // namespace
+}  // namespace copresence::simulation
+
+int main(int argc, char** argv) {
+  if (argc == 2) return copresence::simulation::draw(argv[1]);
+  fmt::print(stderr, "usage: kinect_picture OUT.jpg\n");
+  return 2;
+}

@@ -1,0 +1,109 @@
+# What most sources include is parsed once. Presets for developers do without: there a missing include shows.
+if(COPRESENCE_PRECOMPILED)
+  add_library(copresence_headers OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
+  target_link_libraries(copresence_headers PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected)
+  target_precompile_headers(copresence_headers PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.h)
+endif()
+
+# A module is a folder that is a target: a static library whose headers compile alone and which names what it depends on.
+#
+#   add_module(depth HEADERS a.h SOURCES a.cpp USES copresence::frame HIDES copresence_opencv)
+#
+# makes the library copresence_depth with the alias copresence::depth. USES are public (other modules, libraries whose types
+# show in the headers), HIDES are private. A module without SOURCES is header-only.
+function(add_module name)
+  cmake_parse_arguments(MODULE "" "" "HEADERS;SOURCES;USES;HIDES" ${ARGN})
+  set(target copresence_${name})
+  if(MODULE_SOURCES)
+    add_library(${target} STATIC ${MODULE_SOURCES})
+    target_link_libraries(${target} PUBLIC copresence::rules ${MODULE_USES} PRIVATE ${MODULE_HIDES})
+    if(COPRESENCE_PRECOMPILED)
+      target_link_libraries(${target} PRIVATE Eigen3::Eigen fmt::fmt tl::expected)
+      target_precompile_headers(${target} REUSE_FROM copresence_headers)
+    endif()
+    set(scope PUBLIC)
+  else()
+    add_library(${target} INTERFACE)
+    target_link_libraries(${target} INTERFACE copresence::rules ${MODULE_USES})
+    set(scope INTERFACE)
+  endif()
+  # A header that is the first include of its own .cpp (tests/architecture) compiles alone already, where
+  # COPRESENCE_PRECOMPILED is off.
+  set(lone_headers ${MODULE_HEADERS})
+  foreach(source IN LISTS MODULE_SOURCES)
+    string(REGEX REPLACE "[.]cpp$" ".h" header ${source})
+    list(REMOVE_ITEM lone_headers ${header})
+  endforeach()
+  set(tried_headers ${MODULE_HEADERS})
+  list(REMOVE_ITEM tried_headers ${lone_headers} "")
+  target_sources(${target} ${scope}
+    FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${lone_headers}
+    FILE_SET tried TYPE HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${tried_headers})
+  set_target_properties(${target} PROPERTIES INTERFACE_HEADER_SETS_TO_VERIFY HEADERS)
+  add_library(copresence::${name} ALIAS ${target})
+endfunction()
+
+# Compiling tests is half of all compiling: what all of them include is parsed once (tests/support), and they themselves need not
+# be fast.
+function(compile_as_test target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_link_libraries(${target} PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected GTest::gmock)
+endfunction()
+
+# One test program for one module. LABEL is unit (below a second, no hardware, no GL, no network), gl (headless EGL) or
+# pipeline (real processes over loopback). SERIAL ones run beside no other: they measure time.
+#
+#   add_module_test(depth LABEL unit SOURCES depth_codec_test.cpp USES copresence::depth)
+function(add_module_test name)
+  cmake_parse_arguments(TEST "SERIAL" "LABEL;TIMEOUT" "SOURCES;USES;ENVIRONMENT" ${ARGN})
+  if(NOT TEST_TIMEOUT)
+    set(TEST_TIMEOUT 120)
+  endif()
+  if(COPRESENCE_SANITIZE)
+    math(EXPR TEST_TIMEOUT "5 * ${TEST_TIMEOUT}")
+  endif()
+  set(target ${name}_test)
+  add_executable(${target} ${TEST_SOURCES})
+  compile_as_test(${target})
+  target_precompile_headers(${target} REUSE_FROM copresence_test_headers)
+  target_link_libraries(${target} PRIVATE ${TEST_USES} GTest::gtest_main)
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  set(environment)
+  if(TEST_ENVIRONMENT)
+    set(environment ENVIRONMENT ${TEST_ENVIRONMENT})
+  elseif(TEST_LABEL STREQUAL "gl" AND COPRESENCE_SANITIZE MATCHES "address")
+    set(environment ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)  # Mesa and LLVM keep theirs
+  endif()
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+    PROPERTIES LABELS ${TEST_LABEL} TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} ${environment})
+endfunction()
+
+# One benchmark program for one module: numbers only, never a verdict.
+function(add_module_benchmark name)
+  cmake_parse_arguments(BENCHMARK "" "" "SOURCES;USES" ${ARGN})
+  set(target ${name}_benchmark)
+  add_executable(${target} ${BENCHMARK_SOURCES})
+  target_link_libraries(${target} PRIVATE copresence::rules ${BENCHMARK_USES} benchmark::benchmark_main)
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/benchmarks)
+  set_property(GLOBAL APPEND PROPERTY COPRESENCE_BENCHMARK_TARGETS ${target})
+endfunction()
+
+# One fuzz function (LLVMFuzzerTestOneInput) with its corpus, a folder of inputs. The fuzz preset makes NAME_fuzz with
+# libFuzzer:  build/fuzz/tests/NAME_fuzz -max_total_time=60 FOLDER.  Everywhere else the corpus and its near
+# neighbours are replayed as a unit test.
+#
+#   add_fuzz_target(message SOURCES message_fuzz.cpp CORPUS message_corpus USES copresence::wire)
+function(add_fuzz_target name)
+  cmake_parse_arguments(FUZZ "" "CORPUS" "SOURCES;USES" ${ARGN})
+  set(target ${name}_fuzz)
+  add_executable(${target} ${FUZZ_SOURCES})
+  target_link_libraries(${target} PRIVATE copresence::rules ${FUZZ_USES})
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(COPRESENCE_FUZZ)
+    target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+  else()
+    target_sources(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/replay_corpus.cpp)
+    add_test(NAME ${name}_corpus COMMAND ${target} ${CMAKE_CURRENT_SOURCE_DIR}/${FUZZ_CORPUS})
+    set_tests_properties(${name}_corpus PROPERTIES LABELS unit TIMEOUT 120)
+  endif()
+endfunction()

@@ -1,0 +1,33 @@
+#pragma once
+
+// H.264 access units that show nothing: flat grey, a few bytes each. They carry the side data of frames whose depth travels as
+// samples beside the picture, so that a stream remains H.264 for everybody who copies, stores or looks at it.
+//
+// Each is one slice. Keyframes are predicted from mid grey without a residual, the others repeat the picture before.
+// Source: ITU-T H.264 (08/2021), 7.3.2.1, 7.3.2.2, 7.3.3 and table 7-11. Thread: a value.
+
+#include <cstdint>
+#include <vector>
+
+#include "common/frame/picture.h"
+
+namespace copresence::bitstream {
+
+class BlankPictureWriter {
+ public:
+  /// Requires kGray8 or kGray10, even sizes from 2 to 4096.
+  BlankPictureWriter(PixelFormat format, int width, int height);
+
+  /// The next access unit, Annex B. Requires a keyframe first.
+  std::vector<std::uint8_t> write(bool keyframe);
+
+ private:
+  std::vector<std::uint8_t> sequence_parameters() const;
+
+  PixelFormat format_;
+  int width_, height_;
+  unsigned frame_number_ = 0;  // since the last keyframe
+  unsigned keyframes_ = 0;
+};
+
+}  // namespace copresence::bitstream

@@ -1,0 +1,132 @@
+#include "common/depth/levels/codebook.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace copresence::depth {
+
+Codebook::Codebook(DepthRangeUnits range, DepthUnit unit)
+    : range_(range),
+      steps_per_inverse_unit_(1.0 / (sensor_step_m(1.0) * metres_per_unit(unit))),
+      levels_(kCodes, 0) {
+  assert(range.near >= 1 && range.near < range.far);
+}
+
+double Codebook::steps(double from, double to) const {
+  return steps_per_inverse_unit_ * (1 / from - 1 / to);
+}
+
+int Codebook::count() const {
+  return static_cast<int>(kCodes - std::count(levels_.begin(), levels_.end(), std::uint16_t{0}));
+}
+
+void Codebook::assign(std::span<const std::uint16_t> levels, std::span<const double> distance) {
+  assert(levels.size() <= kCodes && levels.size() == distance.size());
+  assert(std::is_sorted(levels.begin(), levels.end()));
+  std::fill(levels_.begin(), levels_.end(), std::uint16_t{0});
+  // Free codes wanted in front of each level: the distance less the level's own code.
+  const auto wanted = [&](std::size_t i) { return std::max(0.0, i == 0 ? distance[i] : distance[i] - 1); };
+  double all_wanted = 0;
+  for (std::size_t i = 0; i < levels.size(); ++i) all_wanted += wanted(i);
+  const auto room = static_cast<double>(kCodes - levels.size());
+  const double share = all_wanted > room ? room / all_wanted : 1.0;
+  double free_codes = 0;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    free_codes += wanted(i) * share;
+    levels_[i + std::min(static_cast<std::size_t>(free_codes + 1e-6), kCodes - levels.size())] = levels[i];
+  }
+}
+
+void Codebook::assign_evenly(DepthRangeUnits range) {
+  assert(range_.contains(range.near) && range_.contains(range.far));
+  std::fill(levels_.begin(), levels_.end(), std::uint16_t{0});
+  const double near = 1.0 / range.near, far = 1.0 / range.far;
+  std::uint16_t last = 0;
+  for (int code = 0; code < kCodes; ++code) {
+    const double z = 1 / (near + (far - near) * code / (kCodes - 1));
+    const auto level = static_cast<std::uint16_t>(std::lround(std::clamp<double>(z, range.near, range.far)));
+    if (level > last) levels_[code] = last = level;
+  }
+}
+
+// Where a level belongs between two codes: evenly in 1/z between their levels; beyond the first and the last level as far
+// off, for a sensor step, as the levels there are from each other.
+int Codebook::place(std::uint16_t level, int below, int above) const {
+  if (below < 0 && above == kCodes) return static_cast<int>(std::lround(steps(range_.near, level)));
+  if (below < 0)
+    return above - static_cast<int>(std::lround(steps(level, levels_[above]) * density(above, 1)));
+  if (above == kCodes)
+    return below + static_cast<int>(std::lround(steps(levels_[below], level) * density(below, -1)));
+  const double t = steps(levels_[below], level) / steps(levels_[below], levels_[above]);
+  return below + static_cast<int>(std::lround(t * (above - below)));
+}
+
+// Codes a sensor step from an outermost level to the tenth level inwards.
+double Codebook::density(int outermost, int direction) const {
+  int inner = outermost;
+  for (int found = 0, code = outermost + direction; code >= 0 && code < kCodes && found < 10;
+       code += direction) {
+    if (levels_[code] == 0) continue;
+    inner = code;
+    ++found;
+  }
+  if (inner == outermost) return 1;
+  return std::max(1.0, std::abs(inner - outermost) / std::abs(steps(levels_[outermost], levels_[inner])));
+}
+
+bool Codebook::insert(std::uint16_t level) {
+  assert(range_.contains(level));
+  int below = -1, above = kCodes;  // codes of the neighbours
+  for (int code = 0; code < kCodes; ++code) {
+    if (levels_[code] == 0) continue;
+    assert(levels_[code] != level);
+    if (levels_[code] < level) {
+      below = code;
+    } else {
+      above = code;
+      break;
+    }
+  }
+  if (above - below > 1) {
+    levels_[std::clamp(place(level, below, above), below + 1, above - 1)] = level;
+    return true;
+  }
+  // No code free between the neighbours: the nearest free one moves here.
+  int free_below = below, free_above = above;
+  while (free_below >= 0 && levels_[free_below] != 0) --free_below;
+  while (free_above < kCodes && levels_[free_above] != 0) ++free_above;
+  if (free_below < 0 && free_above == kCodes) return false;
+  if (free_above == kCodes || (free_below >= 0 && below - free_below <= free_above - above)) {
+    std::move(levels_.begin() + free_below + 1, levels_.begin() + below + 1, levels_.begin() + free_below);
+    levels_[below] = level;
+  } else {
+    std::move_backward(levels_.begin() + above, levels_.begin() + free_above,
+                       levels_.begin() + free_above + 1);
+    levels_[above] = level;
+  }
+  return true;
+}
+
+std::vector<std::uint16_t> Codebook::depth_of_code() const {
+  std::vector<std::uint16_t> depth(kCodes, range_.far);
+  int last = -1;
+  for (int code = 0; code < kCodes; ++code) {
+    if (levels_[code] == 0) continue;
+    depth[code] = levels_[code];
+    for (int between = last + 1; between < code; ++between) {
+      if (last < 0) {
+        depth[between] = levels_[code];
+        continue;
+      }
+      const double t = static_cast<double>(between - last) / (code - last);
+      depth[between] =
+          static_cast<std::uint16_t>(std::lround(1 / ((1 - t) / levels_[last] + t / levels_[code])));
+    }
+    last = code;
+  }
+  if (last >= 0) std::fill(depth.begin() + last + 1, depth.end(), levels_[last]);
+  return depth;
+}
+
+}  // namespace copresence::depth

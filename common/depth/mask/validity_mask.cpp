@@ -1,0 +1,271 @@
+#include "common/depth/mask/validity_mask.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+
+#include "common/depth/entropy/range_coder.h"
+#include "common/depth/mask/bit_plane.h"
+#include "common/depth/mask/mask_context.h"
+#include "common/depth/mask/mask_planes.h"
+
+namespace copresence::depth {
+namespace {
+
+// A run of pixels that is not all as expected is halved until it is shorter than twice this.
+constexpr int kLeastRun = 8;
+constexpr int kStretch = 48;               // pixels that are looked at with one set of windows
+constexpr std::size_t kMostDecisions = 4;  // a pixel: measured, filled, and less than two for runs
+
+struct Models {
+  std::array<BinaryContext, 1 << 17> measured;
+  std::array<BinaryContext, 1 << 12> filled;
+  // By the expected state, by whether not all of the run can be so, and by the bits of its length.
+  std::array<std::array<std::array<BinaryContext, 14>, 2>, 3> as_expected;
+  BinaryContext any_filled;
+};
+
+// The neighbourhood of a stretch in one plane: pixel x of it is bit x + 2 of every window.
+struct Windows {
+  std::uint64_t above2, above, before, before_below;
+
+  static Windows at(const BitPlane& now, const BitPlane& earlier, int x, int y) {
+    return {BitPlane::window(now.row(y - 2), x - 2), BitPlane::window(now.row(y - 1), x - 2),
+            BitPlane::window(earlier.row(y), x - 2), BitPlane::window(earlier.row(y + 1), x - 2)};
+  }
+};
+
+// One walk for both directions. Coder::decide(model, bit) writes the bit, or reads and returns it.
+template <class Coder>
+class Walk {
+ public:
+  Walk(Models& models, Coder& coder, const MaskPlanes& earlier, MaskPlanes& now, int width, int height)
+      : models_(models), coder_(coder), earlier_(earlier), now_(now), width_(width), height_(height) {}
+
+  void run(bool any_filled) {
+    any_filled_ = coder_.decide(models_.any_filled, any_filled);
+    for (int y = 0; y < height_; ++y) {
+      surroundings_.look(now_, earlier_, y);
+      row(y);
+    }
+  }
+
+ private:
+  void row(int y) {
+    coder_.expect(kMostDecisions * static_cast<std::size_t>(width_));
+    Coder coder = coder_;  // in registers
+    left_measured_ = left_filled_ = 0;
+    std::uint64_t* const measured = now_.measured.row(y);
+    std::uint64_t* const filled = now_.filled.row(y);
+    int odd_until = 0;  // up to there not all pixels are as expected
+    for (int x = 0; x < width_;) {
+      const int state = state_to_the_left();
+      const bool odd = x < odd_until;
+      int count = odd         ? odd_until - x
+                  : state < 0 ? 0
+                              : surroundings_.alike(state).run_of(true, x, width_ - x);
+      if (count > 0 && !(odd && count < 2 * kLeastRun)) {
+        if (odd) count /= 2;
+        BinaryContext& model = models_.as_expected[state][odd][std::bit_width(static_cast<unsigned>(count))];
+        if (coder.decide(model, !Coder::kReads && all_are(state, measured, filled, x, count))) {
+          if constexpr (Coder::kReads) {
+            if (state == 1) set(measured, x, count);
+            if (state == 2) set(filled, x, count);
+          }
+          left_measured_ = state == 1 ? ~std::uint64_t{0} : 0;
+          left_filled_ = state == 2 ? ~std::uint64_t{0} : 0;
+          x += count;
+        } else {
+          odd_until = x + count;
+        }
+        continue;
+      }
+      if (count == 0)
+        count = std::max(surroundings_.any().run_of(false, x, std::min(kStretch, width_ - x)),
+                         std::min(2, width_ - x));
+      if (any_filled_) {
+        pixels<true>(coder, x, y, count, measured, filled);
+      } else {
+        pixels<false>(coder, x, y, count, measured, filled);
+      }
+      x += count;
+    }
+    coder_ = coder;
+  }
+
+  // The state of the two pixels to the left; -1 where they differ.
+  int state_to_the_left() const {
+    const std::uint64_t m = left_measured_ & 3, f = left_filled_ & 3;
+    return m == 3 ? 1 : m != 0 ? -1 : f == 3 ? 2 : f != 0 ? -1 : 0;
+  }
+
+  static std::uint64_t bits(int first, int end) {  // of a word, 0 <= first < end <= 64
+    return (~std::uint64_t{0} >> (64 - (end - first))) << first;
+  }
+
+  static bool all_are(int state, const std::uint64_t* measured, const std::uint64_t* filled, int x,
+                      int count) {
+    for (const int end = x + count; x < end;) {
+      const int word = x >> 6, stop = std::min(end, (word + 1) << 6);
+      const std::uint64_t mask = bits(x & 63, stop - (word << 6));
+      if ((measured[word] & mask) != (state == 1 ? mask : 0)) return false;
+      if ((filled[word] & mask) != (state == 2 ? mask : 0)) return false;
+      x = stop;
+    }
+    return true;
+  }
+
+  static void set(std::uint64_t* row, int x, int count) {
+    for (const int end = x + count; x < end;) {
+      const int word = x >> 6, stop = std::min(end, (word + 1) << 6);
+      row[word] |= bits(x & 63, stop - (word << 6));
+      x = stop;
+    }
+  }
+
+  // Decides pixels one by one.
+  template <bool kFilled>
+  void pixels(Coder& coder, int x, int y, int count, std::uint64_t* measured, std::uint64_t* filled) {
+    Windows m = Windows::at(now_.measured, earlier_.measured, x, y);
+    Windows f{};
+    if (kFilled) f = Windows::at(now_.filled, earlier_.filled, x, y);
+    std::uint64_t known_measured = 0, known_filled = 0;
+    if constexpr (!Coder::kReads) {
+      known_measured = BitPlane::window(measured, x);
+      known_filled = BitPlane::window(filled, x);
+    }
+    std::uint64_t got_measured = 0, got_filled = 0;
+    std::uint64_t left_measured = left_measured_, left_filled = left_filled_;
+    const auto known_context = [&] {  // all of it but the pixels to the left
+      return (m.above & 31) << 3 | (m.above2 >> 1 & 7) << 8 | (m.before >> 1 & 7) << 11 |
+             (m.before_below >> 1 & 7) << 14;
+    };
+    std::uint64_t next_context = known_context();
+    for (int i = 0; i < count; ++i) {
+      const std::uint64_t context = (left_measured & 7) | next_context;
+      const std::uint64_t m_above = m.above, m_before = m.before;
+      m.above >>= 1, m.above2 >>= 1, m.before >>= 1, m.before_below >>= 1;
+      next_context = known_context();
+      __builtin_prefetch(
+          &models_.measured[next_context]);  // the eight it may be lie in one line of the cache
+      const bool is_measured = coder.decide(models_.measured[context], known_measured >> i & 1);
+      bool is_filled = false;
+      if (kFilled && !is_measured) {
+        const std::uint64_t filled_context =
+            (left_filled & 3) | (left_measured & 1) << 2 | (f.above >> 1 & 7) << 3 | (m_above >> 2 & 1) << 6 |
+            (f.before >> 1 & 7) << 7 | (m_before >> 2 & 1) << 10 | (f.before_below >> 2 & 1) << 11;
+        is_filled = coder.decide(models_.filled[filled_context], known_filled >> i & 1);
+      }
+      got_measured |= std::uint64_t{is_measured} << i;
+      if constexpr (kFilled) got_filled |= std::uint64_t{is_filled} << i;
+      left_measured = left_measured << 1 | std::uint64_t{is_measured};
+      if constexpr (kFilled) left_filled = left_filled << 1 | std::uint64_t{is_filled};
+      if constexpr (kFilled) f.above >>= 1, f.before >>= 1, f.before_below >>= 1;
+    }
+    left_measured_ = left_measured;
+    left_filled_ = kFilled ? left_filled : 0;
+    if constexpr (Coder::kReads) {
+      put(measured, x, got_measured);
+      put(filled, x, got_filled);
+    }
+  }
+
+  static void put(std::uint64_t* row, int x, std::uint64_t got) {
+    row[x >> 6] |= got << (x & 63);
+    row[(x >> 6) + 1] |= got >> 1 >> (63 - (x & 63));
+  }
+
+  Models& models_;
+  Coder& coder_;
+  const MaskPlanes& earlier_;
+  MaskPlanes& now_;
+  const int width_, height_;
+  MaskContext surroundings_{width_};
+  std::uint64_t left_measured_ = 0, left_filled_ = 0;  // the pixels to the left, nearest in bit 0
+  bool any_filled_ = false;
+};
+
+struct Writer {
+  static constexpr bool kReads = false;
+  std::vector<std::uint8_t>* room;
+  RangeEncoder range{room->data()};
+  bool decide(BinaryContext& model, bool bit) {
+    range.encode(model, bit);
+    return bit;
+  }
+  void expect(std::size_t decisions) {
+    const auto used = static_cast<std::size_t>(range.next() - room->data());
+    const std::size_t needed = used + decisions * RangeEncoder::kMostBytes + RangeEncoder::kEndBytes;
+    if (needed <= room->size()) return;
+    room->resize(2 * needed);
+    range.move_to(room->data() + used);
+  }
+};
+
+struct Reader {
+  static constexpr bool kReads = true;
+  RangeDecoder range;
+  bool decide(BinaryContext& model, bool) { return range.decode(model); }
+  void expect(std::size_t) {}
+};
+
+}  // namespace
+
+struct ValidityMaskMemory {
+  ValidityMaskMemory(int w, int h) : width(w), height(h), now{{w, h}, {w, h}}, earlier(now) {}
+
+  // Makes room for a new frame; a complete mask starts from nothing.
+  void next(bool complete) {
+    std::swap(now, earlier);
+    if (!complete) return;
+    earlier.clear();
+    models.measured.fill({});
+    models.filled.fill({});
+    models.as_expected = {};
+    models.any_filled = {};
+  }
+
+  int width, height;
+  MaskPlanes now, earlier;
+  Models models;
+  std::vector<std::uint8_t> room;  // of the encoder
+};
+
+ValidityMaskEncoder::ValidityMaskEncoder(int width, int height)
+    : memory_(std::make_unique<ValidityMaskMemory>(width, height)) {}
+ValidityMaskEncoder::~ValidityMaskEncoder() = default;
+ValidityMaskEncoder::ValidityMaskEncoder(ValidityMaskEncoder&&) noexcept = default;
+ValidityMaskEncoder& ValidityMaskEncoder::operator=(ValidityMaskEncoder&&) noexcept = default;
+
+void ValidityMaskEncoder::encode(const StateImage& states, bool complete, std::vector<std::uint8_t>& out) {
+  ValidityMaskMemory& memory = *memory_;
+  assert(states.width() == memory.width && states.height() == memory.height);
+  memory.next(complete);
+  const bool any_filled = pack(states, memory.now);
+  Writer writer{&memory.room};
+  writer.expect(1);
+  Walk(memory.models, writer, memory.earlier, memory.now, memory.width, memory.height).run(any_filled);
+  const std::uint8_t* end = writer.range.finish();
+  const std::uint8_t* const begin = memory.room.data();
+  while (end != begin && end[-1] == 0) --end;
+  out.insert(out.end(), begin, end);
+}
+
+ValidityMaskDecoder::ValidityMaskDecoder(int width, int height)
+    : memory_(std::make_unique<ValidityMaskMemory>(width, height)) {}
+ValidityMaskDecoder::~ValidityMaskDecoder() = default;
+ValidityMaskDecoder::ValidityMaskDecoder(ValidityMaskDecoder&&) noexcept = default;
+ValidityMaskDecoder& ValidityMaskDecoder::operator=(ValidityMaskDecoder&&) noexcept = default;
+
+void ValidityMaskDecoder::decode(std::span<const std::uint8_t> bytes, bool complete, StateImage& states) {
+  ValidityMaskMemory& memory = *memory_;
+  memory.next(complete);
+  memory.now.clear();
+  Reader reader{RangeDecoder(bytes)};
+  Walk(memory.models, reader, memory.earlier, memory.now, memory.width, memory.height).run(false);
+  states.resize(memory.width, memory.height);
+  unpack(memory.now, states);
+}
+
+}  // namespace copresence::depth

@@ -1,0 +1,121 @@
+#include "render_client/decoding/depth_smoothing.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace copresence::client {
+namespace {
+
+constexpr int kRadius = DepthSmoothing::kRadius;
+constexpr int kRowsAtATime = 32;  // so few stay in a core's second-level cache until they are taken down
+
+// So that the differences to all taps fit 16 bits. Beyond what any Kinect sees.
+constexpr float kMostTolerance = std::numeric_limits<std::int16_t>::max() / (2 * kRadius);
+
+/// Differences are taken modulo 2^16: no nearer tap, or hole, may come out as one just behind.
+constexpr float kFarthest = std::numeric_limits<std::uint16_t>::max();
+
+/// How far a neighbour's depth may be off to lie on the same surface.
+void find_tolerances(const std::uint16_t* __restrict depth, float per_square, int width,
+                     std::uint16_t* __restrict out) {
+  for (int x = 0; x < width; ++x) {
+    const auto z = static_cast<float>(depth[x]);
+    const float most = std::min(kMostTolerance, kFarthest - z);
+    out[x] = static_cast<std::uint16_t>(static_cast<int>(std::min(z * z * per_square, most)));
+  }
+}
+
+// Sixteen pixels, as GCC and clang compute side by side.
+constexpr int kLanes = 16;
+using Depths = std::uint16_t __attribute__((vector_size(kLanes * sizeof(std::uint16_t))));
+using Numbers = std::int16_t __attribute__((vector_size(kLanes * sizeof(std::int16_t))));
+
+void load(const std::uint16_t* from, Depths& lanes) {
+  std::memcpy(&lanes, from, sizeof lanes);
+}
+void store(const Numbers& lanes, std::int16_t* to) {
+  std::memcpy(to, &lanes, sizeof lanes);
+}
+
+/// For each pixel of a row: the sum of what taps are off the middle one, of those within its tolerance, and 2^15 / (their
+/// number and one). Tap i of pixel x is `first[i * distance + x]`; 0 is a hole, whose tolerance is 0. Works on whole
+/// groups of kLanes.
+void sum_same_surface(const std::uint16_t* first, std::size_t distance, const std::uint16_t* tolerance,
+                      std::size_t width, std::int16_t* sums, std::int16_t* shares) {
+  const std::uint16_t* const middle = first + kRadius * distance;
+  for (std::size_t x = 0; x < width; x += kLanes) {
+    Depths z, most;
+    load(middle + x, z);
+    load(tolerance + x, most);
+    Numbers sum{}, taps{};
+    for (std::size_t i = 0; i <= 2 * kRadius; ++i) {
+      if (i == kRadius) continue;
+      Depths tap;
+      load(first + i * distance + x, tap);
+      const auto off = reinterpret_cast<Numbers>(tap - z);
+      const Numbers on_surface = reinterpret_cast<Depths>(off < 0 ? -off : off) <= most;  // all bits or none
+      sum += off & on_surface;
+      taps -= on_surface;
+    }
+    Numbers share{};  // of a lone pixel, whose sum is 0
+    constexpr std::array<std::int16_t, 7> kShares{0, 16384, 10923, 8192, 6554, 5461, 4681};
+    for (std::int16_t count = 1; count <= 2 * kRadius; ++count)
+      share |= (Numbers{} + kShares[count]) & (taps == count);
+    store(sum, sums + x);
+    store(share, shares + x);
+  }
+}
+
+/// out = middle + sum * share, to the nearest whole number.
+void add_means(const std::uint16_t* __restrict middle, const std::int16_t* __restrict sums,
+               const std::int16_t* __restrict shares, int width, std::uint16_t* __restrict out) {
+  for (int x = 0; x < width; ++x) {
+    const auto off = static_cast<std::int16_t>((((std::int32_t{sums[x]} * shares[x]) >> 14) + 1) >> 1);
+    out[x] = static_cast<std::uint16_t>(middle[x] + off);
+  }
+}
+
+}  // namespace
+
+void DepthSmoothing::smooth(DepthImage& depth, DepthUnit unit) {
+  const int width = depth.width(), height = depth.height();
+  // Depth in units: a step is z^2 metres_per_unit / 351.3 of them.
+  const float tolerance_per_square =
+      kSameSurface * static_cast<float>(sensor_step_m(1.0) * metres_per_unit(unit));
+  const auto row_pixels = static_cast<std::size_t>((width + kLanes - 1) / kLanes * kLanes);  // whole groups
+  padded_.assign(row_pixels + 2 * kRadius, 0);
+  rows_.assign(row_pixels * (kRowsAtATime + 2 * kRadius), 0);
+  tolerances_.resize(row_pixels);
+  sums_.resize(row_pixels);
+  shares_.resize(row_pixels);
+  const auto smooth_row = [&](const std::uint16_t* first, std::size_t distance, std::uint16_t* out) {
+    const std::uint16_t* const middle = first + kRadius * distance;
+    find_tolerances(middle, tolerance_per_square, width, tolerances_.data());
+    sum_same_surface(first, distance, tolerances_.data(), row_pixels, sums_.data(), shares_.data());
+    add_means(middle, sums_.data(), shares_.data(), width, out);
+  };
+  // Across, into one of the rows at hand; rows beyond the image are holes.
+  const auto smooth_across = [&](int y, std::size_t place) {
+    std::uint16_t* const out = rows_.data() + place * row_pixels;
+    if (y >= height) {
+      std::fill_n(out, row_pixels, std::uint16_t{0});
+      return;
+    }
+    std::copy_n(depth.row(y).data(), width, padded_.data() + kRadius);
+    smooth_row(padded_.data(), 1, out);
+  };
+  for (int y = 0; y < kRadius; ++y) smooth_across(y, kRadius + y);
+  for (int top = 0; top < height; top += kRowsAtATime) {
+    const int rows = std::min(kRowsAtATime, height - top);
+    for (int i = 0; i < rows; ++i) smooth_across(top + kRadius + i, 2 * kRadius + i);
+    for (int i = 0; i < rows; ++i)
+      smooth_row(rows_.data() + i * row_pixels, row_pixels, depth.row(top + i).data());
+    std::copy_n(rows_.data() + rows * row_pixels, 2 * kRadius * row_pixels, rows_.data());
+  }
+}
+
+}  // namespace copresence::client

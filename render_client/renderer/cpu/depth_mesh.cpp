@@ -1,0 +1,243 @@
+#include "render_client/renderer/cpu/depth_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstring>
+#include <span>
+
+#include "render_client/renderer/cpu/lanes.h"
+#include "render_client/renderer/merge_rules.h"
+
+namespace copresence::renderer {
+namespace {
+
+constexpr FourInts kBits{1, 2, 4, 8};
+
+// A number of each of the four quads of a block of 2, from its upper left one on.
+Four pairs(const float* upper, const float* lower) {
+  using Two = float __attribute__((vector_size(8)));
+  Two first, second;
+  std::memcpy(&first, upper, sizeof first);
+  std::memcpy(&second, lower, sizeof second);
+  return __builtin_shufflevector(first, second, 0, 1, 2, 3);
+}
+
+// What is drawn between four neighbouring pixels a, b, c and d, clockwise from the upper left one.
+struct Shape {
+  std::array<std::uint8_t, 4> corners;  // numbers of a to d; a triangle's first again at its end
+  std::uint8_t quads, triangles;
+};
+
+// By which three of them are joined: bit 0 a, b, d; bit 1 b, c, d; bit 2 a, b, c; bit 3 a, c, d. Two triangles on either
+// side of b and d are the rule, others where those are not (merge_rules.h).
+constexpr std::array<Shape, 16> kShapes = [] {
+  constexpr Shape kNone{{0, 0, 0, 0}, 0, 0}, kQuad{{0, 1, 2, 3}, 1, 0}, kOther{{1, 2, 3, 0}, 1, 0};
+  std::array<Shape, 16> shapes{};
+  for (int joined = 0; joined < 16; ++joined) {
+    Shape& shape = shapes[joined];
+    if ((joined & 3) == 3) {
+      shape = kQuad;
+    } else if ((joined & 12) == 12) {
+      shape = kOther;
+    } else if (joined & 1) {
+      shape = {{0, 1, 3, 0}, 0, 1};
+    } else if (joined & 2) {
+      shape = {{1, 2, 3, 1}, 0, 1};
+    } else if (joined & 4) {
+      shape = {{0, 1, 2, 0}, 0, 1};
+    } else {
+      shape = joined & 8 ? Shape{{0, 2, 3, 0}, 0, 1} : kNone;
+    }
+  }
+  return shapes;
+}();
+
+// Makes one patch after the other, at most 17 x 17 vertices and a quad or a triangle per pixel, at the end of a mesh that
+// has room for it. What comes next in a patch can hardly be foretold, so nothing here asks where it can do without.
+class PatchBuilder {
+ public:
+  PatchBuilder(const InverseDepth& inverse, const PixelRays& rays, float pixel_angle, DepthMesh& mesh)
+      : rays_(rays.of_pixels.data()->data()),
+        column_step_(rays.are_bent ? 1 : 0),
+        row_step_(rays.are_bent ? inverse.width : 0),
+        w_from_(inverse.w.data()),
+        w_row_(inverse.w.width()),
+        width_(inverse.width),
+        last_x_(inverse.width - 1),
+        last_y_(inverse.height - 1),
+        slope_(kMaxSlope * pixel_angle),
+        mesh_(mesh) {}
+
+  // The patch whose first pixel is (left, top).
+  void build(int left, int top, std::span<const MeshBlocks::Part> parts) {
+    left_ = left;
+    top_ = top;
+    numbers_.fill(kUnused);
+    const std::uint32_t first_quad = quads_, first_triangle = triangles_;
+    vertices_ = 0;
+    quad_ = mesh_.quads.data() + quads_;
+    triangle_ = mesh_.triangles.data() + triangles_;
+    for (const MeshBlocks::Part& part : parts) add(part);
+    if (vertices_ == 0) return;
+    quads_ = static_cast<std::uint32_t>(quad_ - mesh_.quads.data());
+    triangles_ = static_cast<std::uint32_t>(triangle_ - mesh_.triangles.data());
+    mesh_.patches.push_back({.first_vertex = first_vertex_,
+                             .vertices = vertices_,
+                             .first_quad = first_quad,
+                             .quads = quads_ - first_quad,
+                             .first_triangle = first_triangle,
+                             .triangles = triangles_ - first_triangle});
+    place_vertices();
+    first_vertex_ += vertices_;
+  }
+
+  // Leaves nothing in the mesh but the patches, and what is spare.
+  void finish() {
+    for (auto* numbers : {&mesh_.x, &mesh_.y, &mesh_.w, &mesh_.u, &mesh_.v}) {
+      numbers->resize(first_vertex_ + DepthMesh::kSpare);
+      std::fill(numbers->begin() + first_vertex_, numbers->end(), 0.0F);
+    }
+    mesh_.quads.resize(quads_);
+    mesh_.triangles.resize(triangles_);
+  }
+
+ private:
+  static constexpr int kSide = 17;
+  static constexpr std::uint16_t kUnused = 0xFFFE;  // of two bytes: g++ fills with one by a slow instruction
+  static constexpr int kRowBit = 5;                 // of a vertex's place in the patch: y, then x below it
+
+  void add(const MeshBlocks::Part& part) {
+    const int size = kBlockSizes[part.level];
+    const int x0 = size * part.block.i, y0 = size * part.block.j;
+    if (part.is_flat) {
+      const int x1 = std::min(x0 + size, last_x_), y1 = std::min(y0 + size, last_y_);
+      *quad_++ = {vertex(x0, y0), vertex(x1, y0), vertex(x1, y1), vertex(x0, y1)};
+    } else {
+      add_pixels(x0, y0);
+    }
+  }
+
+  // The quads of a block of 2, as far as their pixels are joined.
+  void add_pixels(int x, int y) {
+    const float* const row = w_from_ + static_cast<std::ptrdiff_t>(y) * w_row_ + x;
+    const float *const row1 = row + w_row_, *const row2 = row1 + w_row_;
+    const Four a = pairs(row, row1), b = pairs(row + 1, row1 + 1), c = pairs(row1 + 1, row2 + 1),
+               d = pairs(row1, row2);
+    const auto are_joined = [this](const Four& p, const Four& q,
+                                   const Four& r) {  // joined() of merge_rules.h
+      const Four nearest = larger(larger(p, q), r), farthest = smaller(smaller(p, q), r);
+      return (farthest > 0.0F) & (nearest - farthest <= kGapSteps * kStepInverse + slope_ * farthest);
+    };
+    const FourInts abd = are_joined(a, b, d), bcd = are_joined(b, c, d), abc = are_joined(a, b, c),
+                   acd = are_joined(a, c, d);
+    const FourInts joined = (abd & kBits[0]) | (bcd & kBits[1]) | (abc & kBits[2]) | (acd & kBits[3]);
+    add_shape(x, y, joined[0]);
+    if (x + 1 < last_x_) add_shape(x + 1, y, joined[1]);
+    if (y + 1 >= last_y_) return;
+    add_shape(x, y + 1, joined[2]);
+    if (x + 1 < last_x_) add_shape(x + 1, y + 1, joined[3]);
+  }
+
+  void add_shape(int x, int y, int joined) {
+    if (joined == 0) return;
+    const Shape& shape = kShapes[joined];
+    const int at = place(x, y);
+    const auto corner = [&](int i) {
+      constexpr std::array<int, 4> kPlaces{0, 1, (1 << kRowBit) + 1, 1 << kRowBit};
+      return vertex_at(at + kPlaces[shape.corners[i]]);
+    };
+    const std::uint16_t p = corner(0), q = corner(1), r = corner(2), s = corner(3);
+    *quad_ = {p, q, r, s};
+    *triangle_ = {p, q, r};
+    quad_ += shape.quads;
+    triangle_ += shape.triangles;
+  }
+
+  int place(int x, int y) const { return (y - top_) << kRowBit | (x - left_); }
+  std::uint16_t vertex(int x, int y) { return vertex_at(place(x, y)); }
+
+  // The number of the vertex there, the next one where it had none yet.
+  std::uint16_t vertex_at(int place) {
+    const auto next = static_cast<std::uint16_t>(vertices_);
+    std::uint16_t& number = numbers_[place];
+    const bool is_new = number == kUnused;
+    number = is_new ? next : number;
+    places_[next] = static_cast<std::uint16_t>(place);
+    vertices_ += is_new;
+    return number;
+  }
+
+  void place_vertices() {
+    float *const x = mesh_.x.data() + first_vertex_, *const y = mesh_.y.data() + first_vertex_,
+                 *const w = mesh_.w.data() + first_vertex_, *const u = mesh_.u.data() + first_vertex_,
+                 *const v = mesh_.v.data() + first_vertex_;
+    // In groups, the last of which goes on into what the next patch, or nobody, has.
+    for (std::uint32_t i = 0; i < vertices_; i += kLanes) {
+      std::array<std::uint16_t, kLanes> place;
+      std::copy_n(places_.begin() + i, kLanes, place.begin());
+      Ints at;
+      for (int lane = 0; lane < kLanes; ++lane) at[lane] = place[lane];
+      const Ints column = smaller(left_ + (at & ((1 << kRowBit) - 1)), all(last_x_));
+      const Ints row = smaller(top_ + (at >> kRowBit), all(last_y_));
+      store(x + i, gather(rays_, 2 * (row * row_step_ + column)));
+      store(y + i, gather(rays_, 2 * (row * width_ + column * column_step_) + 1));
+      store(w + i, gather(w_from_, row * w_row_ + column));
+      store(u + i, as_floats(column));
+      store(v + i, as_floats(row));
+    }
+  }
+
+  static Floats gather(const float* from, const Ints& index) {
+    Floats result{};
+    for (int lane = 0; lane < kLanes; ++lane) result[lane] = from[index[lane]];
+    return result;
+  }
+
+  // Without a check of every pixel: build_mesh() has checked the shapes.
+  const float* const rays_;  // x and y by pixel
+  // 0 where x is the same all down a column, and y along a row: those of the first row and column are then enough, and
+  // stay in the cache.
+  const int column_step_, row_step_;
+  const float* const w_from_;
+  const int w_row_, width_, last_x_, last_y_;
+  const float slope_;
+  DepthMesh& mesh_;
+  std::uint32_t first_vertex_ = 0, quads_ = 0, triangles_ = 0;  // of all patches before
+
+  int left_ = 0, top_ = 0;
+  std::uint32_t vertices_ = 0;
+  DepthMesh::Quad* quad_ = nullptr;
+  DepthMesh::Triangle* triangle_ = nullptr;
+  std::array<std::uint16_t, kSide << kRowBit> numbers_{};  // by place
+  std::array<std::uint16_t, kSide * kSide + kLanes>
+      places_{};  // by number, and of what turned out to be none
+};
+
+}  // namespace
+
+void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const PixelRays& rays,
+                float pixel_angle, DepthMesh& mesh) {
+  assert(rays.of_pixels.size() == static_cast<std::size_t>(inverse.width) * inverse.height);
+  assert(blocks.ends.size() == static_cast<std::size_t>(inverse.patches_x()) * inverse.patches_y());
+  // Room for the most that there can be: a block of 2 in pixels has 9 vertices and 4 quads or triangles, any flat one 4 and
+  // a quad. One more, where what turns out to be none is written.
+  const std::size_t parts = blocks.parts.size();
+  for (auto* numbers : {&mesh.x, &mesh.y, &mesh.w, &mesh.u, &mesh.v})
+    numbers->resize(9 * parts + DepthMesh::kSpare);
+  mesh.quads.resize(4 * parts + 1);
+  mesh.triangles.resize(4 * parts + 1);
+  mesh.patches.clear();
+  PatchBuilder patch(inverse, rays, pixel_angle, mesh);
+  std::size_t number = 0, begin = 0;
+  for (int j = 0; j < inverse.patches_y(); ++j) {
+    for (int i = 0; i < inverse.patches_x(); ++i) {
+      const std::size_t end = blocks.ends[number++];
+      patch.build(16 * i, 16 * j, std::span(blocks.parts).subspan(begin, end - begin));
+      begin = end;
+    }
+  }
+  patch.finish();
+}
+
+}  // namespace copresence::renderer

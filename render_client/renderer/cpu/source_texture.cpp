@@ -1,0 +1,240 @@
+#include "render_client/renderer/cpu/source_texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "render_client/renderer/cpu/lanes.h"
+#include "render_client/renderer/merge_rules.h"
+
+namespace copresence::renderer {
+namespace {
+
+constexpr int kTiltLevel = 2;  // of FlatBlocks
+static_assert(kBlockSizes[kTiltLevel] == kCell);
+
+// Least squares over the pixels of a cell that have depth; w = 0 where they are too few or in one line.
+Plane fit_cell(const InverseDepth& inverse, int x_begin, int y_begin) {
+  const int y_end = std::min(y_begin + kCell, inverse.height);
+  constexpr float kMiddle = 0.5F * kCell;  // where a block of kCell pixels has its plane, too
+  static_assert(kCell == kLanes);
+  // Moments by column first. The image is padded: columns beyond it are there, but do not count.
+  const Ints in_image = ramp() < static_cast<float>(inverse.width - x_begin);
+  Floats columns_n{}, columns_y{}, columns_yy{}, columns_w{}, columns_yw{};
+  for (int v = y_begin; v < y_end; ++v) {
+    const Floats here = load<Floats>(&inverse.w(x_begin, v));
+    const Floats value = in_image ? here : Floats{};
+    const Floats there = value > 0 ? all(1.0F) : Floats{};
+    const float dv = static_cast<float>(v - y_begin) - kMiddle;
+    columns_n += there;
+    columns_y += there * dv;
+    columns_yy += there * (dv * dv);
+    columns_w += value;
+    columns_yw += value * dv;
+  }
+  const Floats du = ramp() - kMiddle;
+  const float n = sum(columns_n), x = sum(columns_n * du), y = sum(columns_y);
+  const float xx = sum(columns_n * du * du), xy = sum(columns_y * du), yy = sum(columns_yy);
+  const float w = sum(columns_w), xw = sum(columns_w * du), yw = sum(columns_yw);
+  if (n < kCellPixels) return {};
+  const float sxx = xx - x * x / n, sxy = xy - x * y / n, syy = yy - y * y / n;
+  const float sxw = xw - x * w / n, syw = yw - y * w / n;
+  const float determinant = sxx * syy - sxy * sxy;
+  if (determinant < 1) return {};
+  Plane plane;
+  plane.dx = (sxw * syy - syw * sxy) / determinant;
+  plane.dy = (syw * sxx - sxw * sxy) / determinant;
+  plane.w = (w - x * plane.dx - y * plane.dy) / n;
+  return plane;
+}
+
+// One row of the tilts' image, between the cells' centres in both directions.
+void interpolate_row(const Image<float>& cosines, int y, std::vector<float>& between_rows,
+                     std::vector<float>& row) {
+  const float at = (static_cast<float>(y) + 0.5F) / kCell - 0.5F;
+  const int upper = std::clamp(static_cast<int>(std::floor(at)), 0, cosines.height() - 1);
+  const int lower = std::min(upper + 1, cosines.height() - 1);
+  const float t = std::clamp(at - static_cast<float>(upper), 0.0F, 1.0F);
+  const int cells = cosines.width();
+  // Both ends are repeated, so that every pixel lies between two numbers.
+  between_rows.resize(cells + 2);
+  const float* const above = cosines.row(upper).data();
+  const float* const below = cosines.row(lower).data();
+  for (int i = 0; i < cells; ++i) between_rows[i + 1] = above[i] + (below[i] - above[i]) * t;
+  between_rows[0] = between_rows[1];
+  between_rows[cells + 1] = between_rows[cells];
+  row.resize(static_cast<std::size_t>(cells + 1) * kCell);
+  for (int i = 0; i <= cells; ++i) {
+    const float begin = between_rows[i], change = between_rows[i + 1] - begin;
+    for (int k = 0; k < kCell; ++k) {
+      row[static_cast<std::size_t>(i) * kCell + k] =
+          begin + change * ((static_cast<float>(k) + 0.5F) * (1.0F / kCell));
+    }
+  }
+}
+
+using Bytes = std::uint8_t __attribute__((vector_size(16)));
+using Half = std::int32_t __attribute__((vector_size(16)));
+
+Bytes load_bytes(const void* from) {
+  Bytes bytes;
+  std::memcpy(&bytes, from, sizeof bytes);
+  return bytes;
+}
+
+Ints join(const Bytes& first, const Bytes& second) {
+  return __builtin_shufflevector(reinterpret_cast<Half>(first), reinterpret_cast<Half>(second), 0, 1, 2, 3, 4,
+                                 5, 6, 7);
+}
+
+// Eight pixels of three bytes; reads 28 bytes.
+Ints unpack(const Rgb8* from) {
+  static_assert(sizeof(Rgb8) == 3);
+  const auto four = [](const Bytes& bytes) {
+    return __builtin_shufflevector(bytes, Bytes{}, 0, 1, 2, 16, 3, 4, 5, 16, 6, 7, 8, 16, 9, 10, 11, 16);
+  };
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(from);
+  return join(four(load_bytes(bytes)), four(load_bytes(bytes + 12)));
+}
+
+// Eight numbers; reads 16 bytes. The compiler's conversion takes them one by one.
+Ints unpack(const DepthState* from) {
+  static_assert(sizeof(DepthState) == 1);
+  const Bytes bytes = load_bytes(from);
+  return join(
+      __builtin_shufflevector(bytes, Bytes{}, 0, 16, 16, 16, 1, 16, 16, 16, 2, 16, 16, 16, 3, 16, 16, 16),
+      __builtin_shufflevector(bytes, Bytes{}, 4, 16, 16, 16, 5, 16, 16, 16, 6, 16, 16, 16, 7, 16, 16, 16));
+}
+
+// A camera's color_matching for numbers from 0 to 255.
+class ColorMatching {
+ public:
+  explicit ColorMatching(const Eigen::Matrix<float, 3, 4>& matrix)
+      : is_identity_(matrix == Eigen::Matrix<float, 3, 4>::Identity()) {
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < 4; ++k) factors_[c][k] = all(k < 3 ? matrix(c, k) : 255 * matrix(c, k));
+    }
+  }
+
+  Ints operator()(const Ints& texels) const {
+    if (is_identity_) return texels;
+    const Floats r = as_floats(texels & 0xFF), g = as_floats(texels >> 8 & 0xFF),
+                 b = as_floats(texels >> 16 & 0xFF);
+    const auto channel = [&](const std::array<Floats, 4>& f) {
+      const Floats value = f[0] * r + f[1] * g + f[2] * b + f[3];
+      return truncated(smaller(larger(value, Floats{}), all(255.0F)) + 0.5F);
+    };
+    return channel(factors_[0]) | channel(factors_[1]) << 8 | channel(factors_[2]) << 16;
+  }
+
+ private:
+  bool is_identity_;
+  std::array<std::array<Floats, 4>, 3> factors_;
+};
+
+Ints shade(const Floats& cosines) {
+  const auto gray = [](float cosine) { return 255 * shade_without_color(cosine) + 0.5F; };
+  Floats shades;
+  for (int lane = 0; lane < kLanes; ++lane) shades[lane] = gray(cosines[lane]);
+  return truncated(shades) * 0x10101;
+}
+
+Ints worth(const Floats& cosines, const Ints& states) {
+  const Ints is_filled = states == static_cast<std::int32_t>(DepthState::kFilled);
+  const Ints alpha = truncated(cosines * (is_filled ? all(255 * kFilledWorth) : all(255.0F)) + 0.5F);
+  return larger(alpha, all(1)) << 24;
+}
+
+// A row of a frame and of its texture. Groups of kLanes reach beyond a row's end, into the next rows, which are made
+// later: so only an image's last rows need room of their own.
+class Row {
+ public:
+  Row(const RgbdFrame& frame, Texture& texture)
+      : frame_(frame), texture_(texture), width_(frame.depth.width()) {}
+
+  void begin(int y) {
+    y_ = y;
+    is_copy_ = (frame_.depth.height() - y) * width_ < width_ + kRoom;
+    states = is_copy_ ? copy_of_row(frame_.state, states_) : frame_.state.row(y).data();
+    if (frame_.color) colors = is_copy_ ? copy_of_row(*frame_.color, colors_) : frame_.color->row(y).data();
+    texels = is_copy_ ? copy_of_row(texture_, texels_) : texture_.row(y).data();
+  }
+
+  void end() {
+    const auto to = texture_.row(y_);
+    if (is_copy_) std::copy_n(texels_.begin(), width_, to.begin());
+    to[width_] = to[width_ - 1];
+  }
+
+  const DepthState* states = nullptr;
+  const Rgb8* colors = nullptr;  // none where the frame has none
+  std::uint32_t* texels = nullptr;
+
+ private:
+  static constexpr int kRoom = 2 * kLanes;
+
+  template <class Pixel>
+  Pixel* copy_of_row(const Image<Pixel>& image, std::vector<Pixel>& copy) const {
+    const auto row = image.row(y_);
+    copy.assign(row.begin(), row.end());
+    copy.resize(row.size() + kRoom);
+    return copy.data();
+  }
+
+  const RgbdFrame& frame_;
+  Texture& texture_;
+  int width_, y_ = 0;
+  bool is_copy_ = false;
+  std::vector<DepthState> states_;
+  std::vector<Rgb8> colors_;
+  std::vector<std::uint32_t> texels_;
+};
+
+}  // namespace
+
+void measure_tilts(const InverseDepth& inverse, const FlatBlocks& blocks, const CameraModel& camera,
+                   Image<float>& cosines) {
+  cosines.resize((inverse.width + kCell - 1) / kCell, (inverse.height + kCell - 1) / kCell);
+  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  const Image<Plane>& flat = blocks.planes[kTiltLevel];
+  for (int j = 0; j < cosines.height(); ++j) {
+    for (int i = 0; i < cosines.width(); ++i) {
+      const bool has_block = i < flat.width() && j < flat.height();
+      const Plane plane =
+          has_block && flat(i, j).is_flat() ? flat(i, j) : fit_cell(inverse, i * kCell, j * kCell);
+      // A lens's distortion tilts a cell's ray by far less than noise tilts its plane.
+      const float x = (static_cast<float>(i * kCell + kCell / 2) - cx) / fx;
+      const float y = (static_cast<float>(j * kCell + kCell / 2) - cy) / fy;
+      cosines(i, j) =
+          plane.is_flat() ? cos_theta(plane.w, plane.dx * fx, plane.dy * fy, x, y) : kUnknownCosine;
+    }
+  }
+}
+
+void make_texture(const RgbdFrame& frame, const Image<float>& cosines,
+                  const Eigen::Matrix<float, 3, 4>& color_matching, Texture& texture) {
+  const int width = frame.depth.width(), height = frame.depth.height();
+  texture.resize(width + 1, height + 1);
+  const ColorMatching matched(color_matching);
+  std::vector<float> between_rows, tilt;
+  Row row(frame, texture);
+  for (int y = 0; y < height; ++y) {
+    interpolate_row(cosines, y, between_rows, tilt);
+    // The first pixel lies half a cell after the repeated end.
+    const float* const cosine = tilt.data() + kCell / 2;
+    row.begin(y);
+    for (int x = 0; x < width; x += kLanes) {
+      const Floats cosines_here = load<Floats>(cosine + x);
+      const Ints color = row.colors ? matched(unpack(row.colors + x)) : shade(cosines_here);
+      store(row.texels + x, color | worth(cosines_here, unpack(row.states + x)));
+    }
+    row.end();
+  }
+  const auto last = texture.row(height - 1);
+  std::copy(last.begin(), last.end(), texture.row(height).begin());
+}
+
+}  // namespace copresence::renderer

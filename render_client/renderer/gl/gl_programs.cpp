@@ -1,0 +1,221 @@
+#include "render_client/renderer/gl/gl_programs.h"
+
+#include <array>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "render_client/renderer/cpu/flat_blocks.h"
+#include "render_client/renderer/merge_rules.h"
+#include "shaders/build_mesh.comp.h"
+#include "shaders/draw_mesh.frag.h"
+#include "shaders/draw_mesh.vert.h"
+#include "shaders/fade_layers.comp.h"
+#include "shaders/find_flat_blocks.comp.h"
+#include "shaders/make_source.comp.h"
+#include "shaders/measure_tilts.comp.h"
+#include "shaders/merge_layers.comp.h"
+#include "shaders/outline_flat_blocks.comp.h"
+#include "shaders/soften_outlines.comp.h"
+
+namespace copresence::renderer {
+namespace {
+
+using gl::Access;
+using gl::Define;
+
+// As GLSL writes it, exact to the last bit.
+std::string literal(float value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.9e", double(value));
+  return text.data();
+}
+
+std::string element(const char* array, std::size_t index) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%s[%zu]", array, index);
+  return text.data();
+}
+
+}  // namespace
+
+Result<FindFlatBlocks> FindFlatBlocks::make(gl::Context& context) {
+  const std::array defines = {Define{"PIXEL_TOLERANCE", literal(kPixelTolerance)},
+                              Define{"PLANE_TOLERANCE", literal(kPlaneTolerance)},
+                              Define{"GAP_INVERSE", literal(kGapSteps * kStepInverse)},
+                              Define{"MAX_SLOPE", literal(kMaxSlope)}};
+  auto program = gl::Program::compute(context, shaders::find_flat_blocks_comp, defines);
+  if (!program) return fail(program.error());
+  return FindFlatBlocks(std::move(*program));
+}
+
+void FindFlatBlocks::run(const gl::Texture& depth, float units_per_metre, float pixel_angle,
+                         const GlPlanes& planes) {
+  depth.bind(0);
+  for (int level = 0; level < 3; ++level) planes[level].bind_image(level, Access::kWrite);
+  program_.set("units_per_metre", units_per_metre);
+  program_.set("pixel_angle", pixel_angle);
+  program_.dispatch(planes[2].width(), planes[2].height());
+}
+
+Result<MeasureTilts> MeasureTilts::make(gl::Context& context) {
+  const std::array defines = {Define{"CELL", std::to_string(kCell)},
+                              Define{"CELL_PIXELS", std::to_string(kCellPixels)},
+                              Define{"UNKNOWN_COSINE", literal(kUnknownCosine)}};
+  auto program = gl::Program::compute(context, shaders::measure_tilts_comp, defines);
+  if (!program) return fail(program.error());
+  return MeasureTilts(std::move(*program));
+}
+
+void MeasureTilts::run(const gl::Texture& depth, const GlPlanes& planes, const CameraModel& model,
+                       float units_per_metre, const gl::Texture& cosines) {
+  constexpr int kLevel = 1;
+  static_assert(kBlockSizes[kLevel + kFirstGlLevel] == kCell);
+  depth.bind(0);
+  planes[kLevel].bind(1);
+  cosines.bind_image(0, Access::kWrite);
+  program_.set("units_per_metre", units_per_metre);
+  program_.set("focal", Eigen::Vector2d(model.fx, model.fy).cast<float>().eval());
+  program_.set("center", Eigen::Vector2d(model.cx, model.cy).cast<float>().eval());
+  program_.dispatch_over(cosines.width(), cosines.height());
+}
+
+Result<MakeSource> MakeSource::make(gl::Context& context) {
+  const std::array defines = {Define{"CELL", std::to_string(kCell)},
+                              Define{"FILLED_WORTH", literal(kFilledWorth)},
+                              Define{"AMBIENT", literal(kAmbient)}};
+  auto program = gl::Program::compute(context, shaders::make_source_comp, defines);
+  if (!program) return fail(program.error());
+  return MakeSource(std::move(*program));
+}
+
+void MakeSource::run(const gl::Texture& cosines, const gl::Texture& state, const gl::Texture* color,
+                     const Eigen::Matrix<float, 3, 4>& color_matching, const gl::Texture& source) {
+  cosines.bind(0);
+  state.bind(1);
+  if (color) color->bind(2);
+  source.bind_image(0, Access::kWrite);
+  program_.set("has_color", color ? 1 : 0);
+  program_.set("color_matching", color_matching);
+  program_.dispatch_over(source.width(), source.height());
+}
+
+Result<OutlineFlatBlocks> OutlineFlatBlocks::make(gl::Context& context) {
+  auto program = gl::Program::compute(context, shaders::outline_flat_blocks_comp);
+  if (!program) return fail(program.error());
+  return OutlineFlatBlocks(std::move(*program));
+}
+
+void OutlineFlatBlocks::run(const gl::Texture& depth, const GlPlanes& planes, float units_per_metre,
+                            int largest_block, const gl::Texture& inverse) {
+  depth.bind(0);
+  for (int level = 0; level < 3; ++level) planes[level].bind(1 + level);
+  inverse.bind_image(0, Access::kWrite);
+  program_.set("units_per_metre", units_per_metre);
+  program_.set("largest_block", largest_block);
+  program_.dispatch(planes[2].width(), planes[2].height());
+}
+
+Result<BuildMesh> BuildMesh::make(gl::Context& context) {
+  const std::array defines = {Define{"GAP_INVERSE", literal(kGapSteps * kStepInverse)},
+                              Define{"MAX_SLOPE", literal(kMaxSlope)}};
+  auto program = gl::Program::compute(context, shaders::build_mesh_comp, defines);
+  if (!program) return fail(program.error());
+  return BuildMesh(std::move(*program));
+}
+
+void BuildMesh::run(const gl::Texture& inverse, const GlPlanes& planes, float pixel_angle, int largest_block,
+                    gl::Buffer& command, const gl::Buffer& indices) {
+  command.write(std::span<const gl::DrawCommand>(std::array{gl::DrawCommand{}}));
+  inverse.bind(0);
+  for (int level = 0; level < 3; ++level) planes[level].bind(1 + level);
+  command.bind_storage(0);
+  indices.bind_storage(1);
+  program_.set("pixel_angle", pixel_angle);
+  program_.set("largest_block", largest_block);
+  program_.dispatch_over(inverse.width(), inverse.height());
+}
+
+Result<DrawMesh> DrawMesh::make(gl::Context& context) {
+  auto program = gl::Program::graphics(context, shaders::draw_mesh_vert, shaders::draw_mesh_frag);
+  if (!program) return fail(program.error());
+  return DrawMesh(std::move(*program));
+}
+
+void DrawMesh::run(const gl::Texture& inverse, const gl::Texture& rays, const gl::Texture& source,
+                   const Eigen::Matrix4f& clip_from_camera, const gl::Buffer& command,
+                   const gl::Buffer& indices, gl::Framebuffer& layer) {
+  inverse.bind(0);
+  rays.bind(1);
+  source.bind(2);
+  program_.set("clip_from_camera", clip_from_camera);
+  layer.draw_indirect(program_, indices, command);
+}
+
+Result<void> FadeLayers::run(std::span<const float> opacities, const gl::Texture& fragments) {
+  auto compiled = programs_.find(opacities.size());
+  if (compiled == programs_.end()) {
+    const std::array defines = {Define{"LAYERS", std::to_string(opacities.size())}};
+    auto program = gl::Program::compute(*context_, shaders::fade_layers_comp, defines);
+    if (!program) return fail(program.error());
+    compiled = programs_.emplace(opacities.size(), std::move(*program)).first;
+  }
+  gl::Program& program = compiled->second;
+  fragments.bind_image(0, Access::kReadWrite);
+  for (std::size_t i = 0; i < opacities.size(); ++i) program.set(element("opacity", i).c_str(), opacities[i]);
+  program.dispatch_over(fragments.width(), fragments.height());
+  return {};
+}
+
+Result<void> MergeLayers::run(std::span<const Source> sources, const Eye& eye, const gl::Texture& fragments,
+                              const gl::Texture& depths, bool wants_depth, const Target& target) {
+  auto compiled = programs_.find(sources.size());
+  if (compiled == programs_.end()) {
+    // The range is kRangeSigmas of half a step each, uncertainty_range_m().
+    const std::array defines = {Define{"LAYERS", std::to_string(sources.size())},
+                                Define{"RANGE_PER_SQUARE", literal(kRangeSigmas * 0.5F * kStepInverse)},
+                                Define{"TIE_RATIO", literal(kTieRatio)}};
+    auto program = gl::Program::compute(*context_, shaders::merge_layers_comp, defines);
+    if (!program) return fail(program.error());
+    compiled = programs_.emplace(sources.size(), std::move(*program)).first;
+  }
+  gl::Program& program = compiled->second;
+  fragments.bind(0);
+  depths.bind(1);
+  target.color.bind_image(0, Access::kWrite);
+  target.depth.bind_image(1, Access::kWrite);
+  target.camera.bind_image(2, Access::kWrite);
+  target.quality.bind_image(3, Access::kWrite);
+  program.set("wants_depth", wants_depth ? 1 : 0);
+  program.set("w_near_far", eye.w_near_far);
+  program.set("ray_from_pixel", eye.ray_from_pixel);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    program.set(element("source_axis", i).c_str(), sources[i].axis);
+    program.set(element("calibration_error", i).c_str(), sources[i].calibration_error_m);
+  }
+  program.dispatch_over(target.color.width(), target.color.height());
+  return {};
+}
+
+Result<void> SoftenOutlines::run(std::size_t count, const Eigen::Vector2f& w_near_far,
+                                 const gl::Texture& fragments, const gl::Texture& depths,
+                                 const gl::Texture& merged, const gl::Texture& softened) {
+  auto compiled = programs_.find(count);
+  if (compiled == programs_.end()) {
+    const std::array defines = {Define{"LAYERS", std::to_string(count)},
+                                Define{"APART", literal(kOutlineSteps * kStepInverse)},
+                                Define{"SHARE", literal(1.0F / kOutlineDivisor)}};
+    auto program = gl::Program::compute(*context_, shaders::soften_outlines_comp, defines);
+    if (!program) return fail(program.error());
+    compiled = programs_.emplace(count, std::move(*program)).first;
+  }
+  fragments.bind(0);
+  depths.bind(1);
+  merged.bind(2);
+  softened.bind_image(0, Access::kWrite);
+  compiled->second.set("w_near_far", w_near_far);
+  compiled->second.dispatch_over(softened.width(), softened.height());
+  return {};
+}
+
+}  // namespace copresence::renderer

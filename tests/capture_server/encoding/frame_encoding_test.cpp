@@ -1,0 +1,60 @@
+#include "capture_server/encoding/frame_encoding.h"
+
+#include <gtest/gtest.h>
+
+#include "common/flow/worker_pool.h"
+#include "common/video/frame_decoder.h"
+#include "tests/common/depth/scenes.h"
+
+namespace copresence::server {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+
+sensor::SensorDescription small_sensor() {
+  sensor::SensorDescription sensor;
+  sensor.depth = {kWidth, kHeight, 146, 146, 79.5, 59.5, {}};
+  sensor.color = sensor.depth;
+  sensor.has_color = true;
+  sensor.registered = true;
+  return sensor;
+}
+
+/// A Kinect's levels from near to far all over the picture, mm.
+RgbdFrame walls(int near, int far, std::uint64_t sequence) {
+  RgbdFrame frame;
+  frame.stamp.sequence = sequence;
+  frame.depth.resize(kWidth, kHeight);
+  frame.state = StateImage(kWidth, kHeight, DepthState::kMeasured);
+  frame.color.emplace(kWidth, kHeight);
+  for (std::size_t i = 0; i < frame.depth.pixels().size(); ++i) {
+    const int z = near + static_cast<int>(i * 7919 + sequence * 31) % (far - near);
+    frame.depth.data()[i] = depth::testing::kinect_level(z);
+    const auto gray = static_cast<std::uint8_t>(i / kWidth + 3 * sequence);
+    frame.color->data()[i] = {gray, gray, gray};
+  }
+  return frame;
+}
+
+// Whoever asks for keyframes does not know of those that depth makes by itself.
+TEST(FrameEncoding, SendsFramesThatDecodeThoughDepthMakesAKeyframeOfItsOwn) {
+  auto encoding = FrameEncoding::open(small_sensor(), nullptr, ServerSettings{});
+  ASSERT_TRUE(encoding) << encoding.error().what;
+  auto decoder = video::FrameDecoder::open(encoding->description());
+  ASSERT_TRUE(decoder) << decoder.error().what;
+  flow::WorkerPool workers(2, "encode");
+  int keyframes = 0;
+  for (std::uint64_t sequence = 1; sequence <= 200; ++sequence) {
+    RgbdFrame frame = sequence <= 100 ? walls(2500, 4000, sequence) : walls(600, 1000, sequence);
+    const auto encoded = encoding->encode(std::move(frame), sequence == 1, &workers);
+    ASSERT_TRUE(encoded) << encoded.error().what;
+    keyframes += encoded->keyframe;
+    const auto decoded = decoder->decode(*encoded);
+    ASSERT_TRUE(decoded) << "frame " << sequence << ": " << decoded.error().what;
+    EXPECT_TRUE(decoded->color);
+  }
+  EXPECT_GT(keyframes, 1) << "the scene has left its levels";
+}
+
+}  // namespace
+}  // namespace copresence::server

@@ -7,12 +7,13 @@ endif()
 
 # A module is a folder that is a target: a static library whose headers compile alone and which names what it depends on.
 #
-#   add_module(depth HEADERS a.h SOURCES a.cpp USES copresence::frame HIDES copresence_opencv)
+#   add_module(depth HEADERS a.h PRIVATE b.h SOURCES a.cpp b.cpp USES copresence::frame HIDES copresence_opencv)
 #
-# makes the library copresence_depth with the alias copresence::depth. USES are public (other modules, libraries whose types
+# makes the library copresence_depth with the alias copresence::depth. HEADERS may be included by others, PRIVATE ones only by
+# the module itself and by its tests and benchmarks. USES are public (other modules, libraries whose types
 # show in the headers), HIDES are private. A module without SOURCES is header-only.
 function(add_module name)
-  cmake_parse_arguments(MODULE "" "" "HEADERS;SOURCES;USES;HIDES" ${ARGN})
+  cmake_parse_arguments(MODULE "" "" "HEADERS;PRIVATE;SOURCES;USES;HIDES" ${ARGN})
   set(target copresence_${name})
   if(MODULE_SOURCES)
     add_library(${target} STATIC ${MODULE_SOURCES})
@@ -29,12 +30,12 @@ function(add_module name)
   endif()
   # A header that is the first include of its own .cpp (tests/architecture) compiles alone already, where
   # COPRESENCE_PRECOMPILED is off.
-  set(lone_headers ${MODULE_HEADERS})
+  set(lone_headers ${MODULE_HEADERS} ${MODULE_PRIVATE})
   foreach(source IN LISTS MODULE_SOURCES)
     string(REGEX REPLACE "[.]cpp$" ".h" header ${source})
     list(REMOVE_ITEM lone_headers ${header})
   endforeach()
-  set(tried_headers ${MODULE_HEADERS})
+  set(tried_headers ${MODULE_HEADERS} ${MODULE_PRIVATE})
   list(REMOVE_ITEM tried_headers ${lone_headers} "")
   target_sources(${target} ${scope}
     FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${lone_headers}

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The live benchmark: capture servers replay recordings at real pace, one headless client shows them, all on this machine.
-Prints what docs/latency.md quotes. Numbers only, never a verdict.
+Prints what docs/internals/latency.md quotes. Numbers only, never a verdict.
 
   benchmarks/live.py                   two cameras at 1280x720, then four at 640x360, 20 s each
   benchmarks/live.py --seconds 600     for latency that grows with time, or memory that does

@@ -81,7 +81,7 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
       ->check(must_be("a name of 1 to 64 characters",
                       [](const std::string& name) { return !name.empty() && name.size() <= 64; }));
   app.add_option("--codec", settings.codec,
-                 "depth codec, with its parameters such as triangle:period=0.8, see docs/codecs.md")
+                 "depth codec, with its parameters such as triangle:period=0.8, see docs/internals/codecs.md")
       ->capture_default_str()
       ->check(CLI::Validator(check_codec, ""));
   auto* qp =
@@ -113,7 +113,7 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
          [&](const std::string& text) { (void)parse_slot(text, settings.controls.projector.emplace()); },
          "take turns with the projectors of this room's other cameras against interference: K/N[:MS], the "
          "Kth "
-         "turn of N, MS milliseconds each [500]; frame rate falls below 30/N, see docs/cameras.md")
+         "turn of N, MS milliseconds each [500]; frame rate falls below 30/N, see docs/guide/cameras.md")
       ->check(CLI::Validator(
           [](const std::string& text) {
             sensor::ProjectorSlot ignored;
@@ -144,7 +144,7 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
   app.add_option("--config", settings.config,
                  "settings file: this command line's flags as keys, FLAG = VALUE, where the command line "
                  "does not give them; "
-                 "SIGHUP reads it again, see docs/video.md")
+                 "SIGHUP reads it again, see docs/internals/video.md")
       ->configurable(false)
       ->check(file_name());
 }

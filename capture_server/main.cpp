@@ -44,7 +44,7 @@ int list_devices() {
     }
   }
   if (!any_real) {
-    fmt::print("No camera is plugged in. What cameras there are and what they need: docs/cameras.md\n");
+    fmt::print("No camera is plugged in. What cameras there are and what they need: docs/guide/cameras.md\n");
   }
   return 0;
 }

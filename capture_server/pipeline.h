@@ -1,6 +1,6 @@
 #pragma once
 
-// The running server: who works on which thread and how frames wait between them. See docs/architecture.md.
+// The running server: who works on which thread and how frames wait between them. See docs/internals/architecture.md.
 
 #include <stop_token>
 

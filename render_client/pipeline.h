@@ -1,6 +1,6 @@
 #pragma once
 
-// The running client: one thread for each camera, one that renders. See docs/architecture.md.
+// The running client: one thread for each camera, one that renders. See docs/internals/architecture.md.
 
 #include <stop_token>
 

@@ -14,7 +14,7 @@
 // Everything random is a hash of (seed, camera, frame, pixel).
 // Source: Khoshelham and Elberink 2012 (levels, error of half a level); Barron and Malik 2013 (the constant,
 // lateral error); Maimone and Fuchs 2011 (interference). EncoderSettings of change set beside recordings of a real one:
-// docs/simulation.md.
+// docs/internals/simulation.md.
 //
 // Thread: one thread per object.
 

@@ -1,4 +1,4 @@
-// The picture of docs/simulation.md: kinect_picture OUT.jpg
+// The picture of docs/internals/simulation.md: kinect_picture OUT.jpg
 //
 // What camera 1 of the simulated room's two delivers: its colours, and its depth with the holes in red.
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The numbers that all fillers share, so that CPU and GL agree and docs/hole_filling.md has one place to
+// The numbers that all fillers share, so that CPU and GL agree and docs/internals/hole_filling.md has one place to
 // quote.
 //
 // Inside this room depth is measured in sensor steps: s = 351.3 m / z. One step is the distance between

@@ -1,7 +1,7 @@
 #pragma once
 
 // The default filler, on the CPU: joint bilateral by pixel, depth and colour distance, without bridging
-// surfaces. docs/hole_filling.md tells the method. Thread: one thread at a time per object.
+// surfaces. docs/internals/hole_filling.md tells the method. Thread: one thread at a time per object.
 
 #include "capture_server/hole_filling/cells.h"
 #include "capture_server/hole_filling/hole_filler.h"

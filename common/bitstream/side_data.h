@@ -4,7 +4,7 @@
 // message of type user_data_unregistered with a UUID of our own, so that any copy of the stream (wire,
 // Matroska, MPEG-TS, a relay) keeps them with their picture. A CRC over them and over both coded pictures
 // makes damage, loss of a part and a wrong pair of pictures an error. The layout is drawn byte by byte in
-// docs/sei.md and held by SideData.HasTheDocumentedBytes. Thread: pure.
+// docs/internals/sei.md and held by SideData.HasTheDocumentedBytes. Thread: pure.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,11 +1,11 @@
 #pragma once
 
-// Depth as a video codec can carry it, and back. All codecs of docs/codecs.md stand behind one pair of
+// Depth as a video codec can carry it, and back. All codecs of docs/internals/codecs.md stand behind one pair of
 // classes; which one it is, and its numbers, travel in the stream description.
 //
 // What every codec keeps: a hole never comes back as depth, nor depth as a hole; states are exact; every
 // depth that comes back lies within the stream's range. What a codec keeps beyond that is in its own header
-// and in docs/codecs.md.
+// and in docs/internals/codecs.md.
 //
 // Units: depth in the stream's DepthUnit along the optical axis. Thread: distinct objects are independent;
 // one object is used by one thread at a time.

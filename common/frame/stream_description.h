@@ -19,7 +19,7 @@ namespace copresence {
 struct DepthCodecDescription {
   std::string name;                          ///< design section 3: quantized, accuracy10, spiral-fold, ...
   PixelFormat format = PixelFormat::kGray8;  ///< of the depth pictures
-  std::vector<std::pair<std::string, double>> parameters;  ///< documented in docs/codecs.md
+  std::vector<std::pair<std::string, double>> parameters;  ///< documented in docs/internals/codecs.md
 
   friend bool operator==(const DepthCodecDescription&, const DepthCodecDescription&) = default;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
 // The scene file (TOML): which cameras there are, where they stand and what is known of them. Read by the
-// servers, the client and `calibrate`. The keys are documented in docs/scene_file.md.
+// servers, the client and `calibrate`. The keys are documented in docs/guide/scene_file.md.
 //
 // Thread: pure functions and values.
 

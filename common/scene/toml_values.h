@@ -16,7 +16,7 @@ namespace copresence::scene {
 /// Key and value as text; no value where the file is not to have the key.
 using Entry = std::pair<std::string, std::optional<std::string>>;
 
-/// All keys of one camera, in the order of docs/scene_file.md. Two cameras say the same of a key exactly where these
+/// All keys of one camera, in the order of docs/guide/scene_file.md. Two cameras say the same of a key exactly where these
 /// texts are equal.
 ///
 /// folder  the scene file's; recordings named relatively are written relative to it.

@@ -28,7 +28,7 @@ void tell_rate(AVCodecContext& context, const PictureRate& rate) {
   context.rc_buffer_size = static_cast<int>(std::lround(1000 * rate.buffer_kbit));
 }
 
-// Both presets are measured on real recordings (docs/video.md): where more time buys little.
+// Both presets are measured on real recordings (docs/internals/video.md): where more time buys little.
 constexpr const char* kDepthOptions =
     "scenecut=0"
     // Psychovisual tricks and adaptive quantisation move error to where eyes don't see it. Geometry has no
@@ -64,7 +64,7 @@ bool can_deblock(const PictureSettings& settings) {
 
 /// Processors of the first generation with AVX-512 (Skylake, Cascade Lake) run a core slower for a while after its widest
 /// instructions, and everything else on that core pays: hole filling, decoding, rendering. x264 writes the same bits
-/// without them; two live cameras then take 1 % less time in all (docs/video.md).
+/// without them; two live cameras then take 1 % less time in all (docs/internals/video.md).
 bool slows_down_by_avx512() {
   const int flags = av_get_cpu_flags();
   return (flags & AV_CPU_FLAG_AVX512) != 0 && (flags & AV_CPU_FLAG_AVX512ICL) == 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a person may choose about video. Everything else is a preset, measured once (docs/video.md).
+// What a person may choose about video. Everything else is a preset, measured once (docs/internals/video.md).
 
 #include <optional>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the two processes say to each other. docs/wire_format.md draws every message byte by byte; a test
+// What the two processes say to each other. docs/internals/wire_format.md draws every message byte by byte; a test
 // holds that page against message_codec.h.
 //
 // Every message is a header of 8 bytes and a body; numbers are little-endian. The client speaks first

@@ -14,7 +14,7 @@
 namespace copresence::wire {
 namespace {
 
-// Fixed parts of the bodies, in bytes. docs/wire_format.md draws them.
+// Fixed parts of the bodies, in bytes. docs/internals/wire_format.md draws them.
 constexpr std::size_t kHelloBytes = kMagic.size() + 4;
 constexpr std::size_t kRefusalBytes = 1 + 2;
 constexpr std::size_t kWelcomeBytes = 8 + 8 + 8 * (4 + 8 + 9 + 3 + 2 + 1) + 8 + 2 + 2 + 2;

@@ -13,7 +13,7 @@
 //
 // The idea of keeping depth by whether it changed for longer than noise does is that of temporal filters of
 // depth cameras (librealsense's, for one); judging blocks, and colour as the witness, are ours. Constants
-// against a Kinect v1's noise (docs/simulation.md has its figures).
+// against a Kinect v1's noise (docs/internals/simulation.md has its figures).
 //
 // Thread: one thread at a time per object.
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // An eye that follows a head tracker: opentrack's output "UDP over network" (head_datagram.h,
-// docs/head_tracking.md).
+// docs/guide/viewing.md).
 //
 // The head moves the eye from home by
 //

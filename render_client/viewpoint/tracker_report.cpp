@@ -45,7 +45,7 @@ std::optional<News> TrackerReport::next(Instant now) {
   return News{
       true,
       fmt::format("{}: nothing has come in {} s; in opentrack choose the output \"UDP over network\" to "
-                  "127.0.0.1, port {}, and press Start (docs/head_tracking.md)",
+                  "127.0.0.1, port {}, and press Start (docs/guide/viewing.md)",
                   where(), kSilence.count(), port_)};
 }
 

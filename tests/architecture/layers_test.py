@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Reads every #include of the project: rooms may use what lies below them and nothing beside them, and each foreign
-library has one home. The table here is the table in docs/architecture.md. A .cpp includes its own header before all
+library has one home. The table here is the table in docs/internals/architecture.md. A .cpp includes its own header before all
 else, so that every header is known to compile alone (cmake/module.cmake tries those that have none)."""
 import pathlib
 import re

@@ -1,4 +1,4 @@
-"""The wire format of docs/wire_format.md in Python: messages, a viewer and a server that tests can make misbehave.
+"""The wire format of docs/internals/wire_format.md in Python: messages, a viewer and a server that tests can make misbehave.
 
 Nothing but the standard library. Test programs import it; it has no command line."""
 import collections

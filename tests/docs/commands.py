@@ -4,7 +4,7 @@ own: a copy of the project with this build as build/release. Its commands run in
 network of their own where the system allows that (else the ports that pages name must be free).
 
   tests/docs/commands.py                        all pages, but for the fences marked soak
-  tests/docs/commands.py docs/recording.md      one page
+  tests/docs/commands.py docs/guide/recording.md      one page
   tests/docs/commands.py --soak                 all fences
   tests/docs/commands.py --marks                only that every fence is marked, and code in sentences
 

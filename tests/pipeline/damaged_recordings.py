@@ -3,7 +3,7 @@
 in records and in payloads, with huge node ids. The server must neither crash nor hang nor spin: each ends within two
 seconds with a sentence, or plays on; damage in payloads alone never refuses a file.
 
-  tests/pipeline/damaged_recordings.py                 all 830, as docs/recording.md quotes them (about 3 minutes)
+  tests/pipeline/damaged_recordings.py                 all 830, as docs/guide/recording.md quotes them (about 3 minutes)
   tests/pipeline/damaged_recordings.py --count 60      as the test does
   tests/pipeline/damaged_recordings.py --more --count 100 --recording FILE.oni
                                                        other kinds: all pictures of a stream damaged, records swapped,

@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   using namespace copresence::calibrate;
   CLI::App program{
       "Finds out how cameras see and where they stand, and how good that is, in millimetres. The guide is "
-      "docs/calibration.md.",
+      "docs/guide/calibration.md.",
       "calibrate"};
   program.set_version_flag("--version", std::string("calibrate ") + copresence::kVersion);
   program.require_subcommand(1);

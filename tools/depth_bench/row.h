@@ -1,6 +1,6 @@
 #pragma once
 
-// One line of the bench: a codec at a setting, what it costs and what it loses. Keys of the JSON are in docs/compression.md.
+// One line of the bench: a codec at a setting, what it costs and what it loses. Keys of the JSON are in docs/internals/compression.md.
 
 #include <cstdint>
 #include <string>

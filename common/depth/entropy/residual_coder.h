@@ -5,7 +5,7 @@
 //
 // Every sample is coded as its difference to the one on its left, with a distribution learnt for how the samples above, to
 // the upper left, the upper right and of the frame before differ from their neighbours. Holes cost nothing: both sides know
-// the states. docs/codecs.md has the bytes.
+// the states. docs/internals/codecs.md has the bytes.
 //
 // Both sides keep samples and distributions from frame to frame, up to the next complete picture. The bytes carry no check of
 // their own (side_data_seal.h has it): any bytes decode to some samples, in bounded time.

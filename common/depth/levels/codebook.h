@@ -8,7 +8,7 @@
 // step), so that a level met later mostly finds its place without moving another. A code without a level
 // stands for a depth between its neighbours', evenly in 1/z.
 //
-// The bytes of a change are those of docs/codecs.md (level_table_change.cpp).
+// The bytes of a change are those of docs/internals/codecs.md (level_table_change.cpp).
 //
 // Thread: a value.
 

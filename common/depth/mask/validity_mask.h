@@ -6,7 +6,7 @@
 // A pixel's state is written as one or two decisions (measured? if not, filled?), each range-coded with the
 // probability learnt for its neighbourhood: pixels above and to the left in this frame, all around it in the
 // frame before. A run of pixels whose whole neighbourhood is of one state costs one decision: all as
-// expected? docs/codecs.md draws it.
+// expected? docs/internals/codecs.md draws it.
 //
 // Both sides learn alike and keep what they learnt from frame to frame, up to the next complete mask. The
 // bytes carry no check of their own (side_data_seal.h has it): any bytes decode to some mask, in bounded

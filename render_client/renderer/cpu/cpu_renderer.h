@@ -1,7 +1,7 @@
 #pragma once
 
 // The renderer without a GPU: every camera's surface is drawn by band of rows, and a band is merged and
-// coloured while it is in the cache. The fast one wherever OpenGL is software; docs/rendering.md has the
+// coloured while it is in the cache. The fast one wherever OpenGL is software; docs/internals/rendering.md has the
 // method and the figures.
 //
 // Thread: as any Renderer. It uses the workers only inside render(). The pictures do not depend on how many

@@ -18,7 +18,7 @@ constexpr std::uint8_t kUuid[] = {0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58
                                   0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d, 0x80, 0x6a};
 const Bytes kSlice = {0x65, 0x33, 0x44};
 
-/// The layout of docs/sei.md.
+/// The layout of docs/internals/sei.md.
 Bytes access_unit_with(std::span<const std::uint8_t> checked) {
   const std::uint32_t crc = crc32c(kSlice, crc32c(checked));
   Bytes payload(std::begin(kUuid), std::end(kUuid));

@@ -30,7 +30,7 @@ SideData example() {
   return data;
 }
 
-TEST(SideData, HasTheDocumentedBytes) {            // docs/sei.md
+TEST(SideData, HasTheDocumentedBytes) {            // docs/internals/sei.md
   const Bytes expected = {0, 0, 0, 1, 0x67, 0x11,  // parameter sets first
                           0, 0, 0, 1, 0x68, 0x22,  //
                           0, 0, 0, 1, 0x06,        // SEI

@@ -1,6 +1,6 @@
 #pragma once
 
-// One message of each kind, with numbers that are easy to find again in hexadecimal: what docs/wire_format.md
+// One message of each kind, with numbers that are easy to find again in hexadecimal: what docs/internals/wire_format.md
 // shows.
 
 #include <algorithm>
@@ -48,7 +48,7 @@ inline FrameHead sample_frame_head() {
   return head;
 }
 
-/// The names are those of the drawings in docs/wire_format.md. `frame` is only its head.
+/// The names are those of the drawings in docs/internals/wire_format.md. `frame` is only its head.
 inline std::vector<std::pair<std::string, Bytes>> sample_messages() {
   const FrameHeadMessage frame = encode(sample_frame_head());
   return {

@@ -1,4 +1,4 @@
-// Holds docs/wire_format.md against the codec: the page's drawings are the bytes.
+// Holds docs/internals/wire_format.md against the codec: the page's drawings are the bytes.
 
 #include <gtest/gtest.h>
 
@@ -51,14 +51,14 @@ std::map<std::string, Drawing> drawings_of(const std::string& path) {
 }
 
 TEST(WireFormat, IsWhatItsPageDraws) {
-  auto drawings = drawings_of("docs/wire_format.md");
+  auto drawings = drawings_of("docs/internals/wire_format.md");
   for (const auto& [name, message] : sample_messages()) {
-    ASSERT_TRUE(drawings.contains(name)) << "docs/wire_format.md does not draw " << name;
+    ASSERT_TRUE(drawings.contains(name)) << "docs/internals/wire_format.md does not draw " << name;
     EXPECT_EQ(drawings[name].bytes, message) << name;
     EXPECT_TRUE(drawings[name].offsets_hold) << name;
     drawings.erase(name);
   }
-  EXPECT_TRUE(drawings.empty()) << "docs/wire_format.md draws " << drawings.begin()->first
+  EXPECT_TRUE(drawings.empty()) << "docs/internals/wire_format.md draws " << drawings.begin()->first
                                 << ", which nobody says";
 }
 

@@ -41,7 +41,7 @@ Bytes access_unit_with(std::span<const std::uint8_t> checked) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace copresence;
-  const auto extracted = video::extract_side_data(video::access_unit_with(std::span(data, size)), {});
+  const auto extracted = bitstream::extract_side_data(bitstream::access_unit_with(std::span(data, size)), {});
   if (!extracted) return 0;
   const bool sound = extracted->captured_at >= Instant{} &&
                      extracted->captured_at < Instant(std::chrono::nanoseconds(kNumberBound)) &&

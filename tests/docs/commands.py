@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
-"""Runs the commands of the documentation's pages, so that no page can lie. Each page gets a folder of its
-own: a copy of the project with this build as build/release. Its commands run in order, in one shell, in a
-network of their own where the system allows that (else the ports that pages name must be free).
+"""Runs the commands of the documentation's pages and compares their output with the pages. Each page gets a
+folder of its own: a copy of the project with this build as build/release. Its commands run in order in one
+shell. They have a network namespace of their own if the system allows it; otherwise the ports that pages
+name must be free.
 
-  tests/docs/commands.py                        all pages, but for the fences marked soak
-  tests/docs/commands.py docs/guide/recording.md      one page
+  tests/docs/commands.py                        all pages, without the fences marked soak
+  tests/docs/commands.py docs/guide/keys.md     one page
   tests/docs/commands.py --soak                 all fences
-  tests/docs/commands.py --marks                only that every fence is marked, and code in sentences
+  tests/docs/commands.py --marks                run nothing; check notes, program names and flags
 
-How a page says what cannot be seen from its commands: tests/docs/page.py. What is done differently from a
-reader:
+tests/docs/page.py describes the notes that pages give to this test. The test differs from a reader in two
+ways:
 
-- capture_server runs in the background, as in a terminal of its own, until the page ends or a later one takes
-  its address;
-- render_client shows 5 views without a window, unless the page says --frames and --headless.
+- capture_server runs in the background until the page ends or another server takes its address;
+- render_client gets --frames 5 and --headless unless the page gives them.
 
-Exits 0 where every command ended as it should."""
+Exit code 0 means that every command ended as its page says."""
 import argparse
 import ctypes
 import fcntl
@@ -39,7 +39,7 @@ NOT_COPIED = shutil.ignore_patterns("build", ".git", "__pycache__", "shared")
 
 
 def enter_own_network():
-    """A network namespace with nothing but a loopback interface. False where the system does not allow it."""
+    """Enters a network namespace with only a loopback interface. Returns False if the system does not allow it."""
     new_user, new_net = 0x10000000, 0x40000000
     uid, gid = os.getuid(), os.getgid()
     libc = ctypes.CDLL(None, use_errno=True)
@@ -62,7 +62,7 @@ def enter_own_network():
 
 
 def program_of(command):
-    """The program's name, without its folder and variables before it."""
+    """The program's name, without its folder and without variables before it."""
     words = [word for word in command.split() if not re.match(r"\w+=", word)]
     return words[0].rsplit("/", 1)[-1] if words else ""
 
@@ -71,7 +71,7 @@ def is_server(command):
     return program_of(command) == "capture_server" and not re.search(r"--(list|help|version)\b", command)
 
 
-def as_in_a_test(command):
+def command_for_test(command):
     if program_of(command) == "render_client" and not re.search(r"--(help|version)\b", command):
         command = re.sub(r"\s#.*$", "", command)
         command += "" if "--frames" in command else " --frames 5"
@@ -80,7 +80,7 @@ def as_in_a_test(command):
 
 
 def shows(output, shown):
-    """The first line of a console fence that a command did not print, numbers aside; None where it printed them all."""
+    """Returns the first line of a console fence that a command did not print, or None. Numbers may differ."""
     said = output.splitlines()
     at = 0
     for line in [line for line in shown if line.strip()]:
@@ -108,7 +108,7 @@ class PageRun:
         self.terminal = Terminal(self.home, self.logs, environment)
 
     def run(self):
-        """Returns what went wrong, as lines."""
+        """Returns a list of faults, one text for each."""
         faults = []
         try:
             for fence in pages.read(self.page):
@@ -117,7 +117,7 @@ class PageRun:
                 fault = self.run_fence(fence)
                 if fault:
                     faults.append(f"{self.page.relative_to(ROOT)}:{fence.line}: {fault}")
-                    break  # what follows may build on it
+                    break  # later fences may need this one
             if not faults:
                 self.terminal.stop_all()
         except CommandFault as fault:
@@ -143,16 +143,16 @@ class PageRun:
                 return fault
             said += output
         missing = None if fence.output_varies else shows(said, fence.output)
-        return f"\"{missing}\" is not what is printed, but:\n{said[-2000:]}" if missing else None
+        return f"the page shows \"{missing}\", but the commands printed:\n{said[-2000:]}" if missing else None
 
     def run_command(self, command, exit_code, limit_s):
-        """(what went wrong or None, what it printed)"""
+        """Returns the fault or None, and the output."""
         began = time.monotonic()
         try:
             if is_server(command):
                 fault = self.terminal.serve(re.sub(r"\s*&\s*$", "", re.sub(r"\s#.*$", "", command)), 60)
                 return (f"{command}: {fault}" if fault else None), ""
-            code, output = self.terminal.run(as_in_a_test(command), limit_s)
+            code, output = self.terminal.run(command_for_test(command), limit_s)
         except CommandFault as fault:
             return f"{command}: {fault}", ""
         print(f"  {time.monotonic() - began:6.1f} s  {command[:100]}", flush=True)
@@ -175,7 +175,7 @@ def help_of(build, program, verb, known={}):
 
 
 def code_faults(page, build, tests):
-    """Of code spans that name a program of this project: does it have these verbs and flags, do these tests exist?"""
+    """Checks code spans that name a program of this project: its flags and its tests must exist."""
     for line, code in pages.inline_code(page):
         where = f"{page.relative_to(ROOT)}:{line}: `{code}`"
         words = code.split()
@@ -183,15 +183,15 @@ def code_faults(page, build, tests):
         if program == "ctest":
             named = re.search(r"-R '?([^' ]+)'?", code)
             if named and not re.search(r"--preset", code):
-                yield f"{where}: without --preset no test is found"
+                yield f"{where}: finds no test without --preset"
             if named and not any(re.search(named[1], test) for test in tests):
-                yield f"{where}: no test has such a name"
+                yield f"{where}: no test has this name"
         elif program in PROGRAMS and len(words) > 1:
             verbs = VERBS.get(program)
             verb = words[1] if verbs and words[1] in verbs else None
             flags = re.findall(r"(?<![\w-])--[a-z][a-z-]+", code)
             if verbs and not verb and flags and not set(flags) <= {"--help", "--version"}:
-                continue  # prose about all of its verbs
+                continue  # it is about all verbs
             for flag in flags:
                 if not re.search(rf"{flag}\b(?!-)", help_of(build, program, verb)):
                     yield f"{where}: {program} has no {flag}"
@@ -210,7 +210,7 @@ def check_marks(page_files, build):
         except pages.PageFault as fault:
             faults.append(str(fault))
         faults += code_faults(page, build, tests)
-    print("\n".join(faults) or f"{len(page_files)} pages: every fence says what it is")
+    print("\n".join(faults) or f"{len(page_files)} pages: every fence has a language and known notes")
     return faults
 
 
@@ -218,15 +218,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pages", nargs="*", type=pathlib.Path)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
-    parser.add_argument("--soak", action="store_true", help="fences that take long, too")
-    parser.add_argument("--marks", action="store_true", help="run nothing; look at marks and at code in sentences")
-    parser.add_argument("--keep", action="store_true", help="keep the pages' folders and say where they are")
+    parser.add_argument("--soak", action="store_true", help="run long fences, too")
+    parser.add_argument("--marks", action="store_true", help="run nothing; check notes, program names and flags")
+    parser.add_argument("--keep", action="store_true", help="keep the pages' folders and print their paths")
     options = parser.parse_args()
     page_files = [page.resolve() for page in options.pages] or pages.all_pages(ROOT)
     if options.marks:
         return 1 if check_marks(page_files, options.build.resolve()) else 0
     if not enter_own_network():
-        print("no network of its own is allowed here: the pages' ports must be free")
+        print("cannot create a network namespace: the ports that the pages name must be free")
     faults = []
     for page in page_files:
         print(page.relative_to(ROOT), flush=True)
@@ -240,7 +240,7 @@ def main():
                 print(f"  {folder}")
             else:
                 shutil.rmtree(folder, ignore_errors=True)
-    print("\n".join(faults) or f"{len(page_files)} pages: every command does what its page says")
+    print("\n".join(faults) or f"{len(page_files)} pages: every command ended as its page says")
     return 1 if faults else 0
 
 

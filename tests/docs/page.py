@@ -1,16 +1,15 @@
-"""The commands of a Markdown page, as its reader would type them.
+"""Reads the commands of a Markdown page.
 
-A fence of language `sh` holds commands, one of `console` commands behind `$ ` and what they print. Every
-fence has a language, so that nothing is a command by accident. HTML comments directly above a fence say
-what the test needs to know:
+A fence of language `sh` has commands. A fence of language `console` has commands after `$ ` and their
+output. Every fence needs a language. HTML comments directly above a fence are notes for the test:
 
-  <!-- test: skip REASON -->       not run, because of REASON
-  <!-- test: soak -->              takes long: run by ./run soak only
-  <!-- test: fresh -->             servers that run so far are stopped, after what is set up
-  <!-- test: output varies -->     what a console fence prints is not compared
-  <!-- test: exits 1 -->           each command of the fence ends with this code
-  <!-- test: setup COMMAND -->     run first: what the page's reader has already
-  <!-- test: kinects SERIAL ... -->  these Kinects (of the fake libfreenect) are plugged in from here on
+  <!-- test: skip REASON -->       do not run this fence, because of REASON
+  <!-- test: soak -->              takes long: only ./run soak runs it
+  <!-- test: fresh -->             stop all servers first, after the setup commands
+  <!-- test: output varies -->     do not compare the output of a console fence
+  <!-- test: exits 1 -->           each command of the fence ends with this exit code
+  <!-- test: setup COMMAND -->     run this first: it makes what a reader already has
+  <!-- test: kinects SERIAL ... -->  plug in these Kinects of the fake libfreenect
 """
 import dataclasses
 import pathlib
@@ -29,7 +28,7 @@ class PageFault(Exception):
 class Fence:
     line: int
     commands: list  # texts, continuation lines joined
-    output: list    # lines that a console fence shows
+    output: list    # lines of a console fence
     skip: str = ""
     soak: bool = False
     fresh: bool = False
@@ -44,7 +43,7 @@ def read_notes(fence, notes, where):
         word, _, rest = " ".join(note.split()).partition(" ")
         if word == "skip":
             if len(rest) < 8:
-                raise PageFault(f"{where}: say why it is skipped")
+                raise PageFault(f"{where}: skip needs a reason")
             fence.skip = rest
         elif word == "soak":
             fence.soak = True
@@ -59,11 +58,11 @@ def read_notes(fence, notes, where):
         elif word == "kinects":
             fence.kinects = rest.split()
         else:
-            raise PageFault(f"{where}: there is no note \"{word}\"")
+            raise PageFault(f"{where}: unknown note \"{word}\"")
 
 
 def split_commands(text):
-    """Lines, with those joined that end in a backslash. Comments alone are no commands."""
+    """Lines, joined where one ends with a backslash, without comment lines."""
     lines = re.sub(r"\\\n\s*", "", text).splitlines()
     return [line.strip() for line in lines if line.strip() and not line.strip().startswith("#")]
 
@@ -79,25 +78,25 @@ def split_console(text):
 
 
 def notes_above(text, start):
-    """Notes on the lines directly above a fence."""
+    """The notes on the lines directly above a fence."""
     above = re.search(r"(?:<!-- test: (?:(?!-->).)* -->\n)*\Z", text[:start], re.DOTALL)
     return NOTE.findall(above[0])
 
 
 def read(path):
-    """All fences with commands of a page, in order. Raises PageFault where one is not clear."""
+    """Returns all fences with commands, in order. Raises PageFault for a wrong fence."""
     text = path.read_text()
     fences = []
     for match in FENCE.finditer(text):
         line = text.count("\n", 0, match.start()) + 1
         where, language = f"{path.name}:{line}", match[1]
         if not language:
-            raise PageFault(f"{where}: a fence without a language; sh for commands, text for what is none")
+            raise PageFault(f"{where}: this fence needs a language: sh for commands, text for anything else")
         if language not in COMMAND_LANGUAGES:
             continue
         commands, output = split_console(match[2]) if language == "console" else (split_commands(match[2]), [])
         if not commands:
-            raise PageFault(f"{where}: no command in it")
+            raise PageFault(f"{where}: this fence has no command")
         fence = Fence(line, commands, output)
         read_notes(fence, notes_above(text, match.start()), where)
         fences.append(fence)

@@ -1,5 +1,4 @@
-"""One bash in a page's folder that keeps its variables and jobs from command to command, as a reader's
-terminal does."""
+"""One bash for a page. It keeps variables and jobs from command to command, like a reader's terminal."""
 import os
 import re
 import selectors
@@ -17,16 +16,16 @@ class CommandFault(Exception):
 
 
 class Server:
-    """A capture_server that runs until it is stopped."""
+    """A running capture_server."""
 
     def __init__(self, command, pid, log):
         self.command, self.pid, self.log = command, pid, log
 
-    def said(self):
+    def log_text(self):
         return self.log.read_text(errors="replace") if self.log.exists() else ""
 
     def address(self):
-        found = LISTENS.search(self.said())
+        found = LISTENS.search(self.log_text())
         return found[1] if found else None
 
 
@@ -41,8 +40,8 @@ class Terminal:
         self.status_fd = status_write
         os.close(status_write)
 
-    def ask(self, script, limit_s):
-        """Runs a script and returns what it writes to the status pipe."""
+    def run_script(self, script, limit_s):
+        """Runs a script and returns the text that it writes to the status pipe."""
         self.bash.stdin.write(script + "\n")
         self.bash.stdin.flush()
         answer, end = "", time.monotonic() + limit_s
@@ -50,10 +49,10 @@ class Terminal:
             selector.register(self.status_read, selectors.EVENT_READ)
             while not answer.endswith("\n"):
                 if not selector.select(max(0.0, end - time.monotonic())):
-                    raise CommandFault(f"has not ended within {limit_s:.0f} s")
+                    raise CommandFault(f"did not end within {limit_s:.0f} s")
                 piece = os.read(self.status_read, 1000)
                 if not piece:
-                    raise CommandFault("has ended the shell")
+                    raise CommandFault("ended the shell")
                 answer += piece.decode()
         return answer.split()[0]
 
@@ -62,22 +61,22 @@ class Terminal:
         return self.logs / f"{self.count:03}.log"
 
     def run(self, command, limit_s):
-        """Runs a command to its end. Returns its exit code and what it said."""
+        """Runs a command to its end. Returns its exit code and its output."""
         log = self.new_log()
-        code = self.ask(f"{{ {command}\n}} >{shlex.quote(str(log))} 2>&1; echo $? >&{self.status_fd}", limit_s)
-        if "jobs -p" in command:  # the page has stopped them itself
+        code = self.run_script(f"{{ {command}\n}} >{shlex.quote(str(log))} 2>&1; echo $? >&{self.status_fd}", limit_s)
+        if "jobs -p" in command:  # the page stops them itself
             self.servers.clear()
         return int(code), log.read_text(errors="replace")
 
     def serve(self, command, limit_s):
-        """Starts a server and waits until it accepts viewers, or has come to its end. Returns why that failed, or None."""
+        """Starts a server and waits until it accepts viewers or ends. Returns the fault, or None."""
         listen = re.search(r"--listen[ =](\S+)", command)
         address = listen[1] if listen else None if "--scene" in command or "--config" in command else DEFAULT_ADDRESS
         for server in [s for s in self.servers if address and s.address() == address]:
             self.stop(server)
         log = self.new_log()
-        # As a process that this test can end: a job of the shell, without a shell of its own.
-        pid = int(self.ask(f"{{ exec {command}\n}} >{shlex.quote(str(log))} 2>&1 & echo $! >&{self.status_fd}", 10))
+        # With exec the process id is that of the server, so that this test can end it.
+        pid = int(self.run_script(f"{{ exec {command}\n}} >{shlex.quote(str(log))} 2>&1 & echo $! >&{self.status_fd}", 10))
         server = Server(command, pid, log)
         self.servers.append(server)
         end = time.monotonic() + limit_s
@@ -85,34 +84,34 @@ class Terminal:
             code = self.exit_code(server)
             if code is not None:
                 self.servers.remove(server)
-                return None if code == 0 else f"ended with {code}: {server.said()[-600:]}"
+                return None if code == 0 else f"ended with {code}: {server.log_text()[-600:]}"
             if time.monotonic() > end:
-                return f"does not serve within {limit_s:.0f} s: {server.said()[-600:]}"
+                return f"does not accept viewers within {limit_s:.0f} s: {server.log_text()[-600:]}"
             time.sleep(0.05)
         return None
 
     def exit_code(self, server):
-        """None while it runs."""
-        code = self.ask(f"if kill -0 {server.pid} 2>/dev/null; then echo runs; else wait {server.pid}; echo $?; fi "
+        """The exit code, or None while the server runs."""
+        code = self.run_script(f"if kill -0 {server.pid} 2>/dev/null; then echo runs; else wait {server.pid}; echo $?; fi "
                         f">&{self.status_fd}", 10)
         return None if code == "runs" else int(code)
 
     def stop(self, server):
-        """Ends a server; it must have gone on until then, or have ended well."""
+        """Ends a server. Raises CommandFault if its exit code is not 0."""
         self.servers.remove(server)
         code = self.exit_code(server)
         if code is None:
             os.kill(server.pid, signal.SIGTERM)
-            code = int(self.ask(f"wait {server.pid}; echo $? >&{self.status_fd}", 20))
+            code = int(self.run_script(f"wait {server.pid}; echo $? >&{self.status_fd}", 20))
         if code:
-            raise CommandFault(f"{server.command}: ended with {code}: {server.said()[-600:]}")
+            raise CommandFault(f"{server.command}: ended with {code}: {server.log_text()[-600:]}")
 
     def stop_all(self):
         for server in list(self.servers):
             self.stop(server)
 
     def close(self):
-        """Ends the shell and everything that it started."""
+        """Ends the shell and all that it started."""
         for server in self.servers:
             try:
                 os.kill(server.pid, signal.SIGKILL)

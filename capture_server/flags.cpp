@@ -144,7 +144,7 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
   app.add_option("--config", settings.config,
                  "settings file: this command line's flags as keys, FLAG = VALUE, where the command line "
                  "does not give them; "
-                 "SIGHUP reads it again, see docs/internals/video.md")
+                 "SIGHUP reads it again, see docs/guide/quality_and_bandwidth.md")
       ->configurable(false)
       ->check(file_name());
 }

@@ -1,4 +1,4 @@
-// How a level table's change is written and read: docs/internals/codecs.md, Level table. Numbers are range-coded with what is learnt
+// How a level table's change is written and read: docs/internals/codecs.md, Codebook. Numbers are range-coded with what is learnt
 // within the change, and a level is coded as what it differs from the one that the levels before it foretell: a sensor's levels
 // lie evenly in 1/z, so most take half a byte.
 

@@ -211,7 +211,7 @@ class Pipeline {
       }
       say_frames_again();
       has_begun_ = true;
-      const std::uint64_t sequence = frame->stamp.sequence;
+      const std::uint64_t sequence = frame->metadata.sequence;
       heartbeat_.captured(sequence);
       if (keeps_every_frame()) pulse.rest();  // the disk and the encoder set the pace
       if (recording_) recording_->offer(*frame, keeps_every_frame(), stop);
@@ -301,14 +301,15 @@ class Pipeline {
          free = std::chrono::steady_clock::now(), pulse.rest()) {
       pulse.beat();
       if (const auto rates = new_rates_.try_take()) change_rates(*rates);
-      const std::uint64_t sequence = captured->frame.stamp.sequence;
+      const std::uint64_t sequence = captured->frame.metadata.sequence;
       if (sequence > last) encoder_busy += sequence - last - 1;
       last = sequence;
       if (!server_->wants_frames()) {
         ++without_room;
         continue;
       }
-      if (!keeps_every_frame() && flow::should_drop_stale(captured->frame.stamp.captured_at, free, period)) {
+      if (!keeps_every_frame() &&
+          flow::should_drop_stale(captured->frame.metadata.captured_at, free, period)) {
         ++encoder_busy;
         continue;
       }

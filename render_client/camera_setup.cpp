@@ -8,6 +8,7 @@ CameraSetup resolve_setup(const StreamDescription& stream, const scene::Scene* s
   CameraSetup setup;
   setup.model = stream.model;
   setup.unit = stream.unit;
+  setup.noise = stream.noise;
   setup.has_pose = stream.has_pose;
   const scene::Camera* const known = scene ? scene->find(stream.camera) : nullptr;
   if (!known) return setup;
@@ -32,14 +33,16 @@ renderer::CameraView camera_view(const CameraSetup& setup, const RgbdFrame& fram
   view.version = version;
   view.model = setup.model;
   view.unit = setup.unit;
-  view.world_from_camera = setup.pose(frame.stamp);
+  view.noise = setup.noise;
+  view.world_from_camera = setup.pose(frame.metadata);
   view.color_matching = setup.color_matching.value_or(found);
   view.calibration_error_m = setup.calibration_error_m;
   return view;
 }
 
 color_matching::PosedFrame posed_frame(const CameraSetup& setup, const RgbdFrame& frame) {
-  return {&frame, setup.model, setup.unit, setup.pose(frame.stamp), setup.calibration_error_m};
+  return {
+      &frame, setup.model, setup.unit, setup.noise, setup.pose(frame.metadata), setup.calibration_error_m};
 }
 
 }  // namespace copresence::client

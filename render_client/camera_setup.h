@@ -25,6 +25,7 @@ namespace copresence::client {
 struct CameraSetup {
   CameraModel model;  ///< same size as the stream's pictures
   DepthUnit unit = DepthUnit::kMillimetre;
+  DepthNoise noise;
   bool has_pose = false;             ///< the stream or the scene file gives one
   std::optional<Rigid3> fixed_pose;  ///< the scene file's; beats the poses in the frames
   std::optional<color_matching::ColorCorrection>
@@ -34,8 +35,8 @@ struct CameraSetup {
   std::string remark;
 
   /// World from camera of a frame of this stream, metres.
-  const Rigid3& pose(const FrameMetadata& stamp) const {
-    return fixed_pose ? *fixed_pose : stamp.world_from_camera;
+  const Rigid3& pose(const FrameMetadata& metadata) const {
+    return fixed_pose ? *fixed_pose : metadata.world_from_camera;
   }
 };
 

@@ -240,7 +240,7 @@ class Pipeline {
       shown.version = ++frames_taken_;
       is_prepared_ = false;
       stale_.frame_arrived(i, seconds(1 / shown.newest->stream->frames_per_second), shown.newest->arrived_at);
-      eye_.see_camera(i, setup.pose(shown.newest->frame.stamp));
+      eye_.see_camera(i, setup.pose(shown.newest->frame.metadata));
       if (settings_.match_colors && setup.has_pose)
         colors_.show(i, shown.newest, posed_frame(setup, shown.newest->frame));
       arrived.push_back(i);
@@ -320,7 +320,7 @@ class Pipeline {
       if (!shown.is_fresh) continue;
       shown.is_fresh = false;
       const Received& frame = *shown.newest;
-      statistics_[i].shown(frame.frame.stamp.sequence,
+      statistics_[i].shown(frame.frame.metadata.sequence,
                            frame.times_believed ? std::optional(end - frame.captured_at) : std::nullopt);
     }
     return {};

@@ -1,6 +1,4 @@
 #version 450 core
-// checked with: -DGAP_INVERSE=0.0114 -DMAX_SLOPE=5.7
-//
 // A depth image as triangles (merge_rules.h, Surface): a flat block is drawn as two, other pixels are joined to their
 // neighbours where they lie on one surface. One invocation per pixel and the quad to its lower right.
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -16,7 +14,7 @@ layout(std430, binding = 0) buffer Command {
   uint base_instance;
 };
 layout(std430, binding = 1) writeonly buffer Indices { uint indices[]; };
-uniform float pixel_angle;  // radians between neighbours
+uniform float gap, slope;   // SurfaceLimits (merge_rules.h)
 uniform int largest_block;  // pixels a side; 1 joins every pixel
 
 shared uint group_triangles;
@@ -25,7 +23,7 @@ shared uint group_begin;
 bool joined(float p, float q, float r) {
   const float nearest = max(p, max(q, r));
   const float farthest = min(p, min(q, r));
-  return farthest > 0.0 && nearest - farthest <= GAP_INVERSE + MAX_SLOPE * pixel_angle * farthest;
+  return farthest > 0.0 && nearest - farthest <= gap + slope * farthest;
 }
 
 // Side of the largest flat block that a pixel lies in, 1 where there is none.

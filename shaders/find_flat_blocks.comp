@@ -1,6 +1,4 @@
 #version 450 core
-// checked with: -DPIXEL_TOLERANCE=0.0057 -DPLANE_TOLERANCE=0.0028 -DGAP_INVERSE=0.0114 -DMAX_SLOPE=5.7
-//
 // Planes of inverse depth fitted to blocks of 4, 8 and 16 pixels a side, each with the first pixels of its right and
 // lower neighbours; zeros where a block is not flat (flat_blocks.h). One group per block of 16, one invocation per block
 // of 4 in it.
@@ -11,7 +9,7 @@ layout(binding = 0, rgba32f) writeonly uniform image2D planes_4;  // w at the mi
 layout(binding = 1, rgba32f) writeonly uniform image2D planes_8;
 layout(binding = 2, rgba32f) writeonly uniform image2D planes_16;
 uniform float units_per_metre;
-uniform float pixel_angle;  // radians between neighbours
+uniform float gap, slope, planar, curvature;  // SurfaceLimits (merge_rules.h)
 
 shared vec3 quarters[4][4];
 shared vec3 halves[2][2];
@@ -40,11 +38,11 @@ vec3 fit(ivec2 begin) {
   }
   // Least squares on a 5 x 5 grid: offsets are -2..2, their squares sum to 10 in each of five rows.
   plane *= vec3(1.0 / 25.0, 1.0 / 50.0, 1.0 / 50.0);
-  if (abs(plane.y) + abs(plane.z) > GAP_INVERSE + MAX_SLOPE * pixel_angle * plane.x) return kNotFlat;
+  if (abs(plane.y) + abs(plane.z) > gap + slope * plane.x) return kNotFlat;
   for (int y = 0; y < 5; ++y) {
     for (int x = 0; x < 5; ++x) {
       const float here = dot(plane, vec3(1.0, float(x - 2), float(y - 2)));
-      if (abs(w[y][x] - here) > PIXEL_TOLERANCE) return kNotFlat;
+      if (abs(w[y][x] - here) > planar) return kNotFlat;
     }
   }
   return plane;
@@ -63,7 +61,7 @@ vec3 join(vec3 a, vec3 b, vec3 c, vec3 d, float side) {
                           ((c.x - a.x) + (d.x - b.x)) * (0.5 / side));
   const float worst = max(max(off(a, whole, side, vec2(-1.0, -1.0)), off(b, whole, side, vec2(1.0, -1.0))),
                           max(off(c, whole, side, vec2(-1.0, 1.0)), off(d, whole, side, vec2(1.0, 1.0))));
-  return worst <= PLANE_TOLERANCE ? whole : kNotFlat;
+  return worst <= curvature ? whole : kNotFlat;
 }
 
 void main() {

@@ -1,5 +1,5 @@
 #version 450 core
-// checked with: -DLAYERS=2 -DRANGE_PER_SQUARE=0.0043 -DTIE_RATIO=0.3
+// checked with: -DLAYERS=2 -DTIE_RATIO=0.3
 //
 // Of the cameras' fragments within the uncertainty range of the nearest one the best wins, blended where there is no
 // clear winner (merge_rules.h, Merge). One invocation per pixel of the view.
@@ -17,6 +17,8 @@ uniform vec2 w_near_far;  // 1/m, along the eye's axis
 uniform vec4 ray_from_pixel;            // xy * pixel + zw is (x, y) at z = 1 of the eye
 uniform vec4 source_axis[LAYERS];       // dot with (point in eye, 1): depth along that camera's axis, m
 uniform float calibration_error[LAYERS];  // m
+uniform float noise_per_square[LAYERS];   // m, times the square of the depth along that camera's axis
+uniform float precision_factor[LAYERS];   // of the quality index
 
 const uint kNoCamera = 255u;
 
@@ -26,22 +28,22 @@ void main() {
   const vec3 ray = vec3(vec2(at) * ray_from_pixel.xy + ray_from_pixel.zw, 1.0);
 
   vec3 color[LAYERS];
-  float cosine[LAYERS], z[LAYERS], source_z[LAYERS], quality[LAYERS];
+  float cosine[LAYERS], z[LAYERS], uncertainty[LAYERS], quality[LAYERS];
   int nearest = -1;
-  float nearest_z = 0.0, nearest_source_z = 0.0, nearest_error = 0.0;
+  float nearest_z = 0.0, nearest_uncertainty = 0.0;
   for (int i = 0; i < LAYERS; ++i) {
     const vec4 fragment = texelFetch(fragments, ivec3(at, i), 0);
     color[i] = fragment.rgb;
     cosine[i] = fragment.a;
     if (cosine[i] <= 0.0) continue;
     z[i] = 1.0 / mix(w_near_far.x, w_near_far.y, texelFetch(depths, ivec3(at, i), 0).r);
-    source_z[i] = dot(source_axis[i], vec4(ray * z[i], 1.0));
-    quality[i] = cosine[i] / (source_z[i] * source_z[i]);
+    const float source_z = dot(source_axis[i], vec4(ray * z[i], 1.0));
+    uncertainty[i] = noise_per_square[i] * (source_z * source_z) + calibration_error[i];
+    quality[i] = precision_factor[i] * cosine[i] / (source_z * source_z);
     if (nearest >= 0 && z[i] >= nearest_z) continue;
     nearest = i;
     nearest_z = z[i];
-    nearest_source_z = source_z[i];
-    nearest_error = calibration_error[i];
+    nearest_uncertainty = uncertainty[i];
   }
 
   float worth[LAYERS];
@@ -50,8 +52,7 @@ void main() {
   for (int i = 0; i < LAYERS; ++i) {
     worth[i] = 0.0;
     if (cosine[i] <= 0.0) continue;
-    const float range = RANGE_PER_SQUARE * (nearest_source_z * nearest_source_z + source_z[i] * source_z[i]) +
-                        nearest_error + calibration_error[i];
+    const float range = nearest_uncertainty + uncertainty[i];
     worth[i] = quality[i] * clamp(2.0 - 2.0 * (z[i] - nearest_z) / range, 0.0, 1.0);
     if (worth[i] <= best_worth) continue;
     best = uint(i);

@@ -1,5 +1,5 @@
 #version 450 core
-// checked with: -DLAYERS=2 -DAPART=0.0228 -DSHARE=0.25
+// checked with: -DLAYERS=2 -DSHARE=0.25
 //
 // Both sides of an outline along a row take a share of each other's colour (merge_rules.h, Outlines). One invocation
 // per pixel of the view.
@@ -11,6 +11,7 @@ layout(binding = 2) uniform sampler2D merged;
 layout(binding = 0, rgba8) writeonly uniform image2D softened;
 
 uniform vec2 w_near_far;  // 1/m, along the eye's axis
+uniform float apart;      // 1/m; an outline lies between neighbours farther apart than this
 
 // The nearest fragment's inverse depth, 0 where there is none.
 float nearest(ivec2 at) {
@@ -33,7 +34,7 @@ void main() {
     const ivec2 beside = ivec2(at.x + side, at.y);
     if (w <= 0.0 || beside.x < 0 || beside.x >= size.x) continue;
     const float other = nearest(beside);
-    if (other > 0.0 && abs(w - other) > APART) color += SHARE * (texelFetch(merged, beside, 0).rgb - own.rgb);
+    if (other > 0.0 && abs(w - other) > apart) color += SHARE * (texelFetch(merged, beside, 0).rgb - own.rgb);
   }
   imageStore(softened, at, vec4(color, own.a));
 }

@@ -3,7 +3,7 @@
 // What a Kinect v1 makes of the dots that come back to it (projected_dots.h): levels of an eighth of a pixel of disparity,
 // correlated errors, ragged edges, and holes.
 //
-//   levels        a Kinect knows only z = 351.3 m / k for whole k; 632 of them lie between 0.5 m and 5 m
+//   levels        a Kinect reports only z = kLevelConstant / k for whole k; 632 of them lie between 0.5 m and 5 m
 //   errors        of the disparity before rounding: a fixed pattern per camera and a part that changes with each frame, both
 //                 alike over several pixels, since the sensor correlates windows; together half a level
 //   edges         depth is taken from up to two pixels beside, differently in each frame

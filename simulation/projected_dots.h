@@ -6,13 +6,15 @@
 // Thread: free functions on values, safe anywhere.
 
 #include "common/frame/camera_model.h"
+#include "common/frame/depth_unit.h"
 #include "common/frame/image.h"
 #include "simulation/true_view.h"
 
 namespace copresence::simulation {
 
 inline constexpr double kProjectorBaseline = 0.075;  // metres
-inline constexpr double kLevelConstant = 351.3;      // metres: z of level k is this over k
+/// Metres: the depth of disparity level k is this over k.
+inline constexpr double kLevelConstant = kKinectV1Noise.disparity_constant_m;
 
 /// Width in pixels of the shadow that something at z_near throws on something at z_far, metres.
 constexpr double shadow_width_px(double fx, double z_near, double z_far) {

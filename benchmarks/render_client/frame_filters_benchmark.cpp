@@ -29,7 +29,7 @@ std::vector<RgbdFrame> noisy_frames(int turn_px) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
         const double z = 1.5 + 2.0 * x / kWidth;
-        frame.depth(x, y) = static_cast<std::uint16_t>(1000 * (z + level(random) * sensor_step_m(z)));
+        frame.depth(x, y) = static_cast<std::uint16_t>(1000 * (z + level(random) * kKinectV1Noise.step_m(z)));
         const auto gray = static_cast<std::uint8_t>(((x + turned) ^ y) % 200 + 10 + grain(random));
         (*frame.color)(x, y) = {gray, gray, gray};
         if (!lost(random)) continue;
@@ -58,14 +58,14 @@ void run(benchmark::State& state, const std::vector<RgbdFrame>& frames, Filter f
 void temporal_filter(benchmark::State& state) {
   TemporalFilter filter;
   run(state, noisy_frames(static_cast<int>(state.range(0))),
-      [&](RgbdFrame& frame) { filter.apply(frame, DepthUnit::kMillimetre); });
+      [&](RgbdFrame& frame) { filter.apply(frame, DepthUnit::kMillimetre, kKinectV1Noise); });
 }
 BENCHMARK(temporal_filter)->ArgName("turn_px")->Arg(0)->Arg(5)->Unit(benchmark::kMillisecond);
 
 void depth_smoothing(benchmark::State& state) {
   DepthSmoothing smoothing;
   run(state, noisy_frames(0),
-      [&](RgbdFrame& frame) { smoothing.smooth(frame.depth, DepthUnit::kMillimetre); });
+      [&](RgbdFrame& frame) { smoothing.smooth(frame.depth, DepthUnit::kMillimetre, kKinectV1Noise); });
 }
 BENCHMARK(depth_smoothing)->Unit(benchmark::kMillisecond);
 

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "capture_server/drivers/contract/device_properties.h"
-#include "common/frame/nominal_camera.h"
+#include "common/frame/camera_model.h"
 
 namespace copresence::sensor {
 

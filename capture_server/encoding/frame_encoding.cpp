@@ -54,13 +54,14 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
 
   auto registration = registration::Registration::open(
       {sensor.depth, sensor.has_color ? std::optional(sensor.color) : std::nullopt, sensor.color_from_depth,
-       sensor.unit, sensor.registered});
+       sensor.unit, sensor.registered, sensor.noise});
   if (!registration) return fail(registration.error());
   const CameraModel& model = registration->model();
   auto filler = hole_filling::open(settings.hole_filling, settings.compute,
-                                   {model.width, model.height, sensor.unit, settings.range});
+                                   {model.width, model.height, sensor.unit, settings.range, sensor.noise});
   if (!filler) return fail(filler.error());
-  auto depth = depth::Encoder::open(settings.codec, {model.width, model.height, sensor.unit, settings.range});
+  auto depth = depth::Encoder::open(settings.codec,
+                                    {model.width, model.height, sensor.unit, settings.range, sensor.noise});
   if (!depth) return fail(depth.error());
   depth->set_sensor_levels(sensor.levels);  // registration leaves depth as it was measured
   depth->set_lossless(settings.rates.is_lossless());
@@ -70,6 +71,7 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   stream.model = model;
   stream.unit = sensor.unit;
   stream.range = settings.range;
+  stream.noise = sensor.noise;
   stream.frames_per_second = sensor.frames_per_second;
   stream.has_color = sensor.has_color;
   stream.has_pose = sensor.world_from_camera.has_value();
@@ -102,7 +104,7 @@ Result<void> FrameEncoding::set_rates(const EncoderSettings& rates) {
 Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Executor* workers) {
   using std::chrono::steady_clock;
   keyframe = std::exchange(keyframe_due_, false) || keyframe;
-  frame.stamp.world_from_camera = description_.world_from_camera;
+  frame.metadata.world_from_camera = description_.world_from_camera;
   const Instant begin = steady_clock::now();
   frame = registration_.apply(std::move(frame));
   clip_to_range(frame, to_units(description_.range, description_.unit));
@@ -116,7 +118,7 @@ Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Execu
   };
   const bool fills_here = !filler_->is_free_of_threads();
   if (fills_here) fill();
-  PlanarFrame planar{frame.stamp, {}, std::nullopt, frame.durations};
+  PlanarFrame planar{frame.metadata, {}, std::nullopt, frame.durations};
   const auto half = [&](int number, int) {
     if (number == 0) {
       if (!fills_here) fill();
@@ -125,7 +127,7 @@ Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Execu
       planes = steady_clock::now();
     } else {
       color::rgb_to_yuv420(*frame.color, planar.color.emplace());
-      video_.encode_color_ahead(planar.stamp.sequence, *planar.color, keyframe);
+      video_.encode_color_ahead(planar.metadata.sequence, *planar.color, keyframe);
     }
   };
   InlineExecutor alone;

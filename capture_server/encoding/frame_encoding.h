@@ -13,7 +13,7 @@
 #include "capture_server/settings.h"
 #include "common/depth/depth_codec.h"
 #include "common/executor.h"
-#include "common/frame/encoded_frame.h"
+#include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/scene/scene.h"
 #include "common/video/frame_encoder.h"

@@ -3,8 +3,8 @@
 // The numbers that all fillers share, so that CPU and GL agree and docs/internals/hole_filling.md has one place to
 // quote.
 //
-// Inside this room depth is measured in sensor steps: s = 351.3 m / z. One step is the distance between
-// neighbouring depth levels of a Kinect wherever it is measured, so one threshold serves near and far; and
+// Inside this room depth is measured in disparity steps: s = disparity constant / z (DepthNoise). One step is the distance between
+// neighbouring depth levels of the sensor wherever it is measured, so one threshold serves near and far; and
 // planes are exactly linear in s over the image, which plain depth is not. Larger is nearer; 0 means no
 // depth.
 
@@ -12,9 +12,9 @@
 
 namespace copresence::hole_filling {
 
-/// Steps times units of depth: s = steps_times_units(unit) / depth, and back.
-constexpr float steps_times_units(DepthUnit unit) {
-  return static_cast<float>(351.3 / metres_per_unit(unit));
+/// Steps times units of depth: s = steps_times_units(unit, noise) / depth, and back.
+constexpr float steps_times_units(DepthUnit unit, const DepthNoise& noise) {
+  return static_cast<float>(noise.disparity_constant_m / metres_per_unit(unit));
 }
 
 /// A hole is closed where measured depth lies on both its sides in its row or in its column, at most this

@@ -63,20 +63,21 @@ class OwnContext final : public HoleFiller {
 
 Result<GlJointFilling::Programs> GlJointFilling::compile(gl::Context& context, const FrameFormat& format) {
   static_assert(kCellPx == 4 && kWindowPx == 2, "written out in the shaders");
-  const std::array defines = {Define{"WIDEST_GAP", std::to_string(kWidestGapPx)},
-                              Define{"BORDER", std::to_string(kWidestGapPx - kWidestAtBorderPx)},
-                              Define{"ONE_SURFACE", literal(kOneSurface)},
-                              Define{"STEPS_TIMES_UNITS", literal(steps_times_units(format.unit))},
-                              Define{"CELL_ENOUGH", std::to_string(kCellEnough)},
-                              Define{"STEEPEST", literal(kSteepest)},
-                              Define{"REACH_CELLS", std::to_string(kReachCells)},
-                              Define{"LINKED", literal(kLinked)},
-                              Define{"WORTH_PIXELS", std::to_string(kWorthPixels)},
-                              Define{"SHADOW_PX_PER_STEP", literal(kShadowPxPerStep)},
-                              Define{"SHADOW_SLACK_PX", literal(kShadowSlackPx)},
-                              Define{"SAME_SURFACE", literal(kSameSurface)},
-                              Define{"GUESS_WEIGHT", literal(kGuessWeight)},
-                              Define{"COLOR_SIGMA", literal(kColorSigma)}};
+  const std::array defines = {
+      Define{"WIDEST_GAP", std::to_string(kWidestGapPx)},
+      Define{"BORDER", std::to_string(kWidestGapPx - kWidestAtBorderPx)},
+      Define{"ONE_SURFACE", literal(kOneSurface)},
+      Define{"STEPS_TIMES_UNITS", literal(steps_times_units(format.unit, format.noise))},
+      Define{"CELL_ENOUGH", std::to_string(kCellEnough)},
+      Define{"STEEPEST", literal(kSteepest)},
+      Define{"REACH_CELLS", std::to_string(kReachCells)},
+      Define{"LINKED", literal(kLinked)},
+      Define{"WORTH_PIXELS", std::to_string(kWorthPixels)},
+      Define{"SHADOW_PX_PER_STEP", literal(kShadowPxPerStep)},
+      Define{"SHADOW_SLACK_PX", literal(kShadowSlackPx)},
+      Define{"SAME_SURFACE", literal(kSameSurface)},
+      Define{"GUESS_WEIGHT", literal(kGuessWeight)},
+      Define{"COLOR_SIGMA", literal(kColorSigma)}};
   const auto make = [&](std::string_view source) { return gl::Program::compute(context, source, defines); };
   auto find_fillable = make(shaders::hole_filling_fillable_comp);
   if (!find_fillable) return fail(find_fillable.error());

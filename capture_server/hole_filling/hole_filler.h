@@ -40,6 +40,7 @@ struct FrameFormat {
   int width = 640, height = 480;  ///< pixels
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthRange range;  ///< holes are never filled with depth outside it
+  DepthNoise noise = {};
 };
 
 class HoleFiller {

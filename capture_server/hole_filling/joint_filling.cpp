@@ -119,7 +119,7 @@ CellRow units_on(const Plane& plane, const Support& support, int y, float steps_
 }  // namespace
 
 JointFilling::JointFilling(const FrameFormat& format)
-    : steps_times_units_(steps_times_units(format.unit)),
+    : steps_times_units_(steps_times_units(format.unit, format.noise)),
       range_(to_units(format.range, format.unit)),
       cells_(format.width, format.height) {}
 

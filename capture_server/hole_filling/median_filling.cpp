@@ -29,7 +29,7 @@ void for_window(const std::uint16_t* middle, int stride, int radius, Visit visit
 MedianFilling::MedianFilling(const FrameFormat& format)
     : width_(format.width),
       height_(format.height),
-      steps_times_units_(steps_times_units(format.unit)),
+      steps_times_units_(steps_times_units(format.unit, format.noise)),
       range_(to_units(format.range, format.unit)),
       stride_(format.width + 2 * kMargin + kLanes),
       depths_(static_cast<std::size_t>(stride_) * (format.height + 2 * kMargin)) {}

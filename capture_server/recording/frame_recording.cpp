@@ -48,7 +48,7 @@ Result<FrameRecording> FrameRecording::open(const std::string& path, const senso
 Result<void> FrameRecording::note_start(const RgbdFrame& first, microseconds offset) {
   if (std::exchange(start_is_noted_, true)) return {};
   if (sensor_unix_zero_us_) return writer_.note_unix_zero(*sensor_unix_zero_us_ - offset.count());
-  const auto ago = std::chrono::steady_clock::now() - first.stamp.captured_at;
+  const auto ago = std::chrono::steady_clock::now() - first.metadata.captured_at;
   const auto captured = std::chrono::system_clock::now().time_since_epoch() - ago;
   const auto zero = std::chrono::duration_cast<microseconds>(captured) - first.sensor_times.depth - offset;
   return writer_.note_unix_zero(zero.count());
@@ -62,7 +62,7 @@ Result<void> FrameRecording::finish() {
 
 Result<void> FrameRecording::write(const RgbdFrame& frame) {
   const SensorTimes& times = frame.sensor_times;
-  const microseconds offset = clock_.offset_for(times.depth, frame.stamp.captured_at);
+  const microseconds offset = clock_.offset_for(times.depth, frame.metadata.captured_at);
   if (auto noted = note_start(frame, offset); !noted) return noted;
   if (auto written = writer_.write_depth(times.depth + offset, frame.depth); !written) return written;
   ++frames_;

@@ -18,7 +18,7 @@ constexpr milliseconds kSayEvery{5000};
 // What a recording needs of a frame: one that holds nothing else.
 RgbdFrame copy_for_recording(const RgbdFrame& frame) {
   RgbdFrame copy;
-  copy.stamp = frame.stamp;
+  copy.metadata = frame.metadata;
   copy.depth = frame.depth;
   if (!frame.sensor_times.color_is_repeated) copy.color = frame.color;
   copy.sensor_times = frame.sensor_times;
@@ -104,7 +104,7 @@ void RecordingThread::write(const RgbdFrame& frame) {
     stop_recording(written.error());
   } else if (const Instant now = steady_clock::now(); now >= said_refused_at_ + kSayEvery) {
     said_refused_at_ = now;
-    spdlog::warn("frame {} is left out of the recording: {}", frame.stamp.sequence, written.error().what);
+    spdlog::warn("frame {} is left out of the recording: {}", frame.metadata.sequence, written.error().what);
   }
 }
 

@@ -15,8 +15,8 @@ constexpr float kFarAway = std::numeric_limits<float>::max();
 
 /// Surfaces this much behind the nearest one are hidden by it: six sensor steps, and what a slanted surface
 /// changes from one pixel to the next.
-float hidden_beyond(float z) {
-  return z + 0.02f + 6 * static_cast<float>(sensor_step_m(z));
+float hidden_beyond(float z, const DepthNoise& noise) {
+  return z + 0.02f + 6 * static_cast<float>(noise.step_m(z));
 }
 
 /// For what is not negative. std::lround is a call, for every pixel.
@@ -64,6 +64,7 @@ Result<Registration> Registration::open(const SensorCameras& cameras) {
   Registration registration;
   registration.depth_ = cameras.depth;
   registration.metres_per_unit_ = static_cast<float>(metres_per_unit(cameras.unit));
+  registration.noise_ = cameras.noise;
   if (!cameras.color) return registration;
 
   if (auto valid = check(*cameras.color); !valid) return fail(valid.error());
@@ -186,7 +187,7 @@ bool Registration::is_visible(std::size_t at) const {
   const int y = rounded(v * float(depth_.height) / float(color_.height));
   const std::size_t cell = static_cast<std::size_t>(std::min(y, depth_.height - 1)) * depth_.width +
                            static_cast<std::size_t>(std::min(x, depth_.width - 1));
-  return z_[at] <= hidden_beyond(nearest_z_[cell]);
+  return z_[at] <= hidden_beyond(nearest_z_[cell], noise_);
 }
 
 void Registration::color_row(const ColorImage& from, int y, std::span<Rgb8> to) {

@@ -25,6 +25,7 @@ struct SensorCameras {
   Rigid3 color_from_depth;           ///< metres; ignored where `registered`
   DepthUnit unit = DepthUnit::kMillimetre;
   bool registered = false;  ///< the driver delivers depth as seen by the colour camera
+  DepthNoise noise = {};
 };
 
 class Registration {
@@ -64,6 +65,7 @@ class Registration {
   CameraModel depth_, color_;
   bool has_color_ = false;
   float metres_per_unit_ = 0.001f;
+  DepthNoise noise_;
   Eigen::Vector3f translation_{0, 0, 0};
   int footprint_ = 2;  ///< pixels of the nearest-depth image that one depth pixel covers, each way
 

@@ -324,10 +324,10 @@ Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
     frame.durations.capture += pair->color->copy->durations.capture;
   }
   frame.sensor_times = Pairing::times_of(*pair);
-  frame.stamp.sequence = ++counters_.frames;
+  frame.metadata.sequence = ++counters_.frames;
   if (counters_.frames == kSettledAfter) fix_controls();
-  frame.stamp.captured_at = pair->depth.at;
-  frame.stamp.world_from_camera = description_.world_from_camera.value_or(Rigid3{});
+  frame.metadata.captured_at = pair->depth.at;
+  frame.metadata.world_from_camera = description_.world_from_camera.value_or(Rigid3{});
   if (description_.has_color && !pair->same_instant) ++counters_.depth_without_color;
   return frame;
 }

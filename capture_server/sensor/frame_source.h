@@ -33,6 +33,7 @@ struct SensorDescription {
   std::string uri;   ///< of a device: what open_device() takes for this very one
   CameraModel depth;
   DepthUnit unit = DepthUnit::kMillimetre;
+  DepthNoise noise;         ///< a Kinect v1's: no driver or recording reports its sensor's
   bool has_color = false;   ///< where false, `color` is meaningless and no frame has colour
   CameraModel color;        ///< before registration: the colour camera's own
   Rigid3 color_from_depth;  ///< metres; identity where registered

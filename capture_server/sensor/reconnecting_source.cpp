@@ -68,7 +68,7 @@ Result<RgbdFrame> ReconnectingSource::next(std::stop_token stop) {
   }
   auto frame = source_->next(stop);
   if (frame) {
-    frame->stamp.sequence += before_.frames;
+    frame->metadata.sequence += before_.frames;
     return frame;
   }
   if (may_pass(frame.error())) {

@@ -417,15 +417,15 @@ Result<RgbdFrame> RecordingSource::next(std::stop_token stop) {
   if (pair->color) copy_color(*pair->color, recording_.description.color, frame);
   const Instant ready = steady_clock::now();
   frame.durations.capture = ready - begin;
-  frame.stamp.captured_at = ready;
+  frame.metadata.captured_at = ready;
   if (keeps_pace) {
     wait_until(due, stop);
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
-    frame.stamp.captured_at = steady_clock::now();
+    frame.metadata.captured_at = steady_clock::now();
   }
   frame.sensor_times = Pairing::times_of(*pair);
-  frame.stamp.sequence = ++counters_.frames;
-  frame.stamp.world_from_camera = recording_.description.world_from_camera.value_or(Rigid3{});
+  frame.metadata.sequence = ++counters_.frames;
+  frame.metadata.world_from_camera = recording_.description.world_from_camera.value_or(Rigid3{});
   if (recording_.description.has_color && !pair->same_instant) ++counters_.depth_without_color;
   return frame;
 }

@@ -4,7 +4,7 @@
 
 #include "capture_server/drivers/simulated/simulated_uri.h"
 #include "capture_server/recording/oni_check.h"
-#include "common/frame/nominal_camera.h"
+#include "common/frame/camera_model.h"
 
 namespace copresence {
 namespace {

@@ -127,7 +127,7 @@ std::uint32_t crc_of_all(std::span<const std::uint8_t> payload, const std::vecto
 
 std::size_t side_data_bytes(const SideData& data) {
   const std::size_t payload = kFixedBytes + (data.world_from_camera ? kPoseBytes : 0) + data.table.size() +
-                              (data.samples.empty() ? 0 : kSizeBytes + data.samples.size()) +
+                              (data.residuals.empty() ? 0 : kSizeBytes + data.residuals.size()) +
                               data.validity_mask.size();
   return payload + payload / 255 + kFramingBytes;
 }
@@ -146,8 +146,8 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
   writer.number(kLayoutVersion);
   writer.number(static_cast<std::uint8_t>((data.has_color ? kHasColor : 0) |
                                           (data.world_from_camera ? kHasPose : 0) |
-                                          (data.samples.empty() ? 0 : kHasSamples)));
-  writer.number(data.quantiser);
+                                          (data.residuals.empty() ? 0 : kHasSamples)));
+  writer.number(data.qp);
   writer.number(data.sequence);
   writer.number(data.previous);
   writer.number(static_cast<std::uint64_t>(
@@ -155,9 +155,9 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
   if (data.world_from_camera) write_pose(writer, *data.world_from_camera);
   writer.number(static_cast<std::uint32_t>(data.table.size()));
   writer.append(data.table);
-  if (!data.samples.empty()) {
-    writer.number(static_cast<std::uint32_t>(data.samples.size()));
-    writer.append(data.samples);
+  if (!data.residuals.empty()) {
+    writer.number(static_cast<std::uint32_t>(data.residuals.size()));
+    writer.append(data.residuals);
   }
   writer.append(data.validity_mask);
   const std::uint32_t crc = crc_of_all(writer.bytes, *depth_nals, *color_nals);
@@ -210,7 +210,7 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   }
   SideData data;
   data.has_color = (flags & kHasColor) != 0;
-  data.quantiser = reader.number<std::uint8_t>();
+  data.qp = reader.number<std::uint8_t>();
   data.sequence = reader.number<std::uint64_t>();
   data.previous = reader.number<std::uint64_t>();
   const auto captured_at = instant_from_nanoseconds(reader.number<std::uint64_t>());
@@ -228,7 +228,7 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   data.table.assign(table.begin(), table.end());
   if (flags & kHasSamples) {
     const auto samples = reader.take(reader.number<std::uint32_t>());
-    data.samples.assign(samples.begin(), samples.end());
+    data.residuals.assign(samples.begin(), samples.end());
     if (samples.empty())
       return fail(ErrorCode::kCorrupt, "the side data of an access unit lacks its samples");
   }

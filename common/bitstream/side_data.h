@@ -23,11 +23,11 @@ struct SideData {
   std::uint64_t sequence = 0;
   std::uint64_t previous = 0;  ///< sequence of the frame this one builds on; 0: on none, it is a keyframe
   Instant captured_at{};       ///< on the capture process's monotonic clock, at or after its zero
-  std::uint8_t quantiser = 0;  ///< of the depth picture; 0: without loss
+  std::uint8_t qp = 0;         ///< of the depth picture; 0: lossless
   bool has_color = false;      ///< a colour access unit belongs to this frame
   std::optional<Rigid3> world_from_camera;  ///< nothing: as in the frame before
   std::vector<std::uint8_t> table;
-  std::vector<std::uint8_t> samples;  ///< of depth coded without loss; then the picture shows nothing
+  std::vector<std::uint8_t> residuals;  ///< depth coded without loss; the picture is blank then
   std::vector<std::uint8_t> validity_mask;
 
   friend bool operator==(const SideData&, const SideData&) = default;

@@ -23,9 +23,10 @@ constexpr std::size_t kSampling = 37;  // looks at every 37th pixel: odd, so tha
 
 }  // namespace
 
-BackgroundFill::BackgroundFill(int width, int height, DepthRangeUnits range, DepthUnit unit)
+BackgroundFill::BackgroundFill(int width, int height, DepthRangeUnits range, DepthUnit unit,
+                               const DepthNoise& noise)
     : range_(range),
-      steps_per_inverse_unit_(1.0 / (sensor_step_m(1.0) * metres_per_unit(unit))),
+      steps_per_inverse_unit_(1.0 / (noise.step_m(1.0) * metres_per_unit(unit))),
       depth_(width, height, range.far),
       earlier_(width, height, range.far),
       states_(width, height, DepthState::kHole) {}

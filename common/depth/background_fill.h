@@ -16,7 +16,7 @@ namespace copresence::depth {
 
 class BackgroundFill {
  public:
-  BackgroundFill(int width, int height, DepthRangeUnits range, DepthUnit unit);
+  BackgroundFill(int width, int height, DepthRangeUnits range, DepthUnit unit, const DepthNoise& noise);
 
   /// Takes a frame in: everything outside the range counts as a hole. Afterwards depth() and states() hold
   /// it. Requires the shape given to the constructor.

@@ -44,7 +44,7 @@ struct Encoder::Parts {
       : planes(std::move(planes_)),
         description(planes->description()),
         format(format_),
-        completion(format.width, format.height, format.units(), format.unit),
+        completion(format.width, format.height, format.units(), format.unit, format.noise),
         mask(format.width, format.height) {}
 
   std::unique_ptr<PlaneEncoder> planes;
@@ -52,7 +52,7 @@ struct Encoder::Parts {
   DepthFormat format;
   BackgroundFill completion;
   ValidityMaskEncoder mask;
-  std::optional<ResidualEncoder> samples;  // where pictures are coded without loss and monochrome
+  std::optional<ResidualEncoder> residuals;  // where pictures are coded without loss and monochrome
   ChainedChecksum seal;
   std::uint8_t coding = kThroughVideo;
   bool lossless = false;
@@ -87,8 +87,8 @@ void Encoder::set_lossless(bool lossless) {
   parts.coding = exact ? kAsSamples : kThroughVideo;
   parts.planes->set_lossless(lossless);
   parts.keyframe_due = true;
-  parts.samples.reset();
-  if (exact) parts.samples.emplace(parts.description.format, parts.format.width, parts.format.height);
+  parts.residuals.reset();
+  if (exact) parts.residuals.emplace(parts.description.format, parts.format.width, parts.format.height);
 }
 
 Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& states, bool keyframe) {
@@ -101,11 +101,11 @@ Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& s
   if (!encoded) return fail(encoded.error());
   out.validity_mask.push_back(parts.coding);
   parts.mask.encode(parts.completion.states(), out.keyframe, out.validity_mask);
-  if (parts.samples) {
-    parts.samples->encode(out.picture, parts.completion.states(), out.keyframe, out.samples);
+  if (parts.residuals) {
+    parts.residuals->encode(out.picture, parts.completion.states(), out.keyframe, out.residuals);
     out.picture = Picture();
   }
-  parts.seal.close(out.keyframe, out.table, out.samples, out.validity_mask);
+  parts.seal.close(out.keyframe, out.table, out.residuals, out.validity_mask);
   parts.keyframe_due = false;
   return out;
 }
@@ -116,8 +116,8 @@ struct Decoder::Parts {
         format(format_),
         picture(picture_),
         mask(format.width, format.height),
-        samples(is_monochrome(picture) ? picture : PixelFormat::kGray8, format.width, format.height),
-        repair(format.unit),
+        residuals(is_monochrome(picture) ? picture : PixelFormat::kGray8, format.width, format.height),
+        repair(format.unit, format.noise),
         repair_from(picture == PixelFormat::kGray10 ? kRepairFrom + kTenBits : kRepairFrom) {}
 
   bool is_ours(const Picture& other) const {
@@ -128,7 +128,7 @@ struct Decoder::Parts {
   DepthFormat format;
   PixelFormat picture;
   ValidityMaskDecoder mask;
-  ResidualDecoder samples;
+  ResidualDecoder residuals;
   PlanarDepth exact;  // a frame whose picture came as samples, since the last keyframe
   EdgeRepair repair;
   int repair_from;  // quantiser
@@ -161,12 +161,12 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
     parts.seal.break_chain();
     return fail(ErrorCode::kCorrupt, why);
   };
-  const auto mask = parts.seal.open(planes.keyframe, planes.table, planes.samples, planes.validity_mask);
+  const auto mask = parts.seal.open(planes.keyframe, planes.table, planes.residuals, planes.validity_mask);
   if (!mask)
     return damaged("state mask, level table or samples are damaged, or a frame is missing before them");
   const std::uint8_t coding = mask->empty() ? std::uint8_t{255} : mask->front();
   const bool exact = coding == kAsSamples;
-  if (coding > kAsSamples || exact == planes.samples.empty() || (exact && !is_monochrome(parts.picture))) {
+  if (coding > kAsSamples || exact == planes.residuals.empty() || (exact && !is_monochrome(parts.picture))) {
     return damaged("a state mask does not say how its picture is coded");
   }
   if (!exact && !parts.is_ours(planes.picture)) {
@@ -178,7 +178,7 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
       return damaged("samples build on frames that had none");
     parts.exact.keyframe = planes.keyframe;
     parts.exact.table = planes.table;
-    parts.samples.decode(planes.samples, states, planes.keyframe, parts.exact.picture);
+    parts.residuals.decode(planes.residuals, states, planes.keyframe, parts.exact.picture);
   } else {
     parts.exact.picture = Picture();
   }
@@ -187,7 +187,7 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
     parts.seal.break_chain();
     return fail(decoded.error());
   }
-  if (planes.quantiser >= parts.repair_from) parts.repair.repair(depth);
+  if (planes.qp >= parts.repair_from) parts.repair.repair(depth);
   std::uint16_t* const z = depth.data();
   const DepthState* const state = states.data();
   const std::size_t size = depth.pixels().size();

@@ -16,8 +16,8 @@
 #include <string_view>
 
 #include "common/depth/depth_format.h"
+#include "common/frame/coded_frame.h"
 #include "common/frame/image.h"
-#include "common/frame/planar_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "common/frame/bounds.h"
+
 namespace copresence::depth {
 
 Result<void> check(const DepthFormat& format) {
@@ -20,7 +22,7 @@ Result<void> check(const DepthFormat& format) {
   } else if (format.units().near >= format.units().far) {
     why << "the depth range " << near_m << ":" << far_m << " m holds no two values of the stream's 16 bits";
   } else {
-    return {};
+    return check_noise(format.noise);
   }
   return fail(ErrorCode::kInvalid, why.str());
 }

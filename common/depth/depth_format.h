@@ -12,6 +12,7 @@ struct DepthFormat {
   int height = 0;
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthRange range;
+  DepthNoise noise = {};
 
   DepthRangeUnits units() const { return to_units(range, unit); }
 };

@@ -15,8 +15,8 @@ constexpr float kSureShare =
 
 }  // namespace
 
-EdgeRepair::EdgeRepair(DepthUnit unit)
-    : steps_per_inverse_unit_(static_cast<float>(1.0 / (sensor_step_m(1.0) * metres_per_unit(unit)))) {}
+EdgeRepair::EdgeRepair(DepthUnit unit, const DepthNoise& noise)
+    : steps_per_inverse_unit_(static_cast<float>(1.0 / (noise.step_m(1.0) * metres_per_unit(unit)))) {}
 
 void EdgeRepair::repair(DepthImage& depth) {
   const int width = depth.width(), height = depth.height();

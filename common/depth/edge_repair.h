@@ -16,7 +16,7 @@ namespace copresence::depth {
 
 class EdgeRepair {
  public:
-  explicit EdgeRepair(DepthUnit unit);
+  EdgeRepair(DepthUnit unit, const DepthNoise& noise);
 
   /// Repairs along rows, then along columns. Requires no zeros.
   void repair(DepthImage& depth);

@@ -1,13 +1,14 @@
 #pragma once
 
-// Bounds of numbers that come from strangers: over the wire, in a stream's side data, in a file. What passes
-// can be added to and subtracted from another number of its kind without overflow.
+// Bounds for numbers from untrusted input: the wire, a stream's side data, files. Two numbers of a kind within
+// these bounds can be added and subtracted without overflow.
 //
 // Thread: pure.
 
 #include <cstdint>
 #include <optional>
 
+#include "common/frame/depth_unit.h"
 #include "common/frame/rgbd_frame.h"
 #include "common/result.h"
 
@@ -21,11 +22,14 @@ inline bool is_within_bounds(std::uint64_t number) {
   return number < kNumberBound;
 }
 
-/// An instant from its clock's nanoseconds; nothing beyond the bound, nor for a negative number read as an
-/// unsigned one.
+/// The instant that is so many nanoseconds after its clock's zero; nothing if the number is out of bounds. A
+/// negative number that was read as unsigned is out of bounds, too.
 std::optional<Instant> instant_from_nanoseconds(std::uint64_t nanoseconds);
 
 /// A rigid transform with a translation of at most 10 km along each axis. Fails with kInvalid.
 Result<void> check_pose(const Rigid3& world_from_camera);
+
+/// A sensor's noise within the ranges of DepthNoise. Fails with kInvalid.
+Result<void> check_noise(const DepthNoise& noise);
 
 }  // namespace copresence

@@ -29,7 +29,8 @@ Eigen::Vector2d distort(const std::array<double, 8>& k, const Eigen::Vector2d& p
           y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y};
 }
 
-// The derivatives of distort(); the matrix is symmetric. `is_regular`: the distortion is one-to-one around the point.
+// The derivatives of distort(), a symmetric matrix. `is_regular` is true if the distortion is one-to-one around the
+// point.
 struct Jacobian {
   double xx, xy, yy;
   bool is_regular;
@@ -52,9 +53,9 @@ struct Jacobian {
   }
 };
 
-// Inverts distort() by Newton's method, from the optical axis outwards. Each step is halved until it reduces the error
-// and stays where the distortion is one-to-one: beyond a fold lies another ray that leads to the same pixel.
-// Returns the best point found where no ray leads there.
+// Inverts distort() by Newton's method, starting at the optical axis. Each step is halved until it reduces the error
+// and stays where the distortion is one-to-one. Beyond a fold of the distortion another ray leads to the same pixel.
+// If no ray leads there, the result is the best point found.
 Eigen::Vector2d undistort(const std::array<double, 8>& k, const Eigen::Vector2d& distorted) {
   constexpr int kSteps = 50, kHalvings = 20;
   constexpr double kExact = 1e-24;  // squared error; 1e-9 px at a focal length of 1000 px
@@ -74,8 +75,8 @@ Eigen::Vector2d undistort(const std::array<double, 8>& k, const Eigen::Vector2d&
   return p;
 }
 
-// True if sum of c[i] x^i is above 0 everywhere in [0, end]. Exact up to rounding: with only positive Bernstein
-// coefficients a polynomial is positive; else the interval is cut in half, and each half is looked at.
+// True if the sum of c[i] x^i is above 0 everywhere in [0, end]; exact up to rounding. A polynomial whose Bernstein
+// coefficients are all positive is positive. Otherwise the interval is bisected and both halves are tested.
 template <std::size_t kSize>
 bool is_positive(const std::array<double, kSize>& c, double end) {
   const auto bernstein_positive = [](const std::array<double, kSize>& b, int depth,
@@ -109,8 +110,8 @@ bool is_positive(const std::array<double, kSize>& c, double end) {
 // Up to distance r from the axis the radial distortion has no pole, and its derivative lies between 0 and kMostStretch.
 // With x = r^2, the derivative of r A(x) / B(x) is (A B + 2 x (A' B - A B')) / B^2.
 bool grows_smoothly(const std::array<double, 8>& k, double r) {
-  constexpr double kMostStretch =
-      4;  // real lenses magnify their rim at most about twice as much as their middle
+  // Real lenses magnify the rim of the picture at most about twice as much as its middle.
+  constexpr double kMostStretch = 4;
   const std::array<double, 4> a{1, k[0], k[1], k[4]}, b{1, k[5], k[6], k[7]};
   std::array<double, 7> growth{}, room{};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -124,11 +125,12 @@ bool grows_smoothly(const std::array<double, 8>& k, double r) {
   return is_positive(b, end) && is_positive(growth, end) && is_positive(room, end);
 }
 
-// Polynomials fitted to few corners fold, or have a pole, where no corner was.
+// True if different rays lead to different pixels. A polynomial that was fitted to few corners may fold, or have a
+// pole, in parts of the picture without corners.
 bool is_one_to_one(const CameraModel& camera) {
   const double reach_x = std::max(std::abs(camera.cx), std::abs(camera.width - 1 - camera.cx)) / camera.fx,
                reach_y = std::max(std::abs(camera.cy), std::abs(camera.height - 1 - camera.cy)) / camera.fy;
-  // The ray of the picture's farthest corner, as if distortion were radial only.
+  // The ray of the picture's farthest corner, for radial distortion alone.
   const double corner = std::hypot(reach_x, reach_y);
   constexpr int kSteps = 100, kFarthest = 10 * kSteps;
   int step = 1;
@@ -138,7 +140,7 @@ bool is_one_to_one(const CameraModel& camera) {
   };
   while (step < kFarthest && !(appears(step) >= corner)) ++step;
   if (step == kFarthest || !grows_smoothly(camera.distortion, corner * step / kSteps)) return false;
-  // Tangential distortion can fold the picture, too: unproject() must find the way back all along the rim.
+  // Tangential distortion can fold the picture, too, so unproject() must invert project() all along the rim.
   constexpr int kSides = 8;
   for (int i = 0; i <= kSides; ++i) {
     const double x = (camera.width - 1.0) * i / kSides, y = (camera.height - 1.0) * i / kSides;
@@ -173,6 +175,22 @@ CameraModel camera_from_field_of_view(int width, int height, double vertical) {
   return camera;
 }
 
+CameraModel nominal_kinect(int width, int height) {
+  constexpr double kLongerSide = 1.0144686;  // radians
+  const double focal = 0.5 * std::max(width, height) / std::tan(0.5 * kLongerSide);
+  return camera_from_field_of_view(width, height, 2 * std::atan(0.5 * height / focal));
+}
+
+CameraModel camera_of_sensor(int width, int height, double horizontal, double vertical) {
+  constexpr double kMostOutOfSquare = 0.05;
+  CameraModel camera = camera_from_field_of_view(width, height, horizontal, vertical);
+  if (std::abs(camera.fx / camera.fy - 1) > kMostOutOfSquare) {
+    const double focal = width >= height ? camera.fx : camera.fy;
+    camera.fx = camera.fy = focal;
+  }
+  return camera;
+}
+
 Result<void> check(const CameraModel& camera) {
   const auto fits = [](int size) { return size >= 2 && size <= 4096 && size % 2 == 0; };
   if (!fits(camera.width) || !fits(camera.height)) {
@@ -193,16 +211,16 @@ Result<void> check(const CameraModel& camera) {
     return focal >= kShortest * size && focal <= kLongest * size && std::abs(centre) <= kFarthest * size;
   };
   if (!plausible(camera.fx, camera.cx, camera.width) || !plausible(camera.fy, camera.cy, camera.height)) {
-    return fail(
-        ErrorCode::kInvalid,
-        "a camera's focal lengths and principal point are in pixels: these are no lens's for a picture of " +
-            std::to_string(camera.width) + "x" + std::to_string(camera.height));
+    return fail(ErrorCode::kInvalid,
+                "a camera's focal lengths and principal point are in pixels: these values are impossible for "
+                "a picture "
+                "of " +
+                    std::to_string(camera.width) + "x" + std::to_string(camera.height));
   }
   if (camera.is_distorted() && !is_one_to_one(camera)) {
     return fail(ErrorCode::kInvalid,
                 "a camera's distortion sends several rays to one pixel of its picture, or none: are the "
-                "coefficients in "
-                "OpenCV's order, k1 k2 p1 p2 k3 k4 k5 k6?");
+                "coefficients in OpenCV's order, k1 k2 p1 p2 k3 k4 k5 k6?");
   }
   return {};
 }

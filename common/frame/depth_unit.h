@@ -1,9 +1,7 @@
 #pragma once
 
-// The unit of a stream's depth values and the part of their range that is used; and what a Kinect's depth is
-// worth.
+// What a stream's depth values mean: their unit, the range that is used, and how far they can be trusted.
 
-#include <cmath>
 #include <cstdint>
 
 namespace copresence {
@@ -22,8 +20,7 @@ struct DepthRange {
   friend bool operator==(const DepthRange&, const DepthRange&) = default;
 };
 
-/// A range in the stream's unit: the depth values v with near <= v <= far are kept. 1 <= near <= far <=
-/// 65535.
+/// A range in the stream's unit: depth values v with near <= v <= far are kept. 1 <= near <= far <= 65535.
 struct DepthRangeUnits {
   std::uint16_t near = 0;
   std::uint16_t far = 0;
@@ -38,16 +35,28 @@ constexpr DepthRangeUnits to_units(const DepthRange& range, DepthUnit unit) {
   return {clamp(range.near_m * per_metre), clamp(range.far_m * per_metre)};
 }
 
-/// Distance between neighbouring depth levels of a Kinect v1 at depth z, both in metres: z^2 / 351.3 m.
-/// Source: Khoshelham and Elberink 2012, equation for the depth resolution, with the constant of Barron and
-/// Malik 2013.
-constexpr double sensor_step_m(double z_m) {
-  return z_m * z_m / 351.3;
-}
+/// Resolution and noise of a sensor that triangulates (structured light, stereo). Such a sensor measures disparity in
+/// steps of equal size. The disparity of depth z is disparity_constant_m / z steps. Neighbouring depth levels are
+/// therefore evenly spaced in 1/z, and the distance between them grows with z². All thresholds on depth are in steps.
+/// Sensors without a disparity (time of flight) are described by the constant that fits best in the middle of their
+/// range. The default is a Kinect v1.
+/// Source: Khoshelham and Elberink 2012 (form), Barron and Malik 2013 (the Kinect's constant).
+struct DepthNoise {
+  /// Focal length times baseline, over the disparity step; metres. 50 to 1e5.
+  double disparity_constant_m = 351.3;
+  /// Standard deviation of a depth value, in steps. 0.01 to 100.
+  double sigma_steps = 0.5;
 
-/// Standard deviation of a Kinect v1's depth at depth z, both in metres: half a step.
-constexpr double sensor_sigma_m(double z_m) {
-  return 0.5 * sensor_step_m(z_m);
-}
+  /// A step in 1/z; 1/m.
+  constexpr double inverse_step() const { return 1 / disparity_constant_m; }
+  /// A step at depth z, metres.
+  constexpr double step_m(double z_m) const { return z_m * z_m / disparity_constant_m; }
+  /// Standard deviation at depth z, metres.
+  constexpr double sigma_m(double z_m) const { return sigma_steps * step_m(z_m); }
+
+  friend bool operator==(const DepthNoise&, const DepthNoise&) = default;
+};
+
+inline constexpr DepthNoise kKinectV1Noise{};
 
 }  // namespace copresence

@@ -15,18 +15,17 @@
 
 namespace copresence {
 
-/// Makes a vector that grows leave the new elements as memory has them: a frame that is written next need not be zeroed before,
-/// which takes as long as writing it.
+/// Allocator whose vectors leave new elements uninitialised in resize(). Zeroing a frame that is about to be
+/// overwritten costs as much as writing it.
 template <class T>
-struct UnwrittenMemory : std::allocator<T> {
+struct UninitialisedAllocator : std::allocator<T> {
   template <class U>
-  struct rebind {
-    using other = UnwrittenMemory<U>;
+  struct rebind {  // NOLINT(readability-identifier-naming): the standard library asks for this name
+    using other = UninitialisedAllocator<U>;
   };
   template <class U>
   void construct(U* at) {
-    if constexpr (!std::is_trivially_copyable_v<U>)
-      std::construct_at(at);  // what means nothing unless it is made
+    if constexpr (!std::is_trivially_copyable_v<U>) std::construct_at(at);
   }
   template <class U, class... From>
   void construct(U* at, From&&... from) {
@@ -52,7 +51,8 @@ class Image {
   }
   ~Image() = default;
 
-  // As one block: a vector would construct pixel by pixel, which takes five times as long for Rgb8.
+  // Copies all pixels as one block. A vector's own assignment constructs them one by one, which takes five
+  // times as long for Rgb8.
   Image& operator=(const Image& other) {
     width_ = other.width_;
     height_ = other.height_;
@@ -84,7 +84,7 @@ class Image {
   Pixel* data() { return pixels_.data(); }
   const Pixel* data() const { return pixels_.data(); }
 
-  /// Same shape afterwards as asked for; the pixels' values are unspecified. Keeps its memory where it can.
+  /// Changes the shape; pixel values are unspecified afterwards. Keeps its memory if that is large enough.
   void resize(int width, int height) {
     assert(width >= 0 && height >= 0);
     width_ = width;
@@ -102,7 +102,7 @@ class Image {
 
   int width_ = 0;
   int height_ = 0;
-  std::vector<Pixel, UnwrittenMemory<Pixel>> pixels_;
+  std::vector<Pixel, UninitialisedAllocator<Pixel>> pixels_;
 };
 
 template <class A, class B>
@@ -122,10 +122,10 @@ struct Rgba8 {
 };
 static_assert(sizeof(Rgba8) == 4);
 
-/// What is known about the depth of one pixel. The values travel in the coded state mask.
+/// Whether a pixel's depth is missing, measured or guessed. The values are those of the coded validity mask.
 enum class DepthState : std::uint8_t {
   kHole = 0,      ///< no depth; the depth image holds 0 there
-  kMeasured = 1,  ///< the sensor's own value, never changed by us
+  kMeasured = 1,  ///< the sensor's own value, unchanged
   kFilled = 2,    ///< closed by hole filling
 };
 

@@ -20,7 +20,7 @@ std::string_view name(PixelFormat format) {
   return "unknown";
 }
 
-Picture Picture::unwritten(PixelFormat format, int width, int height) {
+Picture Picture::uninitialised(PixelFormat format, int width, int height) {
   assert(width >= 0 && height >= 0 && width % 2 == 0 && height % 2 == 0);
   Picture picture;
   picture.format_ = format;
@@ -30,7 +30,7 @@ Picture Picture::unwritten(PixelFormat format, int width, int height) {
   return picture;
 }
 
-Picture::Picture(PixelFormat format, int width, int height) : Picture(unwritten(format, width, height)) {
+Picture::Picture(PixelFormat format, int width, int height) : Picture(uninitialised(format, width, height)) {
   std::fill(samples_.begin(), samples_.end(), std::uint8_t{0});
 }
 
@@ -40,21 +40,23 @@ std::size_t Picture::plane_offset(int plane) const {
   return offset;
 }
 
-Picture Picture::lent(PixelFormat format, int width, int height,
-                      const std::array<const std::uint8_t*, 3>& planes, std::shared_ptr<const void> owner) {
+Picture Picture::borrowed(PixelFormat format, int width, int height,
+                          const std::array<const std::uint8_t*, 3>& planes,
+                          std::shared_ptr<const void> owner) {
   assert(owner && width >= 0 && height >= 0 && width % 2 == 0 && height % 2 == 0);
   Picture picture;
   picture.format_ = format;
   picture.width_ = width;
   picture.height_ = height;
-  picture.lent_ = planes;
+  picture.borrowed_ = planes;
   picture.owner_ = std::move(owner);
   return picture;
 }
 
-void Picture::own() {
+void Picture::copy_borrowed() {
   samples_.resize(plane_offset(planes()));
-  for (int i = 0; i < planes(); ++i) std::memcpy(samples_.data() + plane_offset(i), lent_[i], plane_bytes(i));
+  for (int i = 0; i < planes(); ++i)
+    std::memcpy(samples_.data() + plane_offset(i), borrowed_[i], plane_bytes(i));
   owner_.reset();
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a client must know of a stream before its first frame. Sent once; what can change travels with each
-// frame.
+// Description of a stream, sent to the client once before its first frame. Values that can change are sent with
+// each frame instead.
 
 #include <cstdint>
 #include <string>
@@ -15,10 +15,10 @@
 
 namespace copresence {
 
-/// A depth codec by name with its numbers: everything its decoder needs beside the frames themselves.
+/// A depth codec's name and parameters: all that its decoder needs besides the frames.
 struct DepthCodecDescription {
-  std::string name;                          ///< design section 3: quantized, accuracy10, spiral-fold, ...
-  PixelFormat format = PixelFormat::kGray8;  ///< of the depth pictures
+  std::string name;                                        ///< quantized, accuracy10, spiral-fold, ...
+  PixelFormat format = PixelFormat::kGray8;                ///< of the depth pictures
   std::vector<std::pair<std::string, double>> parameters;  ///< documented in docs/internals/codecs.md
 
   friend bool operator==(const DepthCodecDescription&, const DepthCodecDescription&) = default;
@@ -26,13 +26,14 @@ struct DepthCodecDescription {
 
 struct StreamDescription {
   std::string camera;  ///< the server's --name
-  CameraModel model;   ///< of depth and, where there is colour, of colour: they are registered
+  CameraModel model;   ///< of depth, and of colour, which is registered to depth
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthRange range;
+  DepthNoise noise;               ///< of the sensor
   double frames_per_second = 30;  ///< nominal
   bool has_color = false;
-  bool has_pose = false;     ///< false: nobody told the server where its camera stands
-  Rigid3 world_from_camera;  ///< at the start of the stream; a frame's own stamp wins
+  bool has_pose = false;     ///< false: the server does not know its camera's pose
+  Rigid3 world_from_camera;  ///< at the start of the stream; a frame's own metadata takes precedence
   DepthCodecDescription codec;
 
   friend bool operator==(const StreamDescription&, const StreamDescription&) = default;

@@ -23,7 +23,7 @@ FrameDecoder::FrameDecoder(PictureDecoder depth, std::optional<PictureDecoder> c
 Result<PlanarFrame> FrameDecoder::decode(const EncodedFrame& encoded) {
   auto frame = decode_checked(encoded);
   if (frame) {
-    previous_ = frame->stamp.sequence;
+    previous_ = frame->metadata.sequence;
   } else {
     previous_.reset();
   }
@@ -49,7 +49,7 @@ Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
     if (color_) color_->reset();
   }
   PlanarFrame frame;
-  if (data->samples.empty()) {
+  if (data->residuals.empty()) {
     auto depth = depth_.decode(encoded.depth);
     if (!depth) return fail(depth.error());
     frame.depth.picture = std::move(*depth);
@@ -62,12 +62,12 @@ Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
     frame.color = std::move(*color);
   }
   if (data->world_from_camera) world_from_camera_ = *data->world_from_camera;
-  frame.stamp.sequence = data->sequence;
-  frame.stamp.captured_at = data->captured_at;
-  frame.stamp.world_from_camera = world_from_camera_;
+  frame.metadata.sequence = data->sequence;
+  frame.metadata.captured_at = data->captured_at;
+  frame.metadata.world_from_camera = world_from_camera_;
   frame.depth.keyframe = keyframe;
-  frame.depth.quantiser = data->quantiser;
-  frame.depth.samples = std::move(data->samples);
+  frame.depth.qp = data->qp;
+  frame.depth.residuals = std::move(data->residuals);
   frame.depth.validity_mask = std::move(data->validity_mask);
   frame.depth.table = std::move(data->table);
   frame.durations = encoded.durations;

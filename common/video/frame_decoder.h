@@ -10,8 +10,7 @@
 #include <optional>
 
 #include "common/bitstream/side_data.h"
-#include "common/frame/encoded_frame.h"
-#include "common/frame/planar_frame.h"
+#include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 #include "common/video/picture_decoder.h"

@@ -33,7 +33,7 @@ std::optional<PictureRate> first_rate(const std::optional<DepthRateController>& 
 Result<FrameEncoder> FrameEncoder::open(const StreamDescription& stream, const VideoSettings& settings) {
   if (auto checked = check(settings); !checked) return fail(checked.error());
   PictureSettings depth_settings{.kind = PictureKind::kDepth,
-                                 .effort = settings.effort,
+                                 .preset = settings.preset,
                                  .format = stream.codec.format,
                                  .width = stream.model.width,
                                  .height = stream.model.height,
@@ -66,48 +66,48 @@ void FrameEncoder::encode_color_ahead(std::uint64_t sequence, const Picture& col
 Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   const bool keyframe = frame.depth.keyframe;
   assert(keyframe || previous_ != 0);
-  assert(frame.stamp.sequence > previous_ && (!frame.color || color_));
+  assert(frame.metadata.sequence > previous_ && (!frame.color || color_));
   color_keyframe_needed_ = color_keyframe_needed_ || keyframe;
-  const bool is_color_ready = color_ahead_ && color_ahead_->sequence == frame.stamp.sequence &&
+  const bool is_color_ready = color_ahead_ && color_ahead_->sequence == frame.metadata.sequence &&
                               color_ahead_->is_keyframe == color_keyframe_needed_;
   if (frame.color && !is_color_ready) {
-    encode_color_ahead(frame.stamp.sequence, *frame.color, keyframe);
+    encode_color_ahead(frame.metadata.sequence, *frame.color, keyframe);
   }
   Result<AccessUnit> color = frame.color ? std::move(color_ahead_->color) : AccessUnit();
   color_ahead_.reset();
 
   bitstream::SideData data;
-  data.sequence = frame.stamp.sequence;
+  data.sequence = frame.metadata.sequence;
   data.previous = keyframe ? 0 : previous_;
-  data.captured_at = frame.stamp.captured_at;
+  data.captured_at = frame.metadata.captured_at;
   data.has_color = frame.color.has_value();
-  if (keyframe || previous_pose_ != frame.stamp.world_from_camera)
-    data.world_from_camera = frame.stamp.world_from_camera;
+  if (keyframe || previous_pose_ != frame.metadata.world_from_camera)
+    data.world_from_camera = frame.metadata.world_from_camera;
   data.table = frame.depth.table;
-  data.samples = frame.depth.samples;
+  data.residuals = frame.depth.residuals;
   data.validity_mask = frame.depth.validity_mask;
 
   if (budget_) depth_.set_rate(budget_->picture_rate(bitstream::side_data_bytes(data)));
   const auto depth = encode_depth(frame.depth);
   if (!depth) return fail(depth.error());
-  if (!flat_) data.quantiser = static_cast<std::uint8_t>(depth_.quantiser());
+  if (!flat_) data.qp = static_cast<std::uint8_t>(depth_.qp());
   if (!color) return fail(color.error());
   if (frame.color) color_keyframe_needed_ = false;
 
   EncodedFrame encoded;
   encoded.keyframe = keyframe;
-  encoded.sequence = frame.stamp.sequence;
+  encoded.sequence = frame.metadata.sequence;
   encoded.depth = bitstream::add_side_data(*depth, *color, data);
   encoded.color = std::move(*color);
   encoded.durations = frame.durations;
   if (budget_) budget_->spent(encoded.depth.size());
-  previous_ = frame.stamp.sequence;
-  previous_pose_ = frame.stamp.world_from_camera;
+  previous_ = frame.metadata.sequence;
+  previous_pose_ = frame.metadata.world_from_camera;
   return encoded;
 }
 
 Result<FrameEncoder::AccessUnit> FrameEncoder::encode_depth(const PlanarDepth& depth) {
-  const bool exact = !depth.samples.empty();
+  const bool exact = !depth.residuals.empty();
   assert(exact == flat_.has_value() || depth.keyframe);
   if (!exact) {
     flat_.reset();
@@ -119,7 +119,7 @@ Result<FrameEncoder::AccessUnit> FrameEncoder::encode_depth(const PlanarDepth& d
 }
 
 Result<bool> FrameEncoder::change(const VideoSettings& settings) {
-  assert(settings.effort == settings_.effort);
+  assert(settings.preset == settings_.preset);
   if (auto checked = check(settings); !checked) return fail(checked.error());
   const double frames_per_second = depth_.settings().frames_per_second;
   const bool same_stream = budget_ ? settings.depth_kbps.has_value()

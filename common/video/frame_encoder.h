@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "common/bitstream/blank_picture.h"
-#include "common/frame/encoded_frame.h"
-#include "common/frame/planar_frame.h"
+#include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 #include "common/video/depth_rate_controller.h"

@@ -35,13 +35,13 @@ Picture take_picture(AVFrame& frame, PixelFormat format, int width, int height) 
   const std::shared_ptr<AVFrame> taken(av_frame_alloc(), AvFrameDeleter());
   av_frame_move_ref(taken.get(), &frame);
   Picture lent =
-      Picture::lent(format, width, height, {taken->data[0], taken->data[1], taken->data[2]}, taken);
+      Picture::borrowed(format, width, height, {taken->data[0], taken->data[1], taken->data[2]}, taken);
   const auto row_bytes = [&](int plane) { return lent.plane_width(plane) * lent.bytes_per_sample(); };
   bool is_padded = false;
   for (int i = 0; i < lent.planes(); ++i) is_padded = is_padded || taken->linesize[i] != row_bytes(i);
   if (!is_padded) return lent;
 
-  Picture copy = Picture::unwritten(format, width, height);
+  Picture copy = Picture::uninitialised(format, width, height);
   for (int i = 0; i < copy.planes(); ++i) {
     auto* to = copy.bytes_per_sample() == 2 ? reinterpret_cast<std::uint8_t*>(copy.plane10().data())
                                             : copy.plane8(i).data();

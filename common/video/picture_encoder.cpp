@@ -13,7 +13,7 @@
 namespace copresence::video {
 namespace {
 
-constexpr int kMaxQuantiser = 63;   // at 10 bit
+constexpr int kMaxQp = 63;          // at 10 bit
 constexpr int kInfinite = 1 << 30;  // x264's own word for a group of pictures without end
 
 void set(AVCodecContext& context, const char* key, const std::string& value) {
@@ -71,7 +71,7 @@ bool slows_down_by_avx512() {
 }
 
 void set_presets(AVCodecContext& context, const PictureSettings& settings) {
-  const bool live = settings.effort == Preset::kLive;
+  const bool live = settings.preset == Preset::kLive;
   set(context, "preset", live ? "ultrafast" : "superfast");
   set(context, "tune", "zerolatency");
   set(context, "forced-idr", "1");
@@ -97,12 +97,12 @@ void set_presets(AVCodecContext& context, const PictureSettings& settings) {
 }
 
 /// The quantiser that libx264 says it used on the mean; 0 where it does not say, which costs the decoder's edge repair.
-int quantiser_of(const AVPacket& packet) {
+int qp_of(const AVPacket& packet) {
   std::size_t size = 0;
   const std::uint8_t* const stats = av_packet_get_side_data(&packet, AV_PKT_DATA_QUALITY_STATS, &size);
   std::int32_t lambda = 0;  // the first four bytes, little-endian
   for (std::size_t i = 0; stats && size >= 4 && i < 4; ++i) lambda |= stats[i] << (8 * i);
-  return std::clamp(lambda / FF_QP2LAMBDA, 0, kMaxQuantiser);
+  return std::clamp(lambda / FF_QP2LAMBDA, 0, kMaxQp);
 }
 
 /// Lends a picture's planes to a frame without a copy: they are read until the frame is let go.
@@ -174,7 +174,7 @@ Result<std::vector<std::uint8_t>> PictureEncoder::encode(const Picture& picture,
   if (code < 0)
     return fail(ErrorCode::kUnsupported,
                 fmt::format("libx264 did not encode a picture: {}", libav_error(code)));
-  quantiser_ = quantiser_of(*packet_);
+  qp_ = qp_of(*packet_);
   std::vector<std::uint8_t> access_unit(packet_->data, packet_->data + packet_->size);
   av_packet_unref(packet_.get());
   return access_unit;

@@ -27,7 +27,7 @@ struct PictureRate {
 
 struct PictureSettings {
   PictureKind kind = PictureKind::kDepth;
-  Preset effort = Preset::kDense;
+  Preset preset = Preset::kDense;
   PixelFormat format = PixelFormat::kGray8;
   int width = 0;  ///< even
   int height = 0;
@@ -52,7 +52,7 @@ class PictureEncoder {
   const PictureSettings& settings() const { return settings_; }
 
   /// Of the picture encoded last, counted as depth_qp is. Requires one.
-  int quantiser() const { return quantiser_; }
+  int qp() const { return qp_; }
 
  private:
   PictureEncoder(const PictureSettings& settings, CodecContext context, AvFrame frame, AvPacket packet);
@@ -63,7 +63,7 @@ class PictureEncoder {
   AvPacket packet_;
   std::int64_t pictures_ = 0;
   bool keyframe_needed_ = true;
-  int quantiser_ = 0;
+  int qp_ = 0;
 };
 
 }  // namespace copresence::video

@@ -15,7 +15,7 @@ enum class Preset {
 };
 
 struct VideoSettings {
-  Preset effort = Preset::kDense;
+  Preset preset = Preset::kDense;
   /// Quantiser of the depth pictures, 0 (lossless) to 51 for 8 bit and 63 for 10 bit; 12 more there are as
   /// coarse as at 8 bit. From 1 to 7 costs more than lossless. Not used when depth_kbps is set.
   int depth_qp = 12;

@@ -16,7 +16,7 @@
 #include <stop_token>
 #include <string>
 
-#include "common/frame/encoded_frame.h"
+#include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 #include "common/wire/clock_offset.h"

@@ -22,7 +22,7 @@ namespace copresence::wire {
 
 /// Both ends must have the same: there is no compatibility code. Raise it with every change of a released
 /// format.
-inline constexpr std::uint32_t kProtocolVersion = 5;
+inline constexpr std::uint32_t kProtocolVersion = 6;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
 inline constexpr std::size_t kHeaderBytes = 8;

@@ -17,12 +17,12 @@ namespace {
 // Fixed parts of the bodies, in bytes. docs/internals/wire_format.md draws them.
 constexpr std::size_t kHelloBytes = kMagic.size() + 4;
 constexpr std::size_t kRefusalBytes = 1 + 2;
-constexpr std::size_t kWelcomeBytes = 8 + 8 + 8 * (4 + 8 + 9 + 3 + 2 + 1) + 8 + 2 + 2 + 2;
+constexpr std::size_t kWelcomeBytes = 8 + 8 + 8 * (4 + 8 + 9 + 3 + 2 + 1 + 2) + 8 + 2 + 2 + 2;
 constexpr std::size_t kParameterBytes = 2 + 8;
 constexpr std::size_t kTimeBytes = 8;
 constexpr std::size_t kMaxWelcomeBytes =
     kWelcomeBytes + 2 * kMaxNameBytes + kMaxParameters * (kParameterBytes + kMaxNameBytes);
-static_assert(kHelloBytes == 12 && kWelcomeBytes == 246 && kFrameHeadBytes == 96);
+static_assert(kHelloBytes == 12 && kWelcomeBytes == 262 && kFrameHeadBytes == 96);
 
 // Flags of a Welcome and of a frame.
 constexpr std::uint8_t kHasColor = 1, kHasPose = 2;
@@ -161,7 +161,8 @@ Bytes encode(const Welcome& welcome) {
       for (int column = 0; column < 3; ++column) to.real(stream.world_from_camera.rotation(row, column));
     }
     for (int row = 0; row < 3; ++row) to.real(stream.world_from_camera.translation(row));
-    for (const double value : {stream.range.near_m, stream.range.far_m, stream.frames_per_second})
+    for (const double value : {stream.range.near_m, stream.range.far_m, stream.frames_per_second,
+                               stream.noise.disparity_constant_m, stream.noise.sigma_steps})
       to.real(value);
     to.number(static_cast<std::uint16_t>(stream.model.width));
     to.number(static_cast<std::uint16_t>(stream.model.height));
@@ -285,7 +286,8 @@ Result<Welcome> decode_welcome(std::span<const std::uint8_t> body) {
     for (int column = 0; column < 3; ++column) stream.world_from_camera.rotation(row, column) = from.real();
   }
   for (int row = 0; row < 3; ++row) stream.world_from_camera.translation(row) = from.real();
-  for (double* value : {&stream.range.near_m, &stream.range.far_m, &stream.frames_per_second})
+  for (double* value : {&stream.range.near_m, &stream.range.far_m, &stream.frames_per_second,
+                        &stream.noise.disparity_constant_m, &stream.noise.sigma_steps})
     *value = from.real();
   stream.model.width = from.number<std::uint16_t>();
   stream.model.height = from.number<std::uint16_t>();
@@ -403,6 +405,7 @@ Result<void> check(const StreamDescription& stream) {
     return invalid("a stream's rate must lie between 0.1 and 1000 frames per second");
   }
   if (const auto pose = check_pose(stream.world_from_camera); !pose) return pose;
+  if (const auto noise = check_noise(stream.noise); !noise) return noise;
   if (!is_known(stream.codec.format)) return invalid("a depth codec's pictures have no known pixel format");
   if (!is_name(stream.codec.name)) return invalid("a depth codec without a printable name");
   const auto& parameters = stream.codec.parameters;

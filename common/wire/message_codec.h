@@ -55,7 +55,7 @@ Result<FrameHead> decode_frame_head(std::span<const std::uint8_t, kFrameHeadByte
                                     std::uint32_t body_bytes);
 
 /// What a stream's description must satisfy to be sent and to be believed: a camera model that passes
-/// copresence::check(), a pose that passes check_pose(), 1 mm <= near, near + 1 mm <= far <= 100 m, 0.1 <= frames per second
+/// copresence::check(), a pose that passes check_pose(), a noise that passes check_noise(), 1 mm <= near, near + 1 mm <= far <= 100 m, 0.1 <= frames per second
 /// <= 1000, finite codec parameters, names of 1 to kMaxNameBytes printable UTF-8 bytes. Fails with kInvalid.
 Result<void> check(const StreamDescription& description);
 

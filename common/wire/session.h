@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "common/frame/encoded_frame.h"
+#include "common/frame/coded_frame.h"
 #include "common/wire/admission.h"
 #include "common/wire/client_window.h"
 #include "common/wire/connection_log.h"

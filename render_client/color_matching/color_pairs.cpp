@@ -53,7 +53,7 @@ std::vector<ColorPair> find_color_pairs(const PosedFrame& from, const PosedFrame
         continue;
       const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
       const double seen = to.frame->depth(u, v) * to_metres;
-      const double range = kSigmas * (sensor_sigma_m(z) + sensor_sigma_m(point.z())) +
+      const double range = kSigmas * (from.noise.sigma_m(z) + to.noise.sigma_m(point.z())) +
                            from.calibration_error_m + to.calibration_error_m;
       if (seen <= 0 || std::abs(seen - point.z()) > range) continue;
       const auto a = even_color(*from.frame, x, y), b = even_color(*to.frame, u, v);

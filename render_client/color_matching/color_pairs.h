@@ -17,6 +17,7 @@ struct PosedFrame {
   const RgbdFrame* frame = nullptr;
   CameraModel model;
   DepthUnit unit = DepthUnit::kMillimetre;
+  DepthNoise noise;
   Rigid3 world_from_camera;
   double calibration_error_m = 0.005;  ///< widens what counts as the same depth
 };

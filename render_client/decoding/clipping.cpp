@@ -9,7 +9,7 @@ Clipper::Clipper(const CameraSetup& setup, const scene::Box& box)
 
 void Clipper::apply(RgbdFrame& frame) const {
   assert(frame.depth.width() == setup_.model.width && frame.depth.height() == setup_.model.height);
-  const Rigid3& world_from_camera = setup_.pose(frame.stamp);
+  const Rigid3& world_from_camera = setup_.pose(frame.metadata);
   const Eigen::Matrix3f rotation = world_from_camera.rotation.cast<float>();
   const Eigen::Vector3f translation = world_from_camera.translation.cast<float>();
   const Eigen::Vector3f min = box_.min.cast<float>(), max = box_.max.cast<float>();

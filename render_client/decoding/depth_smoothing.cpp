@@ -81,11 +81,11 @@ void add_means(const std::uint16_t* __restrict middle, const std::int16_t* __res
 
 }  // namespace
 
-void DepthSmoothing::smooth(DepthImage& depth, DepthUnit unit) {
+void DepthSmoothing::smooth(DepthImage& depth, DepthUnit unit, const DepthNoise& noise) {
   const int width = depth.width(), height = depth.height();
-  // Depth in units: a step is z^2 metres_per_unit / 351.3 of them.
+  // In units a step at depth z is z² step_m(1) metres_per_unit.
   const float tolerance_per_square =
-      kSameSurface * static_cast<float>(sensor_step_m(1.0) * metres_per_unit(unit));
+      kSameSurface * static_cast<float>(noise.step_m(1.0) * metres_per_unit(unit));
   const auto row_pixels = static_cast<std::size_t>((width + kLanes - 1) / kLanes * kLanes);  // whole groups
   padded_.assign(row_pixels + 2 * kRadius, 0);
   rows_.assign(row_pixels * (kRowsAtATime + 2 * kRadius), 0);

@@ -22,7 +22,7 @@ class DepthSmoothing {
       2.5f;  ///< sensor steps between a pixel and a neighbour of its surface
 
   /// Changes depth only where it is not 0, by at most kSameSurface steps each way.
-  void smooth(DepthImage& depth, DepthUnit unit);
+  void smooth(DepthImage& depth, DepthUnit unit, const DepthNoise& noise);
 
  private:
   std::vector<std::uint16_t> rows_;    // some of the rows, smoothed along themselves, with their neighbours

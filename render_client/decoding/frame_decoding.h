@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "common/depth/depth_codec.h"
-#include "common/frame/encoded_frame.h"
+#include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 #include "common/video/frame_decoder.h"

@@ -231,11 +231,11 @@ void TemporalFilter::mix_color(ColorImage& color, int y) {
   }
 }
 
-void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit) {
-  step_per_square_ = static_cast<float>(sensor_step_m(1.0) * metres_per_unit(unit));
+void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise) {
+  step_per_square_ = static_cast<float>(noise.step_m(1.0) * metres_per_unit(unit));
   // Frames that were left out on the way have passed, too.
-  frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.stamp.sequence - sequence_, 1, 255));
-  sequence_ = frame.stamp.sequence;
+  frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.metadata.sequence - sequence_, 1, 255));
+  sequence_ = frame.metadata.sequence;
   if (!fits(frame)) return begin(frame);
   // Colour that was missing begins anew. It says nothing about motion in between, and depth goes on.
   if (frame.color && !has_color_) begin_color(*frame.color);

@@ -41,7 +41,7 @@ class TemporalFilter {
   /// Replaces depth, state and colour by what is kept. Depth that is shown beyond its measurement keeps its
   /// state. The first frame and one of another size begin anew. A frame without colour is filtered by its
   /// depth alone; the first with colour after it begins the colours anew and leaves the depth going on.
-  void apply(RgbdFrame& frame, DepthUnit unit);
+  void apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise);
 
  private:
   struct Block {

@@ -3,9 +3,9 @@
 // The rules both renderers follow, so that their pictures agree: which pixels join to a surface, what a
 // fragment is worth, and which fragments of a view's pixel make its colour.
 //
-// Most of it is written in inverse depth w = 1/z (1/m, z along the source camera's axis): a Kinect's depth
-// levels are evenly spaced there, a plane is an affine function of the pixel there, and so both tests below
-// are linear.
+// Most of it is written in inverse depth w = 1/z (1/m, z along the source camera's axis): a sensor's depth
+// levels are evenly spaced there (DepthNoise), a plane is an affine function of the pixel there, and so both
+// tests below are linear.
 //
 // Surface   A camera's pixels are the vertices of a grid, pixel centres at whole coordinates. A triangle of
 //           three neighbouring pixels is drawn when all three have depth and joined() holds. The quad (x, y)
@@ -36,25 +36,44 @@
 
 namespace copresence::renderer {
 
-/// One step of a Kinect v1 in inverse depth, 1/m, wherever it is (common/frame/depth_unit.h, sensor_step_m).
-inline constexpr float kStepInverse = 1.0F / 351.3F;
+/// One step of the sensor in inverse depth, 1/m.
+inline float inverse_step(const DepthNoise& noise) {
+  return 1.0F / static_cast<float>(noise.disparity_constant_m);
+}
 
 /// Neighbours may differ by this many steps through noise and lossy coding...
 inline constexpr float kGapSteps = 4.0F;
 /// ...and by the tilt of the surface: metres of depth per metre across, tan(80 degrees).
 inline constexpr float kMaxSlope = 5.7F;
 
-/// Whether three neighbouring pixels lie on one surface. Inverse depths, 1/m, all > 0. `pixel_angle` is the
-/// angle between neighbours in radians, 1 / fx (times the grid's step, in a mesh that takes only every second
-/// pixel).
-inline bool joined(float a, float b, float c, float pixel_angle) {
-  const float nearest = std::max({a, b, c});
-  const float farthest = std::min({a, b, c});
-  return nearest - farthest <= kGapSteps * kStepInverse + kMaxSlope * pixel_angle * farthest;
-}
-
 /// A region is planar, and may be drawn as one, when no pixel is farther than this from its plane.
 inline constexpr float kPlanarSteps = 2.0F;
+
+/// Limits for one camera's surface, in inverse depth (1/m).
+struct SurfaceLimits {
+  /// `pixel_angle` is the angle between neighbouring pixels in radians: 1 / fx, times the grid's step in a
+  /// mesh that takes only every second pixel.
+  SurfaceLimits(const DepthNoise& noise, float pixel_angle)
+      : gap(kGapSteps * inverse_step(noise)),
+        slope(kMaxSlope * pixel_angle),
+        planar(kPlanarSteps * inverse_step(noise)),
+        curvature(inverse_step(noise)) {}
+
+  float gap;    ///< that noise may open between neighbours
+  float slope;  ///< times w: that the surface's slope may open between neighbours
+  /// Distance of a pixel from the plane of its block of 4.
+  float planar;
+  /// Distance of that plane from the plane of the next larger block. Planes of 25 pixels are known to a quarter of a step
+  /// at their corners.
+  float curvature;
+};
+
+/// Whether three neighbouring pixels lie on one surface. Inverse depths, 1/m, all > 0.
+inline bool joined(float a, float b, float c, const SurfaceLimits& limits) {
+  const float nearest = std::max({a, b, c});
+  const float farthest = std::min({a, b, c});
+  return nearest - farthest <= limits.gap + limits.slope * farthest;
+}
 
 /// Tilts come from cells of this many pixels a side, the first at (0, 0): by least squares of w over the
 /// cell's pixels with depth (its neighbours' first pixels may take part). Interpolated between the cells'
@@ -80,19 +99,27 @@ inline float cos_theta(float w, float dw_dx, float dw_dy, float x, float y) {
 /// What a filled pixel is worth beside a measured one.
 inline constexpr float kFilledWorth = 0.25F;
 
-/// The quality index of thesis eq. 2.5, 1/m^2; z_m > 0 along the source camera's axis.
-inline float quality_index(float cosine, float z_m, DepthState state) {
-  return cosine / (z_m * z_m) * (state == DepthState::kFilled ? kFilledWorth : 1.0F);
+/// How far, in metres along the eye's axis, a fragment may lie behind the nearest one and still be the same
+/// surface (thesis 2.6.1): the sum of both fragments' uncertainty_m(). It is kRangeSigmas of the sensor's noise
+/// at the fragment's distance, and the error of the camera's calibration.
+inline constexpr float kRangeSigmas = 3.0F;
+/// The noise's part, times z².
+inline float uncertainty_per_square(const DepthNoise& noise) {
+  return kRangeSigmas * static_cast<float>(noise.sigma_steps) * inverse_step(noise);
+}
+inline float uncertainty_m(float source_z_m, float calibration_error_m, const DepthNoise& noise) {
+  return uncertainty_per_square(noise) * (source_z_m * source_z_m) + calibration_error_m;
 }
 
-/// How far, in metres along the eye's axis, a fragment may lie behind the nearest one and still be the same
-/// surface (thesis 2.6.1): kRangeSigmas of both sensors' noise at their own distances, and both calibrations'
-/// errors.
-inline constexpr float kRangeSigmas = 3.0F;
-inline float uncertainty_range_m(float source_z_a_m, float source_z_b_m, float calibration_a_m,
-                                 float calibration_b_m) {
-  const float squares = source_z_a_m * source_z_a_m + source_z_b_m * source_z_b_m;
-  return kRangeSigmas * 0.5F * kStepInverse * squares + calibration_a_m + calibration_b_m;
+/// Weight of a sensor in the quality index: how many times smaller its noise is than a Kinect v1's.
+inline float precision(const DepthNoise& noise) {
+  return uncertainty_per_square(kKinectV1Noise) / uncertainty_per_square(noise);
+}
+
+/// The quality index of thesis eq. 2.5, 1/m^2; z_m > 0 along the source camera's axis. Eq. 2.5 compares equal
+/// sensors; the factor precision() makes it comparable between different ones.
+inline float quality_index(float cosine, float z_m, DepthState state, const DepthNoise& noise) {
+  return precision(noise) * (cosine / (z_m * z_m)) * (state == DepthState::kFilled ? kFilledWorth : 1.0F);
 }
 
 /// A fragment's quality for the merge: full up to half the range behind the nearest fragment, none at its
@@ -110,7 +137,8 @@ inline float blend_weight(float worth, float best_worth) {
   return std::clamp((worth - kTieRatio * best_worth) / ((1.0F - kTieRatio) * best_worth), 0.0F, 1.0F);
 }
 
-/// See Outlines above. Levels of a Kinect; anything that stands 5 cm before a wall 2.5 m away is an outline.
+/// See Outlines above. In steps of the coarsest sensor in the view. For a Kinect, anything that stands 5 cm before a wall
+/// 2.5 m away has an outline.
 inline constexpr float kOutlineSteps = 8.0F;
 inline constexpr int kOutlineDivisor = 4;
 

@@ -35,6 +35,7 @@ struct CameraView {
   std::uint64_t version = 0;
   CameraModel model;  ///< same size as the frame's images
   DepthUnit unit = DepthUnit::kMillimetre;
+  DepthNoise noise;
   Rigid3 world_from_camera;
   Eigen::Matrix<float, 3, 4> color_matching =
       Eigen::Matrix<float, 3, 4>::Identity();  ///< to the reference camera's colours, RGB 0 to 1

@@ -152,7 +152,7 @@ void CameraReceiver::take(wire::FrameClient& client, FrameDecoding& decoding,
   publish();
   const wire::ClockOffset clock = client.clock();
   const FrameTimes times =
-      frame_times(frame->stamp.captured_at, received.sent_at, received.received_at, clock);
+      frame_times(frame->metadata.captured_at, received.sent_at, received.received_at, clock);
   statistics_.clock(clock.offset, clock.uncertainty);
   statistics_.timed(times.wire, encoded.durations);
   statistics_.stage(Stage::kVideoDecode, durations.video_decode);
@@ -168,9 +168,9 @@ void CameraReceiver::take(wire::FrameClient& client, FrameDecoding& decoding,
 
 void CameraReceiver::hand_over(RgbdFrame frame, Instant captured_at, bool times_believed,
                                const Stream& stream) {
-  temporal_filter_.apply(frame, stream.description->unit);
+  temporal_filter_.apply(frame, stream.description->unit, stream.description->noise);
   if (stream.clipper) stream.clipper->apply(frame);
-  smoothing_.smooth(frame.depth, stream.description->unit);
+  smoothing_.smooth(frame.depth, stream.description->unit, stream.description->noise);
   if (board_.put(slot_, {std::move(frame), captured_at, steady_clock::now(), stream.description, stream.setup,
                          times_believed}))
     statistics_.unshown();

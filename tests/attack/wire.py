@@ -7,7 +7,7 @@ import struct
 import threading
 import time
 
-VERSION = 5
+VERSION = 6
 MAGIC = b"COPRESNC"
 
 # From the client.
@@ -67,12 +67,12 @@ def pong(client_ns, server_ns=None):
 
 
 def welcome(camera="camera", width=640, height=480, codec="accuracy8", pixel_format=1, parameters=(), near=0.4,
-            far=5.0, fps=30.0, unit=100, flags=1, focal=(585.0, 585.0), centre=(320.0, 240.0),
+            far=5.0, fps=30.0, noise=(351.3, 0.5), unit=100, flags=1, focal=(585.0, 585.0), centre=(320.0, 240.0),
             distortion=(0.0,) * 8, rotation=(1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0), translation=(0.0, 0.0, 0.0),
             clock_id=0, server_ns=None):
     """The welcome of a stream; every number can be replaced by a wrong one."""
     body = struct.pack("<QQ", clock_id, time.monotonic_ns() if server_ns is None else server_ns)
-    body += struct.pack("<27d", *focal, *centre, *distortion, *rotation, *translation, near, far, fps)
+    body += struct.pack("<29d", *focal, *centre, *distortion, *rotation, *translation, near, far, fps, *noise)
     body += struct.pack("<HHHBB", width, height, unit, flags, pixel_format)
     body += text(camera) + text(codec) + struct.pack("<H", len(parameters))
     for name, value in parameters:

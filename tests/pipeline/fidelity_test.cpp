@@ -111,14 +111,14 @@ class Fidelity : public ::testing::Test {
                                            {camera.model.width, camera.model.height, unit, DepthRange{}});
     client::TemporalFilter temporal_filter;
     RgbdFrame frame;
-    while (frame.stamp.sequence < sequence) {
+    while (frame.metadata.sequence < sequence) {
       frame = *(*source)->next({});
-      if (!sent.contains(frame.stamp.sequence)) continue;
+      if (!sent.contains(frame.metadata.sequence)) continue;
       server::clip_to_range(frame, to_units(DepthRange{}, unit));
       EXPECT_TRUE((*filler)->fill(frame));
-      temporal_filter.apply(frame, unit);
+      temporal_filter.apply(frame, unit, kKinectV1Noise);
     }
-    client::DepthSmoothing().smooth(frame.depth, unit);
+    client::DepthSmoothing().smooth(frame.depth, unit, kKinectV1Noise);
     return frame;
   }
 

@@ -87,8 +87,8 @@ class MergedTruth : public ::testing::Test {
       const auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
                                              {640, 480, DepthUnit::kMillimetre, DepthRange{}});
       EXPECT_TRUE((*filler)->fill(frame));
-      filters_[i].apply(frame, DepthUnit::kMillimetre);
-      client::DepthSmoothing().smooth(frame.depth, DepthUnit::kMillimetre);
+      filters_[i].apply(frame, DepthUnit::kMillimetre, kKinectV1Noise);
+      client::DepthSmoothing().smooth(frame.depth, DepthUnit::kMillimetre, kKinectV1Noise);
       result.push_back(std::move(frame));
     }
     return result;
@@ -104,8 +104,8 @@ class MergedTruth : public ::testing::Test {
       const std::vector<RgbdFrame>& frames) {
     std::vector<color_matching::PosedFrame> posed;
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      posed.push_back(
-          {&frames[i], kinects_[i].model(), DepthUnit::kMillimetre, poses_[i], kCalibrationErrorM});
+      posed.push_back({&frames[i], kinects_[i].model(), DepthUnit::kMillimetre, kKinectV1Noise, poses_[i],
+                       kCalibrationErrorM});
     }
     return color_matching::match_colors(posed);
   }

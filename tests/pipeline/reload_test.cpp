@@ -58,7 +58,7 @@ class Viewer {
 
  private:
   static depth::DepthFormat format(const StreamDescription& stream) {
-    return {stream.model.width, stream.model.height, stream.unit, stream.range};
+    return {stream.model.width, stream.model.height, stream.unit, stream.range, stream.noise};
   }
 
   static wire::FrameClient connected(const std::string& address) {

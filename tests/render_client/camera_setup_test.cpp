@@ -49,7 +49,7 @@ TEST(CameraSetup, TakesWhatTheSceneFileSays) {
   EXPECT_TRUE(setup.has_pose);
 
   RgbdFrame frame;
-  frame.stamp.world_from_camera.translation.x() = 7;
+  frame.metadata.world_from_camera.translation.x() = 7;
   const renderer::CameraView view = camera_view(
       setup, frame, 3, color_matching::ColorCorrection(color_matching::ColorCorrection::Identity()));
   EXPECT_EQ(view.frame, &frame);

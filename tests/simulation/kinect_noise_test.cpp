@@ -39,7 +39,7 @@ TEST(KinectNoise, KnowsTheLevelsOfAKinectFromHalfAMetreToFive) {
   EXPECT_LE(levels.back(), 50000);
   for (std::size_t i = 1; i < levels.size(); ++i) {
     const double z = (levels[i] + levels[i - 1]) * 0.5e-4;
-    EXPECT_NEAR((levels[i] - levels[i - 1]) * 1e-4, sensor_step_m(z), 1.1e-4) << z;
+    EXPECT_NEAR((levels[i] - levels[i - 1]) * 1e-4, kKinectV1Noise.step_m(z), 1.1e-4) << z;
   }
 }
 
@@ -62,7 +62,7 @@ TEST(KinectNoise, ErrsByHalfALevelAndNotToOneSide) {
     double sum = 0, squares = 0, count = 0;
     for (const std::uint16_t value : depth.pixels()) {
       if (value == 0) continue;
-      const double error = (value * 1e-4 - z) / sensor_step_m(z);
+      const double error = (value * 1e-4 - z) / kKinectV1Noise.step_m(z);
       sum += error;
       squares += error * error;
       ++count;

@@ -83,7 +83,7 @@ Result<Capture> Capture::open(const NamedSource& source, const scene::Camera* kn
   const bool passes_through = told.registered || form == Form::kAsDelivered;
   auto registration =
       registration::Registration::open({told.depth, told.has_color ? std::optional(told.color) : std::nullopt,
-                                        told.color_from_depth, told.unit, passes_through});
+                                        told.color_from_depth, told.unit, passes_through, told.noise});
   if (!registration) return fail(registration.error());
   return Capture(source.name, source.is_stream, std::move(*frames), std::move(told),
                  std::move(*registration));
@@ -129,10 +129,10 @@ Result<std::size_t> look_at_frames(Capture& capture, std::size_t most, Duration 
     auto frame = capture.next();
     if (!frame && frame.error().code == ErrorCode::kEndOfStream) break;
     if (!frame) return fail(frame.error());
-    const bool due = capture.is_stream() ? looked_at == 0 || frame->stamp.captured_at - last >= pause
+    const bool due = capture.is_stream() ? looked_at == 0 || frame->metadata.captured_at - last >= pause
                                          : number >= looked_at * all / wanted;
     if (!due) continue;
-    last = frame->stamp.captured_at;
+    last = frame->metadata.captured_at;
     ++looked_at;
     const std::string said = look(std::move(*frame));
     if (!said.empty()) {

@@ -94,7 +94,7 @@ Result<Pictures> pictures_of_source(const LensSettings& settings, const scene::S
   out.is_depths_own = capture->sensor().registered;
   const auto looked = look_at_frames(*capture, settings.frames, pause, [&](const RgbdFrame& frame) {
     if (!frame.color) return std::string("no colour");
-    const auto number = source.is_stream ? out.looked_at + 1 : frame.stamp.sequence;
+    const auto number = source.is_stream ? out.looked_at + 1 : frame.metadata.sequence;
     return look_at(settings.board, *frame.color,
                    fmt::format("{} {}", source.is_stream ? "picture" : "frame", number), out);
   });

@@ -29,6 +29,7 @@ class StreamSource : public sensor::FrameSource {
     description_.name = stream.camera;
     description_.depth = description_.color = stream.model;
     description_.unit = stream.unit;
+    description_.noise = stream.noise;
     description_.has_color = stream.has_color;
     description_.registered = true;
     description_.frames_per_second = stream.frames_per_second;

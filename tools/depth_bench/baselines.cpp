@@ -129,7 +129,7 @@ Result<Row> run_split(const DepthRecording& recording) {
   settings.width = width;
   settings.height = 2 * height;
   settings.qp = kSplitQp;
-  settings.effort = video::Preset::kLive;
+  settings.preset = video::Preset::kLive;
   auto encoder = video::PictureEncoder::open(settings);
   if (!encoder) return fail(encoder.error());
   auto decoder = video::PictureDecoder::open(PixelFormat::kGray8, width, 2 * height);

@@ -28,7 +28,7 @@ Result<Row> run_codec(const DepthRecording& recording, const std::string& codec,
   video::VideoSettings video_settings;
   video_settings.depth_qp = setting.qp.value_or(video_settings.depth_qp);
   video_settings.depth_kbps = setting.kbps;
-  video_settings.effort = setting.effort;
+  video_settings.preset = setting.preset;
   auto encoder = video::FrameEncoder::open(stream, video_settings);
   if (!encoder) return fail(encoder.error());
   auto decoder = video::FrameDecoder::open(stream);
@@ -43,7 +43,7 @@ Result<Row> run_codec(const DepthRecording& recording, const std::string& codec,
     auto planes = depth_encoder->encode(recording.depth[i], recording.states[i], i == 0);
     if (!planes) return fail(planes.error());
     PlanarFrame frame;
-    frame.stamp.sequence = i + 1;
+    frame.metadata.sequence = i + 1;
     frame.depth = std::move(*planes);
     const auto encoded = encoder->encode(frame);
     if (!encoded) return fail(encoded.error());

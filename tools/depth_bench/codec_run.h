@@ -14,7 +14,7 @@ namespace copresence::depth_bench {
 
 struct Setting {
   std::optional<int> qp, kbps;  ///< exactly one
-  video::Preset effort = video::Preset::kLive;
+  video::Preset preset = video::Preset::kLive;
   std::string text() const;  ///< qp=12 or kbps=1000
 };
 

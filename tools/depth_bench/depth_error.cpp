@@ -8,7 +8,7 @@ namespace copresence::depth_bench {
 namespace {
 
 double step_mm(double z_mm) {
-  return sensor_step_m(z_mm * 1e-3) * 1e3;
+  return kKinectV1Noise.step_m(z_mm * 1e-3) * 1e3;
 }
 
 constexpr double kEdgeSteps = 10;   // neighbours this far apart are two surfaces

@@ -23,8 +23,8 @@ void print(tools::Progress& progress, const std::string& line) {
 
 std::vector<Setting> settings_of(const Settings& settings) {
   std::vector<Setting> list;
-  for (const int qp : settings.qps) list.push_back({qp, std::nullopt, settings.effort});
-  for (const int kbps : settings.rates_kbps) list.push_back({std::nullopt, kbps, settings.effort});
+  for (const int qp : settings.qps) list.push_back({qp, std::nullopt, settings.preset});
+  for (const int kbps : settings.rates_kbps) list.push_back({std::nullopt, kbps, settings.preset});
   return list;
 }
 
@@ -72,7 +72,7 @@ Result<std::vector<Row>> tune_all(const Settings& settings, const DepthRecording
   tools::Progress progress(static_cast<int>(settings.rates_kbps.size() * candidates().size()));
   std::vector<Row> all;
   for (const int kbps : settings.rates_kbps) {
-    const auto rows = tune(recording, kbps, settings.effort, progress);
+    const auto rows = tune(recording, kbps, settings.preset, progress);
     if (!rows) return fail(rows.error());
     print(progress, heading());
     for (const Row& row : *rows) print(progress, line(row));

@@ -203,7 +203,7 @@ Result<void> plot_errors(const std::vector<Shot>& shots, DepthUnit unit, const s
       for (int x = 0; x < shot.depth.width(); ++x) {
         const double z = shot.depth(x, y) * metres_per_unit(unit);
         if (z == 0) continue;
-        const double steps = std::abs(shot.back(x, y) * metres_per_unit(unit) - z) / sensor_step_m(z);
+        const double steps = std::abs(shot.back(x, y) * metres_per_unit(unit) - z) / kKinectV1Noise.step_m(z);
         error.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(std::min(255.0, steps * 25.5));
       }
     }

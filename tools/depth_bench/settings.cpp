@@ -91,7 +91,7 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(explain(app, error));
   }
-  if (effort == "dense") settings.effort = video::Preset::kDense;
+  if (effort == "dense") settings.preset = video::Preset::kDense;
   if (settings.codecs.empty()) settings.codecs = {"quantized"};
   if (std::find(settings.codecs.begin(), settings.codecs.end(), "all") != settings.codecs.end())
     settings.codecs = known;

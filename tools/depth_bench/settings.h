@@ -19,7 +19,7 @@ struct Settings {
   std::vector<int> qps;
   std::vector<int> rates_kbps;
   int frames = 0;  ///< 0: all
-  video::Preset effort = video::Preset::kLive;
+  video::Preset preset = video::Preset::kLive;
   DepthRange range;
   std::optional<std::filesystem::path> json, plot;
   bool tune = false;  ///< needs rates_kbps

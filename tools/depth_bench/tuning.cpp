@@ -17,11 +17,11 @@ std::vector<std::string> candidates() {
   return names;
 }
 
-Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset effort,
+Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset preset,
                               tools::Progress& progress) {
   std::vector<Row> rows;
   for (const std::string& codec : candidates()) {
-    const Setting setting{std::nullopt, kbps, effort};
+    const Setting setting{std::nullopt, kbps, preset};
     progress.begin(codec + ' ' + setting.text());
     auto row = run_codec(recording, codec, setting);
     if (!row) return fail(row.error());

@@ -17,7 +17,7 @@ std::vector<std::string> candidates();
 
 /// Rows of all candidates at the rate, the least RMSE in sensor steps first. Codecs that cannot hold the rate within a tenth come last.
 /// Fails as run_codec() does.
-Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset effort,
+Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset preset,
                               tools::Progress& progress);
 
 }  // namespace copresence::depth_bench

@@ -12,7 +12,6 @@
 #include "capture_server/recording/oni_check.h"
 #include "capture_server/recording/oni_writer.h"
 #include "common/frame/camera_model.h"
-#include "common/frame/nominal_camera.h"
 #include "tools/record/image_file.h"
 #include "tools/record/image_folder.h"
 

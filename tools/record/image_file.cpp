@@ -19,10 +19,11 @@ using pictures::Format;
 constexpr std::uint64_t kMostPixels = std::uint64_t{kLargestSide} * kLargestSide;
 // 7-Scenes' value for a hole; elsewhere the largest value that the file can hold, and so no measurement either.
 constexpr std::uint16_t kNotMeasured = 65535;
-// A Kinect's raw disparity: 11 bits, the largest stands for a hole. Metres as in NYU Depth v2's toolbox:
-// 351.3 / (1092.5 - raw).
+// A Kinect's raw disparity has 11 bits; the largest value stands for a hole. NYU Depth v2's toolbox converts it to
+// metres by kMetresTimesDisparity / (kDisparityAtInfinity - raw).
 constexpr int kNoDisparity = 2047;
-constexpr double kDisparityAtInfinity = 1092.5, kMetresTimesDisparity = 351.3;
+constexpr double kDisparityAtInfinity = 1092.5;
+constexpr double kMetresTimesDisparity = kKinectV1Noise.disparity_constant_m;
 // The right byte order must be smoother by this factor than the other.
 constexpr double kSmoother = 3;
 

@@ -134,7 +134,7 @@ void arrival_to_encoder(benchmark::State& state, const std::string& uri) {
   for (auto _ : state) {
     const auto frame = mailbox.take({});
     const std::chrono::duration<double, std::milli> held =
-        std::chrono::steady_clock::now() - frame->stamp.captured_at;
+        std::chrono::steady_clock::now() - frame->metadata.captured_at;
     ms.push_back(held.count());
   }
   std::sort(ms.begin(), ms.end());
@@ -179,16 +179,16 @@ void unplug_and_replug(benchmark::State& state) {
   int cycle = 0;
   for (auto _ : state) {
     auto frame = (*source)->next({});
-    if (!frame || frame->stamp.sequence != ++last) return state.SkipWithError("a frame is missing");
+    if (!frame || frame->metadata.sequence != ++last) return state.SkipWithError("a frame is missing");
     if (++cycle == 20) early = Holdings::now();
     fs::remove(kinect());
-    for (; frame; frame = (*source)->next({})) last = frame->stamp.sequence;
+    for (; frame; frame = (*source)->next({})) last = frame->metadata.sequence;
     std::ofstream(kinect()).close();
     const auto begin = Clock::now();
     while (!(frame = (*source)->next({}))) {
       if (Clock::now() - begin > std::chrono::seconds(5)) return state.SkipWithError("it did not come back");
     }
-    last = frame->stamp.sequence;
+    last = frame->metadata.sequence;
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     worst = std::max(worst, seconds);
     state.SetIterationTime(seconds);

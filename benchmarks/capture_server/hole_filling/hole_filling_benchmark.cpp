@@ -29,7 +29,7 @@ RgbdFrame frame_with_holes(bool many, bool color) {
       const unsigned blob =
           (static_cast<unsigned>(x / 3) * 73856093u ^ static_cast<unsigned>(y / 3) * 19349663u) >> 6;
       const double z = board ? 1.2 : 1 / (0.5 - 0.0003 * x - 0.0001 * y);
-      const double noise = (static_cast<double>(random >> 16 & 255u) / 255 - 0.5) * sensor_step_m(z);
+      const double noise = (static_cast<double>(random >> 16 & 255u) / 255 - 0.5) * kKinectV1Noise.step_m(z);
       frame.depth(x, y) = static_cast<std::uint16_t>((z + noise) * 1000);
       if (in_shadow || blob % static_cast<unsigned>(rarity) == 0) {
         frame.depth(x, y) = 0;

@@ -34,9 +34,9 @@ void play(benchmark::State& state, const char* name, sensor::SourceSettings::Pac
   for (auto _ : state) {
     const auto frame = (*source)->next({});
     if (!frame) return state.SkipWithError(frame.error().what.c_str());
-    lateness_ms +=
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - frame->stamp.captured_at)
-            .count();
+    lateness_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                             frame->metadata.captured_at)
+                       .count();
   }
   getrusage(RUSAGE_SELF, &after);
   const auto frames = static_cast<double>(state.iterations());

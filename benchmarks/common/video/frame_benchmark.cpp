@@ -49,7 +49,7 @@ Content load(const std::string& path, const std::string& codec, bool lossless) {
     auto planes = encoder.encode(frame->depth, frame->state, content.frames.empty());
     if (!planes) break;
     PlanarFrame planar;
-    planar.stamp = frame->stamp;
+    planar.metadata = frame->metadata;
     planar.depth = std::move(*planes);
     if (frame->color) color::rgb_to_yuv420(*frame->color, planar.color.emplace());
     content.frames.push_back(std::move(planar));
@@ -77,7 +77,7 @@ const Content& content_of(const Case& which) {
 /// The recording's frames over and over, numbered on, each turn with a keyframe.
 PlanarFrame frame_of(const Content& content, const Case& which, std::uint64_t sequence) {
   PlanarFrame frame = content.frames[(sequence - 1) % content.frames.size()];
-  frame.stamp.sequence = sequence;
+  frame.metadata.sequence = sequence;
   if (which.part == Part::kDepth) frame.color.reset();
   return frame;
 }
@@ -92,7 +92,7 @@ void encode(benchmark::State& state, const Case& which) {
   double depth_bytes = 0, color_bytes = 0;
   for (auto _ : state) {
     PlanarFrame& frame = frames[sequence % frames.size()];
-    frame.stamp.sequence = ++sequence;
+    frame.metadata.sequence = ++sequence;
     const EncodedFrame encoded = encoder.encode(frame).value();
     depth_bytes += static_cast<double>(encoded.depth.size());
     color_bytes += static_cast<double>(encoded.color.size());
@@ -128,7 +128,7 @@ const int kRegistered = [] {
     const std::string name = std::filesystem::path(recording).stem();
     const std::pair<const char*, Case> cases[] = {
         // What capture_server sends unless told otherwise.
-        {"live", {recording, {.effort = Preset::kLive, .depth_qp = 20}, Part::kBoth, "adaptive"}},
+        {"live", {recording, {.preset = Preset::kLive, .depth_qp = 20}, Part::kBoth, "adaptive"}},
         {"both", {recording, {}, Part::kBoth}},
         {"depth", {recording, {}, Part::kDepth}},
         {"depth_lossless", {recording, {.depth_qp = 0}, Part::kDepth}},

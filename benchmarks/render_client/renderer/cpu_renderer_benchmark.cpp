@@ -98,12 +98,12 @@ void new_frame(benchmark::State& state) {
   DepthMesh mesh;
   for (auto _ : state) {
     invert_depth(room.frames[0].depth, 1e-4, inverse);
-    find_flat_blocks(inverse, 1 / 585.0F, flat);
+    find_flat_blocks(inverse, {kKinectV1Noise, 1 / 585.0F}, flat);
     measure_tilts(inverse, flat, kinect_model(), cosines);
     make_texture(room.frames[0], cosines, Eigen::Matrix<float, 3, 4>::Identity(), texture);
     list_blocks(inverse, flat, 16, blocks);
     outlines.draw(flat, blocks, inverse);
-    build_mesh(inverse, blocks, {ray, false}, 1 / 585.0F, mesh);
+    build_mesh(inverse, blocks, {ray, false}, {kKinectV1Noise, 1 / 585.0F}, mesh);
     benchmark::DoNotOptimize(mesh);
   }
   state.counters["vertices"] = double(mesh.x.size());
@@ -137,12 +137,12 @@ void merge(benchmark::State& state) {
     BlockOutlines outlines;
     Drawn& d = drawn[i];
     invert_depth(room.frames[i].depth, 1e-4, inverse);
-    find_flat_blocks(inverse, 1 / 585.0F, flat);
+    find_flat_blocks(inverse, {kKinectV1Noise, 1 / 585.0F}, flat);
     measure_tilts(inverse, flat, kinect_model(), cosines);
     make_texture(room.frames[i], cosines, Eigen::Matrix<float, 3, 4>::Identity(), d.texture);
     list_blocks(inverse, flat, 16, blocks);
     outlines.draw(flat, blocks, inverse);
-    build_mesh(inverse, blocks, {ray, false}, 1 / 585.0F, d.mesh);
+    build_mesh(inverse, blocks, {ray, false}, {kKinectV1Noise, 1 / 585.0F}, d.mesh);
     d.matrix = projection_matrix(eye, room.cameras[i].world_from_camera);
     d.vertices.resize(d.mesh.vertices());
     d.extents.resize(d.mesh.patches.size());

@@ -32,7 +32,7 @@ class AccuracyEncoder final : public PlaneEncoder {
   }
 
   Result<void> encode(const DepthImage& depth, const StateImage&, PlanarDepth& out) override {
-    out.picture = Picture::unwritten(picture_, depth.width(), depth.height());
+    out.picture = Picture::uninitialised(picture_, depth.width(), depth.height());
     write_codes(code_of_depth_, depth, out.picture);
     return {};
   }

@@ -3,12 +3,22 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 namespace copresence::depth {
+namespace {
 
-Codebook::Codebook(DepthRangeUnits range, DepthUnit unit)
+// For scene_spacing(). A level is rare if it and its 24 neighbours on each side have on average less than this share
+// of all pixels.
+constexpr double kRare = 1e-4;
+constexpr int kNeighbours = 24;
+constexpr double kMargin = 60;  // codes left free before the first level, for nearer ones
+
+}  // namespace
+
+Codebook::Codebook(DepthRangeUnits range, DepthUnit unit, const DepthNoise& noise)
     : range_(range),
-      steps_per_inverse_unit_(1.0 / (sensor_step_m(1.0) * metres_per_unit(unit))),
+      steps_per_inverse_unit_(1.0 / (noise.step_m(1.0) * metres_per_unit(unit))),
       levels_(kCodes, 0) {
   assert(range.near >= 1 && range.near < range.far);
 }
@@ -21,11 +31,46 @@ int Codebook::count() const {
   return static_cast<int>(kCodes - std::count(levels_.begin(), levels_.end(), std::uint16_t{0}));
 }
 
+std::vector<double> Codebook::sensor_spacing(std::span<const std::uint16_t> levels) const {
+  std::vector<double> distance;
+  double before = range_.near;
+  for (const std::uint16_t level : levels) {
+    distance.push_back(std::max(distance.empty() ? 0.0 : 1.0, std::round(steps(before, level))));
+    before = level;
+  }
+  return distance;
+}
+
+std::vector<double> Codebook::scene_spacing(std::span<const std::uint16_t> levels,
+                                            std::span<const std::uint32_t> pixels) const {
+  assert(levels.size() == pixels.size());
+  std::vector<double> distance = sensor_spacing(levels);
+  if (levels.empty()) return distance;
+  distance[0] = std::min(distance[0], kMargin);
+  const double all = std::accumulate(pixels.begin(), pixels.end(), 0.0);
+  std::vector<bool> rare(levels.size());
+  // Beyond the last level there are few steps up to the end of the range, and scenes often come to need them. So these
+  // steps count as not rare.
+  double steps_of_rare = distance[0], steps_of_others = steps(levels.back(), range_.far);
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    const std::size_t first = i < kNeighbours ? 0 : i - kNeighbours;
+    const std::size_t count = std::min<std::size_t>(2 * kNeighbours + 1, levels.size() - first);
+    const auto near = pixels.subspan(first, count);
+    rare[i] = std::accumulate(near.begin(), near.end(), 0.0) < kRare * all * static_cast<double>(count);
+    (rare[i] ? steps_of_rare : steps_of_others) += distance[i];
+  }
+  if (steps_of_others <= 0) return distance;
+  const double room = kCodes - 1 - steps_of_rare;
+  const double codes_per_step = std::clamp(room / steps_of_others, 1.0, kFinest);
+  for (std::size_t i = 1; i < levels.size(); ++i) distance[i] *= rare[i] ? 1.0 : codes_per_step;
+  return distance;
+}
+
 void Codebook::assign(std::span<const std::uint16_t> levels, std::span<const double> distance) {
   assert(levels.size() <= kCodes && levels.size() == distance.size());
   assert(std::is_sorted(levels.begin(), levels.end()));
   std::fill(levels_.begin(), levels_.end(), std::uint16_t{0});
-  // Free codes wanted in front of each level: the distance less the level's own code.
+  // Free codes wanted before each level: the distance less the level's own code.
   const auto wanted = [&](std::size_t i) { return std::max(0.0, i == 0 ? distance[i] : distance[i] - 1); };
   double all_wanted = 0;
   for (std::size_t i = 0; i < levels.size(); ++i) all_wanted += wanted(i);
@@ -50,8 +95,8 @@ void Codebook::assign_evenly(DepthRangeUnits range) {
   }
 }
 
-// Where a level belongs between two codes: evenly in 1/z between their levels; beyond the first and the last level as far
-// off, for a sensor step, as the levels there are from each other.
+// The code at which a level belongs between two codes: evenly in 1/z between their levels. Beyond the first and the
+// last level the spacing of the levels there is continued.
 int Codebook::place(std::uint16_t level, int below, int above) const {
   if (below < 0 && above == kCodes) return static_cast<int>(std::lround(steps(range_.near, level)));
   if (below < 0)
@@ -62,7 +107,7 @@ int Codebook::place(std::uint16_t level, int below, int above) const {
   return below + static_cast<int>(std::lround(t * (above - below)));
 }
 
-// Codes a sensor step from an outermost level to the tenth level inwards.
+// Codes per step between an outermost level and the tenth level inwards.
 double Codebook::density(int outermost, int direction) const {
   int inner = outermost;
   for (int found = 0, code = outermost + direction; code >= 0 && code < kCodes && found < 10;
@@ -92,7 +137,7 @@ bool Codebook::insert(std::uint16_t level) {
     levels_[std::clamp(place(level, below, above), below + 1, above - 1)] = level;
     return true;
   }
-  // No code free between the neighbours: the nearest free one moves here.
+  // No code is free between the neighbours: the levels up to the nearest free code move by one.
   int free_below = below, free_above = above;
   while (free_below >= 0 && levels_[free_below] != 0) --free_below;
   while (free_above < kCodes && levels_[free_above] != 0) ++free_above;

@@ -5,7 +5,6 @@
 
 #include "common/depth/levels/code_map.h"
 #include "common/depth/levels/codebook.h"
-#include "common/depth/levels/level_spacing.h"
 
 namespace copresence::depth {
 namespace {
@@ -14,9 +13,8 @@ class QuantizedEncoder final : public PlaneEncoder {
  public:
   QuantizedEncoder(const DepthFormat& format, bool adaptive)
       : range_(format.units()),
-        unit_(format.unit),
         adaptive_(adaptive),
-        table_(range_, format.unit),
+        table_(range_, format.unit, format.noise),
         none_(table_),
         code_of_depth_(65536, kUnknown) {}
 
@@ -40,7 +38,7 @@ class QuantizedEncoder final : public PlaneEncoder {
       if (out.keyframe) count(depth, states);
     }
     if (out.keyframe) lay_out();
-    out.picture = Picture::unwritten(PixelFormat::kGray10, depth.width(), depth.height());
+    out.picture = Picture::uninitialised(PixelFormat::kGray10, depth.width(), depth.height());
     if (!write(depth, states, out.picture)) {
       learn(depth, states);
       write(depth, states, out.picture);
@@ -122,10 +120,10 @@ class QuantizedEncoder final : public PlaneEncoder {
     } else if (adaptive_ && !lossless_) {
       std::vector<std::uint32_t> pixels;
       for (const std::uint16_t level : levels_) pixels.push_back(pixels_[level]);
-      table_.assign(levels_, scene_spacing(levels_, pixels, range_, unit_));
+      table_.assign(levels_, table_.scene_spacing(levels_, pixels));
     } else {
       const std::vector<std::uint16_t> levels = levels_to_hold();
-      table_.assign(levels, sensor_spacing(levels, range_, unit_));
+      table_.assign(levels, table_.sensor_spacing(levels));
     }
     index();
   }
@@ -151,7 +149,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     std::sort(levels.begin(), levels.end());
     std::vector<std::uint32_t> pixels;
     for (const std::uint16_t level : levels) pixels.push_back(pixels_[level]);
-    laid_out.assign(levels, scene_spacing(levels, pixels, range_, unit_));
+    laid_out.assign(levels, laid_out.scene_spacing(levels, pixels));
     double finer = 0, all = 0;  // bits by which the pixels' levels would lie farther apart
     int now = 0, then = 0;      // codes of the level before
     std::size_t level = 0;
@@ -195,7 +193,6 @@ class QuantizedEncoder final : public PlaneEncoder {
   static constexpr double kWorthwhileBits = 0.5;  // about 6 % less error at one rate
 
   DepthRangeUnits range_;
-  DepthUnit unit_;
   bool adaptive_;
   Codebook table_;
   const Codebook none_;
@@ -212,7 +209,9 @@ class QuantizedEncoder final : public PlaneEncoder {
 class QuantizedDecoder final : public PlaneDecoder {
  public:
   explicit QuantizedDecoder(const DepthFormat& format)
-      : table_(format.units(), format.unit), none_(table_), depth_of_code_(table_.depth_of_code()) {}
+      : table_(format.units(), format.unit, format.noise),
+        none_(table_),
+        depth_of_code_(table_.depth_of_code()) {}
 
   Result<void> decode(const PlanarDepth& in, const StateImage&, DepthImage& out) override {
     if (in.keyframe) table_ = none_;

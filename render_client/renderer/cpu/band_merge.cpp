@@ -45,7 +45,10 @@ class SpanMerge {
         bands_(bands),
         empty_(bands[0].empty()),
         view_(view),
-        outlines_((view.width + kLanes - 1) / kLanes, bands[0].rows()) {}
+        outline_(outline_of(sources)),
+        outlines_((view.width + kLanes - 1) / kLanes, bands[0].rows()) {
+    for (std::size_t i = 0; i < count(); ++i) noise_per_square_[i] = uncertainty_per_square(sources[i].noise);
+  }
 
   // Merges `groups` groups of eight pixels from (x, y) on. The last may reach beyond the view.
   void run(int x, int y, int groups, HostPixels wanted) {
@@ -74,6 +77,12 @@ class SpanMerge {
 
  private:
   std::size_t count() const { return kCount ? kCount : sources_.size(); }
+
+  static float outline_of(std::span<const MergeSource> sources) {
+    float coarsest = 0;
+    for (const MergeSource& source : sources) coarsest = std::max(coarsest, inverse_step(source.noise));
+    return kOutlineSteps * coarsest;
+  }
 
   // Finds what each camera's fragments would be worth.
   void survey(int x, int groups) {
@@ -114,7 +123,7 @@ class SpanMerge {
     std::uint8_t* const outlines = outlines_.row(y_ - bands_[0].top()).data() + x / kLanes;
     for (int g = 0; g < groups; ++g) {
       const float* const nearest = &span_.nearest[g * kLanes];
-      outlines[g] = find_outlines(load<Floats>(nearest), load<Floats>(nearest + 1), empty_);
+      outlines[g] = find_outlines(load<Floats>(nearest), load<Floats>(nearest + 1), empty_, outline_);
     }
   }
 
@@ -127,13 +136,12 @@ class SpanMerge {
   // fragment_worth() of merge_rules.h before its cosine and up to a factor, for eight pixels of every camera.
   // Returns whether any but the nearest counts.
   bool weigh(int x, int at, const Floats (&w)[kMostCameras]) {
-    constexpr float kNoise = kRangeSigmas * 0.5F * kStepInverse;
     Floats z[kMostCameras], noise[kMostCameras], uncertainty[kMostCameras];
     Floats nearest = w[0], nearest_z{}, nearest_uncertainty{};
     for (std::size_t i = 0; i < count(); ++i) {
       z[i] = 1.0F / w[i];
       const Floats source_z = source_depth(i, x + at, z[i]);
-      noise[i] = kNoise * (source_z * source_z);
+      noise[i] = noise_per_square_[i] * (source_z * source_z);
       uncertainty[i] = noise[i] + sources_[i].calibration_error_m;
       nearest_z = i == 0 ? z[i] : smaller(z[i], nearest_z);
       nearest_uncertainty = i == 0 || w[i] > nearest ? uncertainty[i] : nearest_uncertainty;
@@ -254,9 +262,10 @@ class SpanMerge {
       const float z = 1.0F / depths_[camera][at + lane];
       const float source_z = source_depth(camera, here, all(z))[0];
       view_.depth_m(here, y_) = z;
-      view_.quality(here, y_) = kPerAlpha *
-                                static_cast<float>(span_.cameras[camera].colors[at + lane] >> 24) /
-                                (source_z * source_z);
+      view_.quality(here, y_) =
+          precision(sources_[camera].noise) *
+          (kPerAlpha * static_cast<float>(span_.cameras[camera].colors[at + lane] >> 24) /
+           (source_z * source_z));
     }
   }
 
@@ -266,8 +275,10 @@ class SpanMerge {
   int y_ = 0;
   const float* depths_[kMostCameras];  // of the span
   const std::uint32_t* texels_[kMostCameras];
-  float depth_of_row_[kMostCameras];  // the part of MergeSource::depth that is the row's
+  float depth_of_row_[kMostCameras];      // the part of MergeSource::depth that is the row's
+  float noise_per_square_[kMostCameras];  // uncertainty_per_square() of each
   MergedView& view_;
+  float outline_;  // difference in inverse depth at an outline
   OutlineBits outlines_;
   Span span_;
 };
@@ -284,6 +295,7 @@ MergeSource merge_source(const CameraView& camera, const VirtualCamera& eye, con
       Eigen::Vector4d(a, b, row.z() - a * eye.lens.cx - b * eye.lens.cy, camera_from_eye.translation.z())
           .cast<float>();
   source.calibration_error_m = static_cast<float>(camera.calibration_error_m);
+  source.noise = camera.noise;
   if (camera.opacity < 1) source.opacity_256 = std::min(static_cast<int>(256 * camera.opacity + 0.5F), 255);
   return source;
 }

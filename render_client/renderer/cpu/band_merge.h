@@ -18,6 +18,7 @@ struct MergeSource {
   Eigen::Vector4f
       depth;  ///< of the pixel (x, y) at the eye's depth z from the camera: z (x, y, 1).dot(abc) + d
   float calibration_error_m = 0;
+  DepthNoise noise;
   int opacity_256 = 256;  ///< CameraView::opacity in 256ths; 256 only of a live camera
 };
 

@@ -22,24 +22,26 @@ class Source {
   void update(const CameraView& camera) {
     const bool new_model = !(camera.model == model_);
     if (new_model) rays_ = rays(camera.model);
-    const bool new_frame = new_model || !has_frame_ || camera.version != version_ || camera.unit != unit_;
+    const bool new_frame = new_model || !has_frame_ || camera.version != version_ || camera.unit != unit_ ||
+                           !(camera.noise == noise_);
     model_ = camera.model;
     unit_ = camera.unit;
+    noise_ = camera.noise;
     version_ = camera.version;
     has_frame_ = true;
     if (new_frame) {
-      const auto pixel_angle = static_cast<float>(1.0 / model_.fx);
+      const SurfaceLimits limits(noise_, static_cast<float>(1.0 / model_.fx));
       invert_depth(camera.frame->depth, metres_per_unit(unit_), inverse_);
-      find_flat_blocks(inverse_, pixel_angle, flat_);
+      find_flat_blocks(inverse_, limits, flat_);
       measure_tilts(inverse_, flat_, model_, cosines_);
       list_blocks(inverse_, flat_, largest_block_, blocks_);
       if (model_.is_distorted()) {
         straightened_rays_ = rays_;
         outlines_.draw(flat_, blocks_, inverse_, &straightened_rays_);
-        build_mesh(inverse_, blocks_, {straightened_rays_, true}, pixel_angle, mesh);
+        build_mesh(inverse_, blocks_, {straightened_rays_, true}, limits, mesh);
       } else {
         outlines_.draw(flat_, blocks_, inverse_);
-        build_mesh(inverse_, blocks_, {rays_, false}, pixel_angle, mesh);
+        build_mesh(inverse_, blocks_, {rays_, false}, limits, mesh);
       }
     }
     if (new_frame || camera.color_matching != color_matching_) {
@@ -94,6 +96,7 @@ class Source {
   std::uint64_t version_ = 0;
   CameraModel model_;
   DepthUnit unit_ = DepthUnit::kMillimetre;
+  DepthNoise noise_;
   Eigen::Matrix<float, 3, 4> color_matching_;
   std::vector<Eigen::Vector2f> rays_, straightened_rays_;
   InverseDepth inverse_;

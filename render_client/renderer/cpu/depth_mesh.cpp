@@ -57,7 +57,8 @@ constexpr std::array<Shape, 16> kShapes = [] {
 // has room for it. What comes next in a patch can hardly be foretold, so nothing here asks where it can do without.
 class PatchBuilder {
  public:
-  PatchBuilder(const InverseDepth& inverse, const PixelRays& rays, float pixel_angle, DepthMesh& mesh)
+  PatchBuilder(const InverseDepth& inverse, const PixelRays& rays, const SurfaceLimits& limits,
+               DepthMesh& mesh)
       : rays_(rays.of_pixels.data()->data()),
         column_step_(rays.are_bent ? 1 : 0),
         row_step_(rays.are_bent ? inverse.width : 0),
@@ -66,7 +67,8 @@ class PatchBuilder {
         width_(inverse.width),
         last_x_(inverse.width - 1),
         last_y_(inverse.height - 1),
-        slope_(kMaxSlope * pixel_angle),
+        gap_(limits.gap),
+        slope_(limits.slope),
         mesh_(mesh) {}
 
   // The patch whose first pixel is (left, top).
@@ -127,7 +129,7 @@ class PatchBuilder {
     const auto are_joined = [this](const Four& p, const Four& q,
                                    const Four& r) {  // joined() of merge_rules.h
       const Four nearest = larger(larger(p, q), r), farthest = smaller(smaller(p, q), r);
-      return (farthest > 0.0F) & (nearest - farthest <= kGapSteps * kStepInverse + slope_ * farthest);
+      return (farthest > 0.0F) & (nearest - farthest <= gap_ + slope_ * farthest);
     };
     const FourInts abd = are_joined(a, b, d), bcd = are_joined(b, c, d), abc = are_joined(a, b, c),
                    acd = are_joined(a, c, d);
@@ -201,7 +203,7 @@ class PatchBuilder {
   const int column_step_, row_step_;
   const float* const w_from_;
   const int w_row_, width_, last_x_, last_y_;
-  const float slope_;
+  const float gap_, slope_;
   DepthMesh& mesh_;
   std::uint32_t first_vertex_ = 0, quads_ = 0, triangles_ = 0;  // of all patches before
 
@@ -217,7 +219,7 @@ class PatchBuilder {
 }  // namespace
 
 void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const PixelRays& rays,
-                float pixel_angle, DepthMesh& mesh) {
+                const SurfaceLimits& limits, DepthMesh& mesh) {
   assert(rays.of_pixels.size() == static_cast<std::size_t>(inverse.width) * inverse.height);
   assert(blocks.ends.size() == static_cast<std::size_t>(inverse.patches_x()) * inverse.patches_y());
   // Room for the most that there can be: a block of 2 in pixels has 9 vertices and 4 quads or triangles, any flat one 4 and
@@ -228,7 +230,7 @@ void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const Pix
   mesh.quads.resize(4 * parts + 1);
   mesh.triangles.resize(4 * parts + 1);
   mesh.patches.clear();
-  PatchBuilder patch(inverse, rays, pixel_angle, mesh);
+  PatchBuilder patch(inverse, rays, limits, mesh);
   std::size_t number = 0, begin = 0;
   for (int j = 0; j < inverse.patches_y(); ++j) {
     for (int i = 0; i < inverse.patches_x(); ++i) {

@@ -19,7 +19,7 @@ struct DepthMesh {
   /// One number per vertex, and kSpare more. The point is (x, y, 1) / w, metres in the camera's frame; u, v
   /// are its pixel.
   template <class T>
-  using Vector = std::vector<T, UnwrittenMemory<T>>;
+  using Vector = std::vector<T, UninitialisedAllocator<T>>;
   Vector<float> x, y, w, u, v;
   static constexpr std::size_t kSpare = 8;  ///< so that vertices can be read in groups
   std::size_t vertices() const { return x.size() - kSpare; }
@@ -67,9 +67,9 @@ struct PixelRays {
   bool are_bent;  ///< by the lens: x is not the same all down a column, or y not along a row
 };
 
-/// The mesh of an image whose outlines are drawn. `pixel_angle` as in joined(). Requires as many rays as pixels of
+/// The mesh of an image whose outlines are drawn. `limits` as in joined(). Requires as many rays as pixels of
 /// `inverse`, and its `blocks`.
 void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const PixelRays& rays,
-                float pixel_angle, DepthMesh& mesh);
+                const SurfaceLimits& limits, DepthMesh& mesh);
 
 }  // namespace copresence::renderer

@@ -14,9 +14,8 @@ namespace {
 
 constexpr Plane kEmpty{.w = -1};
 
-bool too_steep(const Plane& plane, float pixel_angle) {
-  return std::abs(plane.dx) + std::abs(plane.dy) >
-         kGapSteps * kStepInverse + kMaxSlope * pixel_angle * plane.w;
+bool too_steep(const Plane& plane, const SurfaceLimits& limits) {
+  return std::abs(plane.dx) + std::abs(plane.dy) > limits.gap + limits.slope * plane.w;
 }
 
 // One row of blocks of 4, one number per column of the padded image, so that the compiler can take eight
@@ -75,7 +74,7 @@ void measure_distances(const std::array<const float*, 5>& rows, int blocks, Colu
   }
 }
 
-void find_blocks_of_4(const InverseDepth& inverse, float pixel_angle, Image<Plane>& planes) {
+void find_blocks_of_4(const InverseDepth& inverse, const SurfaceLimits& limits, Image<Plane>& planes) {
   const int columns = inverse.w.width();
   Columns c(columns);
   for (int j = 0; j < planes.height(); ++j) {
@@ -93,13 +92,14 @@ void find_blocks_of_4(const InverseDepth& inverse, float pixel_angle, Image<Plan
       // A hole among depths is far off any plane.
       const Plane plane{c.w[x], c.dx[x], c.dy[x]};
       const float off = std::max(std::max(c.off[x], c.off[x + 1]), std::max(c.off[x + 2], c.off[x + 3]));
-      row[i] = off <= kPixelTolerance && !too_steep(plane, pixel_angle) ? plane : Plane{};
+      row[i] = off <= limits.planar && !too_steep(plane, limits) ? plane : Plane{};
     }
   }
 }
 
 // Planes through 3 x 3 pixels, where they lie in one, for the four blocks of 2 from (x, y) on: side by side, row by row.
-void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, float pixel_angle, Image<Plane>& planes) {
+void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, const SurfaceLimits& limits,
+                     Image<Plane>& planes) {
   std::array<std::array<Four, 3>, 3> pixels;  // row and column within each block
   for (int r = 0; r < 3; ++r) {
     const auto columns = [&](int row, int column) {
@@ -130,25 +130,25 @@ void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, float pixel_angl
       off = larger(off, size_of(pixels[r][c] - here));
     }
   }
-  const Four steepest = kGapSteps * kStepInverse + kMaxSlope * pixel_angle * w;
-  const FourInts is_flat = (off <= kPixelTolerance) & (size_of(dx) + size_of(dy) <= steepest);
+  const Four steepest = limits.gap + limits.slope * w;
+  const FourInts is_flat = (off <= limits.planar) & (size_of(dx) + size_of(dy) <= steepest);
   for (int i = 0; i < 4; ++i)
     planes.row(y / 2 + i / 2)[x / 2 + i % 2] = is_flat[i] ? Plane{w[i], dx[i], dy[i]} : Plane{};
 }
 
-void find_blocks_of_2(const InverseDepth& inverse, float pixel_angle, const Image<Plane>& blocks_of_4,
-                      Image<Plane>& planes) {
+void find_blocks_of_2(const InverseDepth& inverse, const SurfaceLimits& limits,
+                      const Image<Plane>& blocks_of_4, Image<Plane>& planes) {
   for (int j = 0; j < blocks_of_4.height(); ++j) {
     const std::span<const Plane> row = blocks_of_4.row(j);
     for (int i = 0; i < blocks_of_4.width(); ++i) {
       const bool is_flat_or_empty = row[i].w != 0;
-      if (!is_flat_or_empty) fit_blocks_of_2(inverse, 4 * i, 4 * j, pixel_angle, planes);
+      if (!is_flat_or_empty) fit_blocks_of_2(inverse, 4 * i, 4 * j, limits, planes);
     }
   }
 }
 
 // The plane through four quarters, each `size` pixels a side, where they lie in one.
-Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float size) {
+Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float size, float tolerance) {
   if (!a.is_flat() || !b.is_flat() || !c.is_flat() || !d.is_flat()) {
     return a.is_empty() && b.is_empty() && c.is_empty() && d.is_empty() ? kEmpty : Plane{};
   }
@@ -163,7 +163,7 @@ Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float
   };
   const float worst =
       std::max(std::max(off(a, -1, -1), off(b, 1, -1)), std::max(off(c, -1, 1), off(d, 1, 1)));
-  return worst <= kPlaneTolerance ? whole : Plane{};
+  return worst <= tolerance ? whole : Plane{};
 }
 
 void invert_row(const std::uint16_t* from, int width, float per_unit, float* to) {
@@ -193,14 +193,14 @@ void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth&
   }
 }
 
-void find_flat_blocks(const InverseDepth& inverse, float pixel_angle, FlatBlocks& blocks) {
+void find_flat_blocks(const InverseDepth& inverse, const SurfaceLimits& limits, FlatBlocks& blocks) {
   blocks.planes[1].resize(4 * inverse.patches_x(), 4 * inverse.patches_y());
-  find_blocks_of_4(inverse, pixel_angle, blocks.planes[1]);
+  find_blocks_of_4(inverse, limits, blocks.planes[1]);
   // Those in a flat or empty block of 4 are not looked for: they stay as they were, never empty.
   Image<Plane>& blocks_of_2 = blocks.planes[0];
   if (blocks_of_2.width() != 8 * inverse.patches_x() || blocks_of_2.height() != 8 * inverse.patches_y())
     blocks_of_2 = Image<Plane>(8 * inverse.patches_x(), 8 * inverse.patches_y());
-  find_blocks_of_2(inverse, pixel_angle, blocks.planes[1], blocks_of_2);
+  find_blocks_of_2(inverse, limits, blocks.planes[1], blocks_of_2);
   for (int level = 2; level < kLevels; ++level) {
     const Image<Plane>& quarters = blocks.planes[level - 1];
     Image<Plane>& wholes = blocks.planes[level];
@@ -210,7 +210,7 @@ void find_flat_blocks(const InverseDepth& inverse, float pixel_angle, FlatBlocks
       const std::span<Plane> row = wholes.row(j);
       for (int i = 0; i < wholes.width(); ++i) {
         row[i] = join(upper[2 * i], upper[2 * i + 1], lower[2 * i], lower[2 * i + 1],
-                      static_cast<float>(kBlockSizes[level - 1]));
+                      static_cast<float>(kBlockSizes[level - 1]), limits.curvature);
       }
     }
   }

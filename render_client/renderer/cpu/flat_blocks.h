@@ -35,11 +35,6 @@ struct Plane {
 inline constexpr std::array<int, 4> kBlockSizes = {2, 4, 8, 16};
 inline constexpr int kLevels = static_cast<int>(kBlockSizes.size());
 
-/// Noise is the pixels' distance from their block of 4; curvature is its plane's from the next larger
-/// block's. Planes of 25 pixels are known to a quarter of a step at their corners. 1/m.
-inline constexpr float kPixelTolerance = kPlanarSteps * kStepInverse;
-inline constexpr float kPlaneTolerance = 1.0F * kStepInverse;
-
 struct FlatBlocks {
   /// By level, blocks of kBlockSizes[level]; block (i, j) begins at pixel (size i, size j). Blocks of 2 have
   /// a plane only where the block of 4 that holds them is neither flat nor empty; elsewhere it is undefined, and they
@@ -48,7 +43,7 @@ struct FlatBlocks {
 };
 
 /// A block is flat when every one of its pixels has depth, lies within kPlanarSteps of its plane, and the
-/// plane is not so steep that the pixels would not be joined (merge_rules.h). `pixel_angle` as in joined().
-void find_flat_blocks(const InverseDepth& inverse, float pixel_angle, FlatBlocks& blocks);
+/// plane is not so steep that the pixels would not be joined (merge_rules.h).
+void find_flat_blocks(const InverseDepth& inverse, const SurfaceLimits& limits, FlatBlocks& blocks);
 
 }  // namespace copresence::renderer

@@ -1,5 +1,6 @@
 #include "render_client/renderer/gl/gl_programs.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <string>
@@ -40,21 +41,20 @@ std::string element(const char* array, std::size_t index) {
 }  // namespace
 
 Result<FindFlatBlocks> FindFlatBlocks::make(gl::Context& context) {
-  const std::array defines = {Define{"PIXEL_TOLERANCE", literal(kPixelTolerance)},
-                              Define{"PLANE_TOLERANCE", literal(kPlaneTolerance)},
-                              Define{"GAP_INVERSE", literal(kGapSteps * kStepInverse)},
-                              Define{"MAX_SLOPE", literal(kMaxSlope)}};
-  auto program = gl::Program::compute(context, shaders::find_flat_blocks_comp, defines);
+  auto program = gl::Program::compute(context, shaders::find_flat_blocks_comp);
   if (!program) return fail(program.error());
   return FindFlatBlocks(std::move(*program));
 }
 
-void FindFlatBlocks::run(const gl::Texture& depth, float units_per_metre, float pixel_angle,
+void FindFlatBlocks::run(const gl::Texture& depth, float units_per_metre, const SurfaceLimits& limits,
                          const GlPlanes& planes) {
   depth.bind(0);
   for (int level = 0; level < 3; ++level) planes[level].bind_image(level, Access::kWrite);
   program_.set("units_per_metre", units_per_metre);
-  program_.set("pixel_angle", pixel_angle);
+  program_.set("gap", limits.gap);
+  program_.set("slope", limits.slope);
+  program_.set("planar", limits.planar);
+  program_.set("curvature", limits.curvature);
   program_.dispatch(planes[2].width(), planes[2].height());
 }
 
@@ -117,21 +117,20 @@ void OutlineFlatBlocks::run(const gl::Texture& depth, const GlPlanes& planes, fl
 }
 
 Result<BuildMesh> BuildMesh::make(gl::Context& context) {
-  const std::array defines = {Define{"GAP_INVERSE", literal(kGapSteps * kStepInverse)},
-                              Define{"MAX_SLOPE", literal(kMaxSlope)}};
-  auto program = gl::Program::compute(context, shaders::build_mesh_comp, defines);
+  auto program = gl::Program::compute(context, shaders::build_mesh_comp);
   if (!program) return fail(program.error());
   return BuildMesh(std::move(*program));
 }
 
-void BuildMesh::run(const gl::Texture& inverse, const GlPlanes& planes, float pixel_angle, int largest_block,
-                    gl::Buffer& command, const gl::Buffer& indices) {
+void BuildMesh::run(const gl::Texture& inverse, const GlPlanes& planes, const SurfaceLimits& limits,
+                    int largest_block, gl::Buffer& command, const gl::Buffer& indices) {
   command.write(std::span<const gl::DrawCommand>(std::array{gl::DrawCommand{}}));
   inverse.bind(0);
   for (int level = 0; level < 3; ++level) planes[level].bind(1 + level);
   command.bind_storage(0);
   indices.bind_storage(1);
-  program_.set("pixel_angle", pixel_angle);
+  program_.set("gap", limits.gap);
+  program_.set("slope", limits.slope);
   program_.set("largest_block", largest_block);
   program_.dispatch_over(inverse.width(), inverse.height());
 }
@@ -171,9 +170,7 @@ Result<void> MergeLayers::run(std::span<const Source> sources, const Eye& eye, c
                               const gl::Texture& depths, bool wants_depth, const Target& target) {
   auto compiled = programs_.find(sources.size());
   if (compiled == programs_.end()) {
-    // The range is kRangeSigmas of half a step each, uncertainty_range_m().
     const std::array defines = {Define{"LAYERS", std::to_string(sources.size())},
-                                Define{"RANGE_PER_SQUARE", literal(kRangeSigmas * 0.5F * kStepInverse)},
                                 Define{"TIE_RATIO", literal(kTieRatio)}};
     auto program = gl::Program::compute(*context_, shaders::merge_layers_comp, defines);
     if (!program) return fail(program.error());
@@ -192,28 +189,33 @@ Result<void> MergeLayers::run(std::span<const Source> sources, const Eye& eye, c
   for (std::size_t i = 0; i < sources.size(); ++i) {
     program.set(element("source_axis", i).c_str(), sources[i].axis);
     program.set(element("calibration_error", i).c_str(), sources[i].calibration_error_m);
+    program.set(element("noise_per_square", i).c_str(), uncertainty_per_square(sources[i].noise));
+    program.set(element("precision_factor", i).c_str(), precision(sources[i].noise));
   }
   program.dispatch_over(target.color.width(), target.color.height());
   return {};
 }
 
-Result<void> SoftenOutlines::run(std::size_t count, const Eigen::Vector2f& w_near_far,
-                                 const gl::Texture& fragments, const gl::Texture& depths,
-                                 const gl::Texture& merged, const gl::Texture& softened) {
-  auto compiled = programs_.find(count);
+Result<void> SoftenOutlines::run(std::span<const MergeLayers::Source> sources,
+                                 const Eigen::Vector2f& w_near_far, const gl::Texture& fragments,
+                                 const gl::Texture& depths, const gl::Texture& merged,
+                                 const gl::Texture& softened) {
+  auto compiled = programs_.find(sources.size());
   if (compiled == programs_.end()) {
-    const std::array defines = {Define{"LAYERS", std::to_string(count)},
-                                Define{"APART", literal(kOutlineSteps * kStepInverse)},
+    const std::array defines = {Define{"LAYERS", std::to_string(sources.size())},
                                 Define{"SHARE", literal(1.0F / kOutlineDivisor)}};
     auto program = gl::Program::compute(*context_, shaders::soften_outlines_comp, defines);
     if (!program) return fail(program.error());
-    compiled = programs_.emplace(count, std::move(*program)).first;
+    compiled = programs_.emplace(sources.size(), std::move(*program)).first;
   }
   fragments.bind(0);
   depths.bind(1);
   merged.bind(2);
   softened.bind_image(0, Access::kWrite);
+  float coarsest = 0;
+  for (const MergeLayers::Source& source : sources) coarsest = std::max(coarsest, inverse_step(source.noise));
   compiled->second.set("w_near_far", w_near_far);
+  compiled->second.set("apart", kOutlineSteps * coarsest);
   compiled->second.dispatch_over(softened.width(), softened.height());
   return {};
 }

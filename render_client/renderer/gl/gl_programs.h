@@ -18,6 +18,7 @@
 #include "common/gl/program.h"
 #include "common/gl/texture.h"
 #include "common/result.h"
+#include "render_client/renderer/merge_rules.h"
 
 namespace copresence::renderer {
 
@@ -30,7 +31,8 @@ inline constexpr int kFirstGlLevel = 1;
 class FindFlatBlocks {
  public:
   static Result<FindFlatBlocks> make(gl::Context& context);
-  void run(const gl::Texture& depth, float units_per_metre, float pixel_angle, const GlPlanes& planes);
+  void run(const gl::Texture& depth, float units_per_metre, const SurfaceLimits& limits,
+           const GlPlanes& planes);
 
  private:
   explicit FindFlatBlocks(gl::Program program) : program_(std::move(program)) {}
@@ -79,7 +81,7 @@ class BuildMesh {
  public:
   static Result<BuildMesh> make(gl::Context& context);
   /// `command` gets a gl::DrawCommand; `indices` has room for six per pixel.
-  void run(const gl::Texture& inverse, const GlPlanes& planes, float pixel_angle, int largest_block,
+  void run(const gl::Texture& inverse, const GlPlanes& planes, const SurfaceLimits& limits, int largest_block,
            gl::Buffer& command, const gl::Buffer& indices);
 
  private:
@@ -119,6 +121,7 @@ class MergeLayers {
   struct Source {
     Eigen::Vector4f axis;  ///< dot with (point in the eye's frame, 1) is the depth along the camera's axis, m
     float calibration_error_m;
+    DepthNoise noise;
   };
   struct Eye {
     Eigen::Vector2f w_near_far;      ///< 1/m
@@ -144,10 +147,10 @@ class SoftenOutlines {
  public:
   explicit SoftenOutlines(gl::Context& context) : context_(&context) {}
 
-  /// Layers as MergeLayers has them, `count` of them. A shader is compiled for each number once. `w_near_far`
-  /// as in MergeLayers::Eye.
-  Result<void> run(std::size_t count, const Eigen::Vector2f& w_near_far, const gl::Texture& fragments,
-                   const gl::Texture& depths, const gl::Texture& merged, const gl::Texture& softened);
+  /// Sources, layers and `w_near_far` as in MergeLayers. A shader is compiled for each number of sources once.
+  Result<void> run(std::span<const MergeLayers::Source> sources, const Eigen::Vector2f& w_near_far,
+                   const gl::Texture& fragments, const gl::Texture& depths, const gl::Texture& merged,
+                   const gl::Texture& softened);
 
  private:
   gl::Context* context_;

@@ -72,7 +72,8 @@ MergeLayers::Eye merge_eye(const VirtualCamera& eye) {
 MergeLayers::Source merge_source(const CameraView& camera, const VirtualCamera& eye) {
   const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
   return {.axis = camera_from_eye.matrix().row(2).transpose().cast<float>(),
-          .calibration_error_m = static_cast<float>(camera.calibration_error_m)};
+          .calibration_error_m = static_cast<float>(camera.calibration_error_m),
+          .noise = camera.noise};
 }
 
 class GlRenderer final : public Renderer {
@@ -178,7 +179,7 @@ class GlRenderer final : public Renderer {
       return merged;
     }
     context_.barrier(Reader::kFetch);
-    auto softened = soften_.run(cameras.size(), seen.w_near_far, layers_->fragments, layers_->depths,
+    auto softened = soften_.run(merge_sources_, seen.w_near_far, layers_->fragments, layers_->depths,
                                 target_->merged, target_->color);
     context_.barrier(Reader::kFetch | Reader::kFramebuffer | Reader::kHost);
     return softened;

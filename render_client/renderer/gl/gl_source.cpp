@@ -70,8 +70,8 @@ void GlSource::update(const CameraView& camera, Shaders& shaders) {
   assert(camera.model.width == width() && camera.model.height == height());
   assert(frame.depth.width() == width() && frame.depth.height() == height());
   const bool same_model = camera.model == model_;
-  const bool same_frame =
-      same_model && version_ == camera.version && frame_ == camera.frame && unit_ == camera.unit;
+  const bool same_frame = same_model && version_ == camera.version && frame_ == camera.frame &&
+                          unit_ == camera.unit && noise_ == camera.noise;
   if (same_frame && color_matching_ == camera.color_matching) return;
   if (!same_model) rays_.upload(ray_image(camera.model));
   if (!same_frame) {
@@ -79,13 +79,13 @@ void GlSource::update(const CameraView& camera, Shaders& shaders) {
     state_.upload(frame.state);
     if (frame.color) color_.upload(*frame.color);
     const auto units_per_metre = static_cast<float>(1.0 / metres_per_unit(camera.unit));
-    const auto pixel_angle = static_cast<float>(1.0 / camera.model.fx);
-    shaders.flat_blocks.run(depth_, units_per_metre, pixel_angle, planes_);
+    const SurfaceLimits limits(camera.noise, static_cast<float>(1.0 / camera.model.fx));
+    shaders.flat_blocks.run(depth_, units_per_metre, limits, planes_);
     context_->barrier(Reader::kFetch);
     shaders.tilts.run(depth_, planes_, camera.model, units_per_metre, cosines_);
     shaders.outlines.run(depth_, planes_, units_per_metre, largest_block_, inverse_);
     context_->barrier(Reader::kFetch);
-    shaders.mesh.run(inverse_, planes_, pixel_angle, largest_block_, command_, indices_);
+    shaders.mesh.run(inverse_, planes_, limits, largest_block_, command_, indices_);
     context_->barrier(Reader::kFetch | Reader::kCommand | Reader::kIndices);
   }
   shaders.look.run(cosines_, state_, frame.color ? &color_ : nullptr, camera.color_matching, source_);
@@ -94,6 +94,7 @@ void GlSource::update(const CameraView& camera, Shaders& shaders) {
   version_ = camera.version;
   frame_ = camera.frame;
   unit_ = camera.unit;
+  noise_ = camera.noise;
   color_matching_ = camera.color_matching;
 }
 

@@ -52,6 +52,7 @@ class GlSource {
   const RgbdFrame* frame_ = nullptr;
   Eigen::Matrix<float, 3, 4> color_matching_;
   DepthUnit unit_ = DepthUnit::kMillimetre;
+  DepthNoise noise_;
 };
 
 }  // namespace copresence::renderer

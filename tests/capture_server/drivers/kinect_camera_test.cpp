@@ -59,7 +59,7 @@ TEST_F(KinectCamera, GivesRegisteredDepthAndColour) {
   for (std::uint64_t i = 1; i <= 30; ++i) {
     const auto frame = (*source)->next({});
     ASSERT_TRUE(frame) << frame.error().what;
-    EXPECT_EQ(frame->stamp.sequence, i);
+    EXPECT_EQ(frame->metadata.sequence, i);
     ASSERT_TRUE(frame->color);
     EXPECT_EQ(agreement(*frame, true), 1.0);
     const Rgb8 pixel = frame->color->row(100)[40];
@@ -168,9 +168,9 @@ TEST_F(KinectCamera, SendsDepthOfItsOwnTurnsOnly) {
   for (std::uint64_t i = 1; i <= 12; ++i) {
     const auto frame = (*source)->next({});
     ASSERT_TRUE(frame) << frame.error().what;
-    EXPECT_EQ(frame->stamp.sequence, i);
+    EXPECT_EQ(frame->metadata.sequence, i);
     const auto ago = std::chrono::duration_cast<sensor::ProjectorSchedule::Time>(steady_clock::now() -
-                                                                                 frame->stamp.captured_at);
+                                                                                 frame->metadata.captured_at);
     const auto wall = std::chrono::duration_cast<sensor::ProjectorSchedule::Time>(
         std::chrono::system_clock::now().time_since_epoch());
     EXPECT_TRUE(schedule.shines(wall - ago));

@@ -41,7 +41,7 @@ TEST(SimulatedCamera, IsALiveKinectThatKnowsItsPlace) {
   for (std::uint64_t i = 1; i <= 15; ++i) {
     const auto frame = (*source)->next({});
     ASSERT_TRUE(frame) << frame.error().what;
-    EXPECT_EQ(frame->stamp.sequence, i);
+    EXPECT_EQ(frame->metadata.sequence, i);
     ASSERT_TRUE(frame->color);
     for (const std::uint16_t z : frame->depth.pixels())
       ASSERT_TRUE(z == 0 || std::binary_search(description.levels.begin(), description.levels.end(), z)) << z;
@@ -79,17 +79,17 @@ TEST(SimulatedCamera, SaysWhenItIsUnpluggedAndGoesOnWithinASecond) {
   for (int round = 0; round < 3; ++round) {
     const auto first = (*source)->next({});
     ASSERT_TRUE(first) << first.error().what;
-    EXPECT_EQ(first->stamp.sequence, ++last);
+    EXPECT_EQ(first->metadata.sequence, ++last);
     std::filesystem::remove(plug);
     auto frame = (*source)->next({});
-    for (; frame; frame = (*source)->next({})) last = frame->stamp.sequence;
+    for (; frame; frame = (*source)->next({})) last = frame->metadata.sequence;
     EXPECT_EQ(frame.error().code, ErrorCode::kUnavailable);
     std::ofstream(plug).close();
     const auto plugged_in = std::chrono::steady_clock::now();
     while (!(frame = (*source)->next({}))) {
       ASSERT_LT(std::chrono::steady_clock::now() - plugged_in, milliseconds(1000));
     }
-    EXPECT_EQ(frame->stamp.sequence, ++last);
+    EXPECT_EQ(frame->metadata.sequence, ++last);
   }
 }
 
@@ -169,7 +169,7 @@ TEST(SimulatedCamera, HasNoDepthInTheDarkAndItsTurnsAreCounted) {
   for (std::uint64_t i = 1; i <= 10; ++i) {
     const auto frame = (*source)->next({});
     ASSERT_TRUE(frame) << frame.error().what;
-    EXPECT_EQ(frame->stamp.sequence, i);
+    EXPECT_EQ(frame->metadata.sequence, i);
     EXPECT_GT(
         std::count_if(frame->depth.pixels().begin(), frame->depth.pixels().end(), [](auto z) { return z; }),
         640 * 480 / 2);

@@ -23,7 +23,7 @@ sensor::SensorDescription small_sensor() {
 /// A Kinect's levels from near to far all over the picture, mm.
 RgbdFrame walls(int near, int far, std::uint64_t sequence) {
   RgbdFrame frame;
-  frame.stamp.sequence = sequence;
+  frame.metadata.sequence = sequence;
   frame.depth.resize(kWidth, kHeight);
   frame.state = StateImage(kWidth, kHeight, DepthState::kMeasured);
   frame.color.emplace(kWidth, kHeight);

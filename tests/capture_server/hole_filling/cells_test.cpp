@@ -31,7 +31,7 @@ struct Seen {
         fillable(depth.width(), depth.height()),
         cells(depth.width(), depth.height()) {
     for (std::size_t i = 0; i < depth.pixels().size(); ++i) fillable.data()[i] = depth.data()[i] == 0;
-    cells.see(depth, fillable, steps_times_units(DepthUnit::kMillimetre));
+    cells.see(depth, fillable, steps_times_units(DepthUnit::kMillimetre, kKinectV1Noise));
   }
 
   std::vector<std::uint16_t> depths_in(int column, int row) const {
@@ -91,7 +91,7 @@ TEST(Cells, CountTheirSurfacesPixelsAndHoles) {
 
 TEST(Cells, HaveDepthAndSlopeOfAPlane) {
   DepthImage depth(160, 120);
-  const float steps_per_unit = steps_times_units(DepthUnit::kMillimetre);
+  const float steps_per_unit = steps_times_units(DepthUnit::kMillimetre, kKinectV1Noise);
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 160; ++x)  // 0.05 steps a pixel across, -0.02 down
       depth(x, y) = static_cast<std::uint16_t>(steps_per_unit / (150 + 0.05 * x - 0.02 * y) + 0.5);

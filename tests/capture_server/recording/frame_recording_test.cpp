@@ -49,8 +49,8 @@ class FrameRecordingTest : public testing::Test {
 
   RgbdFrame frame(int i) const {
     RgbdFrame frame;
-    frame.stamp.sequence = static_cast<std::uint64_t>(i + 1);
-    frame.stamp.captured_at = Instant(milliseconds(33 * i));
+    frame.metadata.sequence = static_cast<std::uint64_t>(i + 1);
+    frame.metadata.captured_at = Instant(milliseconds(33 * i));
     frame.depth = scene_.depth_of(i);
     frame.color = scene_.color_of(i);
     frame.sensor_times = {microseconds(1'000'000 + 33'333 * i), microseconds(1'007'000 + 33'333 * i), false};
@@ -107,7 +107,7 @@ TEST_F(FrameRecordingTest, WritesAColorPictureThatIsShownAgainOnce) {
 TEST_F(FrameRecordingTest, GoesOnThroughACameraThatIsPluggedInAgain) {
   auto recording = FrameRecording::open(path(), sensor_, "left");
   RgbdFrame later = frame(1);
-  later.stamp.captured_at = Instant(seconds(2));
+  later.metadata.captured_at = Instant(seconds(2));
   later.sensor_times = {microseconds(100), microseconds(90), false};
   ASSERT_TRUE(recording->write(frame(0)));
   ASSERT_TRUE(recording->write(later)) << "its clock began anew";
@@ -145,7 +145,7 @@ TEST_F(FrameRecordingTest, NotesWhenItBeganByTheClock) {
   auto recording = FrameRecording::open(path(), sensor_, "left");
   ASSERT_TRUE(recording);
   RgbdFrame first = frame(0);
-  first.stamp.captured_at = std::chrono::steady_clock::now() - seconds(2);
+  first.metadata.captured_at = std::chrono::steady_clock::now() - seconds(2);
   const auto captured = std::chrono::system_clock::now() - seconds(2);
   ASSERT_TRUE(recording->write(first));
   ASSERT_TRUE(recording->finish());

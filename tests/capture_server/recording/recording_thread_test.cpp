@@ -27,7 +27,7 @@ class RecordingThreadTest : public testing::Test {
 
   static RgbdFrame frame(int i, int width, int height) {
     RgbdFrame frame;
-    frame.stamp.sequence = static_cast<std::uint64_t>(i + 1);
+    frame.metadata.sequence = static_cast<std::uint64_t>(i + 1);
     frame.depth = DepthImage(width, height);
     for (std::size_t at = 0; at < frame.depth.pixels().size(); ++at) {  // noise: slow to code
       frame.depth.data()[at] = static_cast<std::uint16_t>(

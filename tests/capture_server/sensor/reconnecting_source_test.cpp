@@ -17,7 +17,7 @@ class ShortCamera final : public FrameSource {
   Result<RgbdFrame> next(std::stop_token) override {
     if (given_ == frames_) return fail(then_, "gone");
     RgbdFrame frame;
-    frame.stamp.sequence = ++given_;
+    frame.metadata.sequence = ++given_;
     return frame;
   }
 
@@ -53,7 +53,7 @@ TEST(ReconnectingSource, CountsOnWhenItsCameraIsBack) {
   while (sequences.size() < 7) {
     const auto frame = (*source)->next({});
     if (frame) {
-      sequences.push_back(frame->stamp.sequence);
+      sequences.push_back(frame->metadata.sequence);
     } else {
       EXPECT_EQ(frame.error().code, away == 1 ? ErrorCode::kUnavailable : frame.error().code);
       ++away;

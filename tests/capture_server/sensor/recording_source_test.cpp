@@ -25,7 +25,7 @@ TEST_F(RecordingSource, PlaysEveryFrameExactlyAndThenEnds) {
   for (int i = 0; i < scene.frames; ++i) {
     const auto frame = source->next({});
     ASSERT_TRUE(frame) << frame.error().what;
-    EXPECT_EQ(frame->stamp.sequence, static_cast<std::uint64_t>(i + 1));
+    EXPECT_EQ(frame->metadata.sequence, static_cast<std::uint64_t>(i + 1));
     EXPECT_EQ(frame->depth, scene.depth_of(i));
     expect_states_match(*frame);
     ASSERT_TRUE(frame->color);
@@ -74,7 +74,7 @@ TEST_F(RecordingSource, BeginsAgainWithoutAMissingOrADoubledFrame) {
   for (int i = 0; i < 5 * scene.frames + 3; ++i) {
     const auto frame = source->next({});
     ASSERT_TRUE(frame) << frame.error().what;
-    ASSERT_EQ(frame->stamp.sequence, static_cast<std::uint64_t>(i + 1));
+    ASSERT_EQ(frame->metadata.sequence, static_cast<std::uint64_t>(i + 1));
     ASSERT_EQ(frame->depth, scene.depth_of(i % scene.frames)) << i;
     ASSERT_EQ(frame->color, scene.color_of(i % scene.frames)) << i;
   }
@@ -99,8 +99,8 @@ TEST_F(RecordingSource, KeepsTheRecordingsPaceOverTheSeam) {
   for (int i = 0; i < 20; ++i) {
     const auto frame = source->next({});
     ASSERT_TRUE(frame) << frame.error().what;
-    captured.push_back(frame->stamp.captured_at);
-    EXPECT_LE(frame->stamp.captured_at, steady_clock::now());
+    captured.push_back(frame->metadata.captured_at);
+    EXPECT_LE(frame->metadata.captured_at, steady_clock::now());
   }
   // No single distance is tested: this machine may be busy. The sum shows a frame or a pause too many at the
   // seams.
@@ -256,7 +256,7 @@ TEST_F(RecordingSource, ShowsTheInstantThatOtherReplaysOfItsSessionShow) {
         const auto frame = source->next({});
         EXPECT_TRUE(frame) << frame.error().what;
         if (frame)
-          zero = std::min<Instant>(zero, frame->stamp.captured_at - milliseconds(frame->depth(5, 5)));
+          zero = std::min<Instant>(zero, frame->metadata.captured_at - milliseconds(frame->depth(5, 5)));
       }
       return zero;
     };

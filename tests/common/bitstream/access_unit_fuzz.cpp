@@ -39,7 +39,7 @@ void decode_anything(std::size_t choice, std::span<const std::uint8_t> bytes) {
   EncodedFrame encoded;
   encoded.depth.assign(bytes.begin(), bytes.end());
   const auto frame = decoders[choice].frames.decode(encoded);
-  if (frame && frame->depth.samples.empty() && !fits(frame->depth.picture, kFormats[choice])) std::abort();
+  if (frame && frame->depth.residuals.empty() && !fits(frame->depth.picture, kFormats[choice])) std::abort();
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ SideData example() {
   data.sequence = 0x0102030405060708;
   data.previous = 0x0102030405060707;
   data.captured_at = Instant(std::chrono::seconds(1));
-  data.quantiser = 24;
+  data.qp = 24;
   data.has_color = true;
   data.table = {0xAA, 0xBB};
   data.validity_mask = {0xCC, 0xDD, 0xEE};
@@ -65,9 +65,9 @@ TEST(SideData, ComesBackAsItWas) {
   data.table.clear();
   data.validity_mask.clear();
   EXPECT_EQ(extract_side_data(add_side_data(kDepth, {}, data), {}).value(), data);
-  data.samples = {7};
+  data.residuals = {7};
   EXPECT_EQ(extract_side_data(add_side_data(kDepth, {}, data), {}).value(), data);
-  data.samples.assign(40'000, 2);
+  data.residuals.assign(40'000, 2);
   data.validity_mask.assign(100'000, 0);
   EXPECT_EQ(extract_side_data(add_side_data(kDepth, {}, data), {}).value(), data);
 }
@@ -75,7 +75,7 @@ TEST(SideData, ComesBackAsItWas) {
 TEST(SideData, StandsEveryFlippedBitAndEveryCutOnlyAsAnError) {
   SideData data = example();
   data.world_from_camera = Rigid3{};
-  data.samples = {1, 2};
+  data.residuals = {1, 2};
   const Bytes depth = add_side_data(kDepth, kColor, data);
   for (std::size_t bit = 0; bit < 8 * depth.size(); ++bit) {
     Bytes damaged = depth;

@@ -6,7 +6,6 @@
 #include <functional>
 #include <random>
 
-#include "common/depth/levels/level_spacing.h"
 #include "tests/common/depth/scenes.h"
 
 namespace copresence::depth {
@@ -15,11 +14,11 @@ namespace {
 constexpr DepthRangeUnits kRange{400, 5000};
 
 Codebook empty_table() {
-  return {kRange, DepthUnit::kMillimetre};
+  return {kRange, DepthUnit::kMillimetre, kKinectV1Noise};
 }
 
 void assign(Codebook& table, const std::vector<std::uint16_t>& levels) {
-  table.assign(levels, sensor_spacing(levels, kRange, DepthUnit::kMillimetre));
+  table.assign(levels, table.sensor_spacing(levels));
 }
 
 std::vector<std::uint16_t> kinect_levels() {
@@ -66,7 +65,7 @@ TEST(Codebook, LeavesRoomForLevelsNotYetSeen) {
 }
 
 TEST(Codebook, TakesLevelsUntilEveryCodeIsTakenAndKeepsThemSorted) {
-  Codebook table({1, 65535}, DepthUnit::k100Micrometres);
+  Codebook table({1, 65535}, DepthUnit::k100Micrometres, kKinectV1Noise);
   std::vector<std::uint16_t> levels(65535);
   for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = static_cast<std::uint16_t>(i + 1);
   std::shuffle(levels.begin(), levels.end(), std::minstd_rand(5));
@@ -89,8 +88,8 @@ TEST(LevelSpacing, SpendsTheCodesOnTheDepthsThatTheSceneHas) {
   const auto levels = kinect_levels();
   std::vector<std::uint32_t> pixels(levels.size(), 0);
   for (std::size_t i = 0; i < levels.size(); ++i) pixels[i] = levels[i] > 1000 && levels[i] < 1500 ? 100 : 0;
-  const auto distance = scene_spacing(levels, pixels, kRange, DepthUnit::kMillimetre);
   Codebook table = empty_table();
+  const auto distance = table.scene_spacing(levels, pixels);
   table.assign(levels, distance);
   EXPECT_EQ(present(table), levels);
   const auto at = [&](int z) { return *std::lower_bound(levels.begin(), levels.end(), z); };
@@ -195,7 +194,7 @@ TEST(Codebook, RefusesLevelsThatDoNotAscendOrLieOutsideTheRange) {
   assign(table, {400, 4000});
   EXPECT_TRUE(Codebook(table).read_change(code_3(405)));
   EXPECT_FALSE(Codebook(table).read_change(code_3(4500)));  // before 4000
-  EXPECT_FALSE(Codebook({400, 449}, DepthUnit::kMillimetre).read_change(code_3(450)));
+  EXPECT_FALSE(Codebook({400, 449}, DepthUnit::kMillimetre, kKinectV1Noise).read_change(code_3(450)));
 }
 
 }  // namespace

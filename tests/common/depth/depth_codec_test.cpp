@@ -156,7 +156,7 @@ TEST_P(EveryCodec, FindsEveryChangedAndEveryMissingByteOfMaskTableAndSamples) {
     return !received && received.error().code == ErrorCode::kCorrupt && !stream.receive(second);
   };
   for (const PlanarDepth* frame : {&first, &second}) {
-    for (auto bytes : {&PlanarDepth::validity_mask, &PlanarDepth::table, &PlanarDepth::samples}) {
+    for (auto bytes : {&PlanarDepth::validity_mask, &PlanarDepth::table, &PlanarDepth::residuals}) {
       const std::size_t size = (frame->*bytes).size();
       for (std::size_t i = 0; i < size; ++i) {
         for (int bit = 0; bit < 8; ++bit) {
@@ -218,15 +218,15 @@ TEST_P(EveryCodec, KeyframesNeedNothingOfEarlierFrames) {
 
 TEST_P(EveryCodec, GoesFromLossToNoneAndBackWithAKeyframe) {
   StreamWithoutVideo stream(GetParam());
-  const bool gray = stream.send(kinect_scene(160, 120), true).samples.size() > 0;
+  const bool gray = stream.send(kinect_scene(160, 120), true).residuals.size() > 0;
   for (int time = 0; time < 12; ++time) {
     const bool lossless = time / 3 % 2 == 0;
     stream.encoder.set_lossless(lossless);
     const Scene scene = kinect_scene(160, 120, time);
     const PlanarDepth planes = stream.send(scene);
     EXPECT_EQ(planes.keyframe, time > 0 && time % 3 == 0) << time;
-    EXPECT_EQ(planes.samples.empty(), !(lossless && gray)) << time;
-    EXPECT_EQ(planes.picture.empty(), !planes.samples.empty());
+    EXPECT_EQ(planes.residuals.empty(), !(lossless && gray)) << time;
+    EXPECT_EQ(planes.picture.empty(), !planes.residuals.empty());
     if (time < 3) continue;  // the first frame of these builds on one that was not carried
     ASSERT_TRUE(stream.receive(planes)) << time;
     EXPECT_EQ(stream.state, scene.state);
@@ -236,11 +236,11 @@ TEST_P(EveryCodec, GoesFromLossToNoneAndBackWithAKeyframe) {
 TEST_P(EveryCodec, RefusesSamplesWhereThereIsAPictureAndAPictureWhereThereAreSamples) {
   StreamWithoutVideo stream(GetParam());
   PlanarDepth planes = stream.send(kinect_scene(160, 120));
-  const bool gray = !planes.samples.empty();
+  const bool gray = !planes.residuals.empty();
   if (gray) {
-    std::swap(planes.samples, planes.table);
+    std::swap(planes.residuals, planes.table);
   } else {
-    planes.samples = {1, 2, 3};
+    planes.residuals = {1, 2, 3};
   }
   EXPECT_FALSE(stream.receive(planes));
 }

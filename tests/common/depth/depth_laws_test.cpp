@@ -88,7 +88,7 @@ RC_GTEST_PROP(DepthLaws, SamplesComeBackAsTheyWere, ()) {
 
 RC_GTEST_PROP(DepthLaws, ATableChangeTurnsOneTableIntoTheOther, ()) {
   const DepthRangeUnits range{400, 5000};
-  Codebook here(range, DepthUnit::kMillimetre), there = here;
+  Codebook here(range, DepthUnit::kMillimetre, kKinectV1Noise), there = here;
   std::set<std::uint16_t> known;
   for (int change = 0; change < 6; ++change) {
     const Codebook earlier = here;

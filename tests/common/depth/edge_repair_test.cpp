@@ -11,7 +11,7 @@ TEST(EdgeRepair, PutsAPixelThatHangsBetweenTwoSurfacesBackOnTheNearerOne) {
     for (int x = 8; x < 16; ++x) depth(x, y) = 2000;
   }
   const DepthImage whole = depth;
-  EdgeRepair repair(DepthUnit::kMillimetre);
+  EdgeRepair repair(DepthUnit::kMillimetre, kKinectV1Noise);
   repair.repair(depth);
   EXPECT_EQ(depth, whole) << "a clean edge stays";
   for (int y = 0; y < 8; ++y) {
@@ -32,7 +32,7 @@ TEST(EdgeRepair, LeavesSlantedSurfacesAlone) {
     for (int x = 0; x < 64; ++x) depth(x, y) = static_cast<std::uint16_t>(1500 + 12 * x + 5 * y);
   }
   const DepthImage before = depth;
-  EdgeRepair(DepthUnit::kMillimetre).repair(depth);
+  EdgeRepair(DepthUnit::kMillimetre, kKinectV1Noise).repair(depth);
   EXPECT_EQ(depth, before);
 }
 

@@ -133,7 +133,7 @@ TEST(Adaptive, IsQuantizedWhereNothingIsLost) {
   StreamWithoutVideo adaptive("adaptive"), quantized("quantized");
   for (int time = 0; time < 4; ++time) {
     const Scene scene = kinect_scene(160, 120, time);
-    EXPECT_EQ(adaptive.send(scene).samples, quantized.send(scene).samples);
+    EXPECT_EQ(adaptive.send(scene).residuals, quantized.send(scene).residuals);
   }
 }
 

@@ -39,9 +39,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     rest = rest.subspan(table);
     planes.validity_mask.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(mask));
     rest = rest.subspan(mask);
-    planes.samples.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(samples));
+    planes.residuals.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(samples));
     rest = rest.subspan(samples);
-    seal.close(planes.keyframe, planes.table, planes.samples, planes.validity_mask);
+    seal.close(planes.keyframe, planes.table, planes.residuals, planes.validity_mask);
     if (!decoder.decode(planes, depth, states)) break;
     for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
       const bool hole = states.data()[i] == DepthState::kHole;

@@ -36,5 +36,17 @@ TEST(Bounds, HoldsAPoseToTenKilometres) {
   EXPECT_FALSE(check_pose(pose)) << "a mirror";
 }
 
+TEST(Bounds, HoldsANoiseToWhatSensorsHave) {
+  EXPECT_TRUE(check_noise(kKinectV1Noise));
+  for (const double constant : {50.0, 1e5}) EXPECT_TRUE(check_noise({constant, 0.5}));
+  for (const double sigma : {0.01, 100.0}) EXPECT_TRUE(check_noise({351.3, sigma}));
+  for (const double wrong :
+       {0.0, -351.3, 49.0, 1.1e5, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    EXPECT_FALSE(check_noise({wrong, 0.5})) << wrong;
+  }
+  for (const double wrong : {0.0, -0.5, 0.009, 101.0, std::nan("")})
+    EXPECT_FALSE(check_noise({351.3, wrong})) << wrong;
+}
+
 }  // namespace
 }  // namespace copresence

@@ -154,15 +154,46 @@ TEST(CameraModel, RefusesADistortionThatFoldsThePictureOrTearsIt) {
   EXPECT_FALSE(check(camera));
 }
 
+TEST(NominalKinect, HasSquarePixelsInEverySize) {
+  for (const auto& [width, height] :
+       {std::pair{640, 480}, std::pair{1280, 720}, std::pair{480, 640}, std::pair{1280, 1024}}) {
+    const CameraModel camera = nominal_kinect(width, height);
+    EXPECT_DOUBLE_EQ(camera.fx, camera.fy) << width;
+    EXPECT_NEAR(camera.fx, 575.8 * std::max(width, height) / 640, 0.1) << width;
+    EXPECT_EQ(camera.cx, width / 2.0);
+    EXPECT_EQ(camera.cy, height / 2.0);
+  }
+}
+
+TEST(CameraOfSensor, TakesAnglesThatFitAsTheyAre) {
+  const CameraModel camera = camera_of_sensor(640, 480, 1.0, 0.8);
+  EXPECT_EQ(camera, camera_from_field_of_view(640, 480, 1.0, 0.8));
+}
+
+TEST(CameraOfSensor, HasSquarePixelsWhereTheAnglesAreThoseOfAnotherMode) {
+  const CameraModel wide = camera_of_sensor(1280, 720, 1.0144686, 0.7898090);
+  EXPECT_DOUBLE_EQ(wide.fx, wide.fy);
+  EXPECT_NEAR(wide.fx, 2 * 575.8, 0.1);
+  const CameraModel tall = camera_of_sensor(480, 640, 1.0144686, 0.7898090);
+  EXPECT_DOUBLE_EQ(tall.fx, tall.fy);
+}
+
 TEST(DepthUnit, TurnsARangeInMetresIntoUnits) {
   EXPECT_EQ(to_units({0.4, 5.0}, DepthUnit::kMillimetre).near, 400);
   EXPECT_EQ(to_units({0.4, 5.0}, DepthUnit::k100Micrometres).far, 50000);
   EXPECT_EQ(to_units({0.4, 9.0}, DepthUnit::k100Micrometres).far, 65535);
 }
 
-TEST(DepthUnit, KnowsAKinectsStepAtOneAndFourMetres) {
-  EXPECT_NEAR(sensor_step_m(1.0), 0.00285, 1e-5);
-  EXPECT_NEAR(sensor_step_m(4.0), 0.0455, 1e-4);
+TEST(DepthNoise, OfAKinectHasItsStepAtOneAndFourMetres) {
+  EXPECT_NEAR(kKinectV1Noise.step_m(1.0), 0.00285, 1e-5);
+  EXPECT_NEAR(kKinectV1Noise.step_m(4.0), 0.0455, 1e-4);
+  EXPECT_EQ(kKinectV1Noise.sigma_m(4.0), 0.5 * kKinectV1Noise.step_m(4.0));
+}
+
+TEST(DepthNoise, StepsAreEvenInInverseDepth) {
+  constexpr DepthNoise kNoise{.disparity_constant_m = 100, .sigma_steps = 2};
+  EXPECT_NEAR(1 / 3.0 - 1 / (3.0 + kNoise.step_m(3.0)), kNoise.inverse_step(), 5e-4);
+  EXPECT_EQ(kNoise.sigma_m(3.0), 2 * kNoise.step_m(3.0));
 }
 
 }  // namespace

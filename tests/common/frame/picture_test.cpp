@@ -48,16 +48,16 @@ TEST(Picture, KeepsPlanesApart) {
   }
 }
 
-Picture lend(std::vector<std::uint8_t>& samples, std::shared_ptr<const void> owner) {
-  return Picture::lent(PixelFormat::kYuv420, 4, 2, {&samples[0], &samples[8], &samples[10]},
-                       std::move(owner));
+Picture borrow(std::vector<std::uint8_t>& samples, std::shared_ptr<const void> owner) {
+  return Picture::borrowed(PixelFormat::kYuv420, 4, 2, {&samples[0], &samples[8], &samples[10]},
+                           std::move(owner));
 }
 
-TEST(Picture, OfSomebodyElsesSamplesIsReadWhereTheyLie) {
+TEST(Picture, BorrowsSamplesWithoutACopy) {
   std::vector<std::uint8_t> samples = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   const auto owner = std::make_shared<int>();
   {
-    const Picture picture = lend(samples, owner);
+    const Picture picture = borrow(samples, owner);
     EXPECT_EQ(picture.plane8(0).data(), &samples[0]);
     EXPECT_EQ(picture.plane8(2).data(), &samples[10]);
     EXPECT_EQ(picture.plane8(1).size(), 2u);
@@ -68,10 +68,10 @@ TEST(Picture, OfSomebodyElsesSamplesIsReadWhereTheyLie) {
   EXPECT_EQ(owner.use_count(), 1);
 }
 
-TEST(Picture, OfSomebodyElsesSamplesIsCopiedBeforeItIsWritten) {
+TEST(Picture, CopiesBorrowedSamplesBeforeItIsWritten) {
   std::vector<std::uint8_t> samples = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   const auto owner = std::make_shared<int>();
-  Picture picture = lend(samples, owner);
+  Picture picture = borrow(samples, owner);
   const Picture before = picture;
   EXPECT_EQ(picture, before);
   picture.plane8(1)[1] = 99;

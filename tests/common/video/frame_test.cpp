@@ -26,14 +26,14 @@ class Frames : public testing::Test {
 TEST_F(Frames, ComeBackOneForOneWithEverythingThatMustBeExact) {
   for (std::uint64_t sequence = 1; sequence <= 60; ++sequence) {
     PlanarFrame frame = moving_frame(stream, sequence, sequence % 25 == 1);
-    if (sequence >= 30) frame.stamp.world_from_camera.translation.x() = 0.1 * double(sequence / 10);
+    if (sequence >= 30) frame.metadata.world_from_camera.translation.x() = 0.1 * double(sequence / 10);
     const auto coded = encoder.encode(frame);
     ASSERT_TRUE(coded);
     EXPECT_EQ(coded->keyframe, frame.depth.keyframe);
     EXPECT_EQ(coded->sequence, sequence);
     const auto back = decoder.decode(*coded);
     ASSERT_TRUE(back) << back.error().what;
-    EXPECT_EQ(back->stamp, frame.stamp);
+    EXPECT_EQ(back->metadata, frame.metadata);
     EXPECT_EQ(back->depth.keyframe, frame.depth.keyframe);
     EXPECT_EQ(back->depth.picture, frame.depth.picture);
     EXPECT_EQ(back->depth.validity_mask, frame.depth.validity_mask);
@@ -49,11 +49,11 @@ TEST_F(Frames, CarrySamplesInsteadOfThePictureBetweenKeyframes) {
     const bool exact = (sequence - 1) / 10 % 2 == 0;
     if (exact) {
       frame.depth.picture = Picture();
-      frame.depth.samples.assign(100 + sequence, static_cast<std::uint8_t>(sequence));
+      frame.depth.residuals.assign(100 + sequence, static_cast<std::uint8_t>(sequence));
     }
     const auto back = decoder.decode(encoder.encode(frame).value());
     ASSERT_TRUE(back) << back.error().what;
-    EXPECT_EQ(back->depth.samples, frame.depth.samples);
+    EXPECT_EQ(back->depth.residuals, frame.depth.residuals);
     EXPECT_EQ(back->depth.picture, frame.depth.picture);
     EXPECT_TRUE(back->color);
   }
@@ -83,7 +83,7 @@ TEST_F(Frames, WithSamplesAreRefusedDamagedOrAfterALoss) {
   for (std::uint64_t sequence = 1; sequence <= 4; ++sequence) {
     PlanarFrame frame = moving_frame(stream, sequence, sequence == 1);
     frame.depth.picture = Picture();
-    frame.depth.samples = {1, 2, 3};
+    frame.depth.residuals = {1, 2, 3};
     frames.push_back(encoder.encode(frame).value());
   }
   ASSERT_TRUE(decoder.decode(frames[0]));

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "common/frame/planar_frame.h"
+#include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 
 namespace copresence::video {
@@ -52,8 +52,8 @@ inline StreamDescription small_stream(PixelFormat format, bool has_color) {
 /// Frame `sequence` of a stream, from 1.
 inline PlanarFrame moving_frame(const StreamDescription& stream, std::uint64_t sequence, bool keyframe) {
   PlanarFrame frame;
-  frame.stamp.sequence = sequence;
-  frame.stamp.captured_at = Instant(std::chrono::nanoseconds(1'000'000'007 * sequence));
+  frame.metadata.sequence = sequence;
+  frame.metadata.captured_at = Instant(std::chrono::nanoseconds(1'000'000'007 * sequence));
   const int index = static_cast<int>(sequence);
   frame.depth.keyframe = keyframe;
   frame.depth.picture = moving_scene(stream.codec.format, stream.model.width, stream.model.height, index);

@@ -31,11 +31,11 @@ RC_GTEST_PROP(VideoLaws, SideDataComesBackAsItWasWhateverItIs, ()) {
   data.previous = *rc::gen::arbitrary<std::uint64_t>();
   const auto captured_ns = *rc::gen::arbitrary<std::int64_t>();
   data.captured_at = Instant(std::chrono::nanoseconds(captured_ns));
-  data.quantiser = *rc::gen::arbitrary<std::uint8_t>();
+  data.qp = *rc::gen::arbitrary<std::uint8_t>();
   data.has_color = *rc::gen::arbitrary<bool>();
   if (*rc::gen::arbitrary<bool>()) data.world_from_camera = Rigid3{};
   data.table = any_bytes();
-  data.samples = any_bytes();
+  data.residuals = any_bytes();
   data.validity_mask = any_bytes();
   const Bytes picture = {0, 0, 0, 1, 0x65, 0x33, 0x44};
   const Bytes color = data.has_color ? Bytes{0, 0, 0, 1, 0x61, 0x55} : Bytes{};

@@ -249,6 +249,9 @@ TEST(MessageCodec, BelievesNoImpossibleStream) {
   EXPECT_THAT(error([](auto& s) { s.frames_per_second = 1e-300; }), HasSubstr("rate"));
   EXPECT_THAT(error([](auto& s) { s.world_from_camera.rotation *= 2; }), HasSubstr("pose"));
   EXPECT_THAT(error([](auto& s) { s.world_from_camera.translation.x() = 1e9; }), HasSubstr("pose"));
+  EXPECT_THAT(error([](auto& s) { s.noise.disparity_constant_m = 0; }), HasSubstr("depth noise"));
+  EXPECT_THAT(error([](auto& s) { s.noise.disparity_constant_m = 1e300; }), HasSubstr("depth noise"));
+  EXPECT_THAT(error([](auto& s) { s.noise.sigma_steps = std::nan(""); }), HasSubstr("depth noise"));
   EXPECT_THAT(error([](auto& s) { s.codec.format = PixelFormat(9); }), HasSubstr("pixel format"));
   EXPECT_THAT(error([](auto& s) { s.codec.name.clear(); }), HasSubstr("codec"));
   EXPECT_THAT(error([&](auto& s) { s.codec.parameters[0].second = infinite; }), HasSubstr("finite"));

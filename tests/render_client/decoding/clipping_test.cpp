@@ -29,7 +29,7 @@ TEST(Clipping, KeepsWhatLiesInTheBox) {
 
 TEST(Clipping, MakesHolesOfTheRestInTheWorldsFrame) {
   RgbdFrame frame = wall(8, 6, 2000);
-  frame.stamp.world_from_camera.translation.x() = 10;
+  frame.metadata.world_from_camera.translation.x() = 10;
   Clipper(small_camera(), {{10, -5, 1}, {20, 5, 3}}).apply(frame);
   for (int y = 0; y < 6; ++y) {
     for (int x = 0; x < 8; ++x) {
@@ -41,7 +41,7 @@ TEST(Clipping, MakesHolesOfTheRestInTheWorldsFrame) {
 
 TEST(Clipping, UsesThePoseOfTheSceneFileRatherThanTheFrames) {
   RgbdFrame frame = wall(8, 6, 2000);
-  frame.stamp.world_from_camera.translation.x() = 10;
+  frame.metadata.world_from_camera.translation.x() = 10;
   CameraSetup setup = small_camera();
   setup.fixed_pose.emplace();
   Clipper(setup, {{-5, -5, 1}, {5, 5, 3}}).apply(frame);

@@ -13,7 +13,7 @@ namespace {
 
 TEST(DepthSmoothing, LeavesAPlaneAcrossTheAxisAsItIs) {
   DepthImage depth(64, 48, 2000);
-  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre);
+  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre, kKinectV1Noise);
   EXPECT_EQ(depth, DepthImage(64, 48, 2000));
 }
 
@@ -22,7 +22,7 @@ TEST(DepthSmoothing, TakesMostOfTheGrainOutOfASurface) {
   std::minstd_rand random(1);
   std::uniform_int_distribution<int> level(-1, 1);  // a Kinect's step at 3 m is 25.6 mm
   for (auto& z : depth.pixels()) z = static_cast<std::uint16_t>(3000 + 26 * level(random));
-  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre);
+  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre, kKinectV1Noise);
   for (int y = DepthSmoothing::kRadius; y < 48 - DepthSmoothing::kRadius; ++y) {
     for (int x = DepthSmoothing::kRadius; x < 64 - DepthSmoothing::kRadius; ++x) {
       EXPECT_NEAR(depth(x, y), 3000, 15) << x << ' ' << y;
@@ -36,7 +36,7 @@ TEST(DepthSmoothing, MixesNothingAcrossADiscontinuity) {
     for (int x = 32; x < 64; ++x) depth(x, y) = 2500;
   }
   const DepthImage before = depth;
-  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre);
+  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre, kKinectV1Noise);
   EXPECT_EQ(depth, before);
 }
 
@@ -46,7 +46,7 @@ TEST(DepthSmoothing, KeepsHolesAndDoesNotLetThemPull) {
     for (int x = 20; x < 40; ++x) depth(x, y) = 0;
   }
   const DepthImage before = depth;
-  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre);
+  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre, kKinectV1Noise);
   EXPECT_EQ(depth, before);
 }
 
@@ -54,11 +54,11 @@ TEST(DepthSmoothing, KnowsTheUnit) {
   DepthImage depth(16, 16, 20000);  // 2 m; a step is 11.4 mm
   depth(8, 8) = 20200;              // 20 mm off: the same surface
   DepthSmoothing smoothing;
-  smoothing.smooth(depth, DepthUnit::k100Micrometres);
+  smoothing.smooth(depth, DepthUnit::k100Micrometres, kKinectV1Noise);
   EXPECT_LT(depth(8, 8), 20060);
   DepthImage far(16, 16, 20000);
   far(8, 8) = 20600;  // 60 mm off: another one
-  smoothing.smooth(far, DepthUnit::k100Micrometres);
+  smoothing.smooth(far, DepthUnit::k100Micrometres, kKinectV1Noise);
   EXPECT_EQ(far(8, 8), 20600);
 }
 
@@ -70,7 +70,7 @@ TEST(DepthSmoothing, IsNotPulledByTheFarEndOfTheNumbers) {
       for (int x = 16; x < 32; ++x) depth(x, y) = static_cast<std::uint16_t>(beside);
     }
     const DepthImage before = depth;
-    DepthSmoothing().smooth(depth, DepthUnit::k100Micrometres);
+    DepthSmoothing().smooth(depth, DepthUnit::k100Micrometres, kKinectV1Noise);
     EXPECT_EQ(depth, before) << beside;
   }
 }
@@ -104,13 +104,13 @@ TEST(DepthSmoothing, TakesTheMeanAlongRowsThenColumns) {
     z = static_cast<std::uint16_t>(which == 0 ? 0 : 1000 + 700 * which + noise(random));
   }
   const double tolerance_per_square =
-      DepthSmoothing::kSameSurface * sensor_step_m(1.0) * metres_per_unit(DepthUnit::kMillimetre);
+      DepthSmoothing::kSameSurface * kKinectV1Noise.step_m(1.0) * metres_per_unit(DepthUnit::kMillimetre);
   std::vector<std::vector<double>> rows;
   for (int y = 0; y < height; ++y) {
     const auto row = depth.row(y);
     rows.push_back(smoothed_along({row.begin(), row.end()}, tolerance_per_square));
   }
-  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre);
+  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre, kKinectV1Noise);
   for (int x = 0; x < width; ++x) {
     std::vector<double> column;
     for (int y = 0; y < height; ++y) column.push_back(rows[y][x]);
@@ -121,7 +121,7 @@ TEST(DepthSmoothing, TakesTheMeanAlongRowsThenColumns) {
 
 TEST(DepthSmoothing, TakesImagesSmallerThanItself) {
   DepthImage depth(2, 2, 1000);
-  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre);
+  DepthSmoothing().smooth(depth, DepthUnit::kMillimetre, kKinectV1Noise);
   EXPECT_EQ(depth, DepthImage(2, 2, 1000));
 }
 

@@ -40,8 +40,8 @@ class MissingColor : public testing::Test {
   /// The next frame as the client decodes it, captured `at` after the beginning.
   RgbdFrame next(milliseconds at, std::optional<Rgb8> color) {
     RgbdFrame frame;
-    frame.stamp.sequence = ++sequence_;
-    frame.stamp.captured_at = Instant(std::chrono::seconds(1000) + at);
+    frame.metadata.sequence = ++sequence_;
+    frame.metadata.captured_at = Instant(std::chrono::seconds(1000) + at);
     frame.depth = DepthImage(kWidth, kHeight, 2000);
     frame.state = StateImage(kWidth, kHeight, DepthState::kMeasured);
     if (color) frame.color.emplace(kWidth, kHeight, *color);

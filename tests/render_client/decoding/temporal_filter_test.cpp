@@ -31,7 +31,7 @@ RgbdFrame noisy_wall(std::minstd_rand& random) {
 class TemporalFilterTest : public ::testing::Test {
  protected:
   RgbdFrame show(RgbdFrame frame) {
-    filter_.apply(frame, DepthUnit::kMillimetre);
+    filter_.apply(frame, DepthUnit::kMillimetre, kKinectV1Noise);
     return frame;
   }
   void show_wall(int frames) {
@@ -160,12 +160,12 @@ TEST_F(TemporalFilterTest, LetsGoOfDepthBesideWhatMoves) {
 TEST_F(TemporalFilterTest, CountsFramesThatWereLeftOut) {
   show_wall(3);
   RgbdFrame frame = wall();
-  frame.stamp.sequence = 1;
+  frame.metadata.sequence = 1;
   set_hole(frame, 10, 10);
   EXPECT_EQ(show(frame).depth(10, 10), kWall);
-  frame.stamp.sequence += TemporalFilter::kKeptFrames;
+  frame.metadata.sequence += TemporalFilter::kKeptFrames;
   EXPECT_EQ(show(frame).depth(10, 10), kWall);
-  ++frame.stamp.sequence;
+  ++frame.metadata.sequence;
   EXPECT_EQ(show(frame).depth(10, 10), 0);
 }
 
@@ -177,8 +177,8 @@ TEST_F(TemporalFilterTest, PrefersWhatWasMeasuredToWhatIsFilled) {
   EXPECT_EQ(show(frame).depth(10, 10), kWall);
   RgbdFrame measured = wall();
   TemporalFilter other;
-  other.apply(frame, DepthUnit::kMillimetre);
-  other.apply(measured, DepthUnit::kMillimetre);
+  other.apply(frame, DepthUnit::kMillimetre, kKinectV1Noise);
+  other.apply(measured, DepthUnit::kMillimetre, kKinectV1Noise);
   EXPECT_EQ(measured.depth(10, 10), kWall) << "which a measurement replaces at once";
   EXPECT_EQ(measured.state(10, 10), DepthState::kMeasured);
 }

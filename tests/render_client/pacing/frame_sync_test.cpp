@@ -15,7 +15,7 @@ class FrameSyncTest : public ::testing::Test {
  protected:
   void arrives(std::size_t camera, std::uint64_t sequence, int captured_ms, int arrived_ms) {
     Received received;
-    received.frame.stamp.sequence = sequence;
+    received.frame.metadata.sequence = sequence;
     received.captured_at = at(captured_ms);
     received.arrived_at = at(arrived_ms);
     received.stream = stream_;
@@ -23,7 +23,7 @@ class FrameSyncTest : public ::testing::Test {
   }
   std::uint64_t taken(FrameSync& frames, std::size_t camera) {
     const auto received = frames.take(camera);
-    return received ? received->frame.stamp.sequence : 0;
+    return received ? received->frame.metadata.sequence : 0;
   }
 
   std::shared_ptr<const StreamDescription> stream_ = std::make_shared<StreamDescription>();
@@ -56,7 +56,7 @@ TEST_F(FrameSyncTest, HoldsAFrameUntilItsNeighbourIsThere) {
   frames.gather(board_, statistics_, at(66));
   const auto held = frames.take(0);
   ASSERT_TRUE(held);
-  EXPECT_EQ(held->frame.stamp.sequence, 2u);
+  EXPECT_EQ(held->frame.metadata.sequence, 2u);
   EXPECT_EQ(held->arrived_at, at(66));
   EXPECT_EQ(taken(frames, 1), 2u);
 }

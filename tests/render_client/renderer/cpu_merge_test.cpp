@@ -80,7 +80,7 @@ TEST(CpuMerge, WidensTheRangeByTheCalibrationsErrors) {
   Looking far_away(kinect_model(), wall(2.92), plain(kRed));
   Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));
   const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
-  EXPECT_GT(0.08, uncertainty_range_m(2.92F, 1.5F, 0.005F, 0.005F));
+  EXPECT_GT(0.08, uncertainty_m(2.92F, 0.005F, kKinectV1Noise) + uncertainty_m(1.5F, 0.005F, kKinectV1Noise));
   EXPECT_EQ(render({&far_away, &close}, eye).camera(kWidth / 2, kHeight / 2), 0);
   close.view.calibration_error_m = 0.15;
   EXPECT_EQ(render({&far_away, &close}, eye).camera(kWidth / 2, kHeight / 2), 1);

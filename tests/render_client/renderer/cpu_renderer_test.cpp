@@ -133,7 +133,7 @@ TEST(CpuRenderer, LooksTheSameCoarseAsFine) {
       if (!(a > 0 && b > 0) || std::abs(a - b) > 0.1) continue;  // an outline, half a pixel off
       ++in_both;
       error += std::abs(fine.color(x, y).r - coarse.color(x, y).r);
-      worst = std::max(worst, std::abs(a - b) / sensor_step_m(a));
+      worst = std::max(worst, std::abs(a - b) / kKinectV1Noise.step_m(a));
     }
   }
   EXPECT_LT(in_one, 0.002 * in_both);

@@ -16,7 +16,7 @@
 namespace copresence::renderer {
 namespace {
 
-constexpr float kPixelAngle = 1 / 585.0F;
+const SurfaceLimits kLimits(kKinectV1Noise, 1 / 585.0F);
 constexpr std::pair<int, int> kNobody{-1, -1};
 using Corners = std::array<std::pair<int, int>, 4>;  // pixels; a triangle's last is nobody
 
@@ -49,11 +49,11 @@ struct Made {
 Made make(InverseDepth& inverse, int largest_block, const PixelRays& rays) {
   Made made;
   FlatBlocks flat;
-  find_flat_blocks(inverse, kPixelAngle, flat);
+  find_flat_blocks(inverse, kLimits, flat);
   list_blocks(inverse, flat, largest_block, made.blocks);
   BlockOutlines outlines;
   outlines.draw(flat, made.blocks, inverse);
-  build_mesh(inverse, made.blocks, rays, kPixelAngle, made.mesh);
+  build_mesh(inverse, made.blocks, rays, kLimits, made.mesh);
   return made;
 }
 
@@ -66,7 +66,7 @@ std::vector<Corners> drawn_between(const InverseDepth& inverse, int x, int y) {
   const std::pair<int, int> a{x, y}, b{x + 1, y}, c{x + 1, y + 1}, d{x, y + 1};
   const auto w = [&](std::pair<int, int> p) { return inverse.w(p.first, p.second); };
   const auto holds = [&](auto p, auto q, auto r) {
-    return std::min({w(p), w(q), w(r)}) > 0 && joined(w(p), w(q), w(r), kPixelAngle);
+    return std::min({w(p), w(q), w(r)}) > 0 && joined(w(p), w(q), w(r), kLimits);
   };
   if (holds(a, b, d) && holds(b, c, d)) return {{a, b, c, d}};
   if (holds(a, b, c) && holds(a, c, d)) return {{b, c, d, a}};

@@ -8,15 +8,15 @@
 namespace copresence::renderer {
 namespace {
 
-constexpr float kPixelAngle = 1.0F / 585;
+const SurfaceLimits kLimits(kKinectV1Noise, 1.0F / 585);
 
 bool joined_at(double a_m, double b_m) {
-  return joined(float(1 / a_m), float(1 / b_m), float(1 / b_m), kPixelAngle);
+  return joined(float(1 / a_m), float(1 / b_m), float(1 / b_m), kLimits);
 }
 
 TEST(MergeRules, JoinNeighboursThatNoiseAndTiltExplain) {
   for (double z : {0.5, 1.0, 2.0, 3.0, 4.0}) {
-    EXPECT_TRUE(joined_at(z, z + 3 * sensor_step_m(z))) << z;
+    EXPECT_TRUE(joined_at(z, z + 3 * kKinectV1Noise.step_m(z))) << z;
     const double tilted = z * std::tan(75 * std::numbers::pi / 180) / 585;
     EXPECT_TRUE(joined_at(z, z + tilted)) << z;
   }
@@ -31,8 +31,8 @@ TEST(MergeRules, SeparateAHandFromTheWallBehindIt) {
 
 TEST(MergeRules, DoNotCareInWhichOrderThePixelsCome) {
   const float a = 0.5F, b = 0.51F, c = 0.48F;
-  EXPECT_EQ(joined(a, b, c, kPixelAngle), joined(c, b, a, kPixelAngle));
-  EXPECT_EQ(joined(a, b, c, kPixelAngle), joined(b, c, a, kPixelAngle));
+  EXPECT_EQ(joined(a, b, c, kLimits), joined(c, b, a, kLimits));
+  EXPECT_EQ(joined(a, b, c, kLimits), joined(b, c, a, kLimits));
 }
 
 TEST(MergeRules, FindTheTiltOfAPlane) {
@@ -53,9 +53,8 @@ TEST(MergeRules, FindTheTiltOfAPlane) {
 
 TEST(MergeRules, TakeTheRangeFromBothSensorsNoiseAtTheirDistance) {
   // 3 (5.7 + 5.7) + 10 = 44 mm for two Kinects at 2 m, calibrated to 5 mm each.
-  EXPECT_NEAR(uncertainty_range_m(2, 2, 0.005F, 0.005F), 0.044, 0.0005);
-  EXPECT_NEAR(uncertainty_range_m(1, 3, 0.004F, 0.0F), 3 * (sensor_sigma_m(1) + sensor_sigma_m(3)) + 0.004,
-              1e-6);
+  EXPECT_NEAR(2 * uncertainty_m(2, 0.005F, kKinectV1Noise), 0.044, 0.0005);
+  EXPECT_NEAR(uncertainty_m(3, 0.004F, kKinectV1Noise), 3 * kKinectV1Noise.sigma_m(3) + 0.004, 1e-6);
 }
 
 TEST(MergeRules, LetAFragmentFadeBeforeItLeavesTheRange) {
@@ -74,9 +73,21 @@ TEST(MergeRules, BlendEqualsEvenlyAndLeaveOutTheMuchWorse) {
 }
 
 TEST(MergeRules, ValueMeasuredAboveFilledAndNearAboveFar) {
-  EXPECT_GT(quality_index(1, 2, DepthState::kMeasured), quality_index(1, 2, DepthState::kFilled));
-  EXPECT_GT(quality_index(1, 2, DepthState::kMeasured), quality_index(1, 3, DepthState::kMeasured));
-  EXPECT_FLOAT_EQ(quality_index(0.5F, 2, DepthState::kMeasured), 0.125F);
+  const auto quality = [](float cosine, float z_m, DepthState state) {
+    return quality_index(cosine, z_m, state, kKinectV1Noise);
+  };
+  EXPECT_GT(quality(1, 2, DepthState::kMeasured), quality(1, 2, DepthState::kFilled));
+  EXPECT_GT(quality(1, 2, DepthState::kMeasured), quality(1, 3, DepthState::kMeasured));
+  EXPECT_FLOAT_EQ(quality(0.5F, 2, DepthState::kMeasured), 0.125F);
+}
+
+TEST(MergeRules, FollowTheSensorsNoise) {
+  const DepthNoise coarse{.disparity_constant_m = 100, .sigma_steps = 1};
+  EXPECT_FALSE(joined_at(1.0, 1.05));
+  EXPECT_TRUE(joined(1, float(1 / 1.05), float(1 / 1.05), SurfaceLimits(coarse, 1.0F / 585)));
+  EXPECT_NEAR(uncertainty_m(3, 0.004F, coarse), 3 * coarse.sigma_m(3) + 0.004, 1e-6);
+  // A sensor with a seventh of a Kinect's precision has a seventh of its weight.
+  EXPECT_NEAR(quality_index(1, 1, DepthState::kMeasured, coarse), 0.5 / 3.513, 1e-4);
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ Difference compare(const MergedView& a, const MergedView& b) {
       const bool same_winner = a.camera(x, y) == b.camera(x, y);
       count.winner += !same_winner;
       if (!same_winner) continue;
-      count.depth += std::abs(p_m - q_m) > 0.001 + sensor_sigma_m(p_m);
+      count.depth += std::abs(p_m - q_m) > 0.001 + kKinectV1Noise.sigma_m(p_m);
     }
   }
   EXPECT_GT(both, a.width * a.height / 3);

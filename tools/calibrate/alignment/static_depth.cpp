@@ -8,8 +8,9 @@
 namespace copresence::alignment {
 namespace {
 
-constexpr float kSteps = 351.3f;  // metres: a depth z is kSteps / z sensor steps
-constexpr float kStill = 2.5f;    // steps around the median
+// Metres: a depth z is kSteps / z disparity steps.
+constexpr auto kSteps = static_cast<float>(kKinectV1Noise.disparity_constant_m);
+constexpr float kStill = 2.5f;  // steps around the median
 
 }  // namespace
 

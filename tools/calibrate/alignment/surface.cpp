@@ -14,8 +14,9 @@
 namespace copresence::alignment {
 namespace {
 
-constexpr float kSteps = 351.3f;  // metres: a depth z is kSteps / z sensor steps
-constexpr int kRadius = 6;        // pixels: the window is 13 by 13, every other pixel of it
+// Metres: a depth z is kSteps / z disparity steps.
+constexpr auto kSteps = static_cast<float>(kKinectV1Noise.disparity_constant_m);
+constexpr int kRadius = 6;  // pixels: the window is 13 by 13, every other pixel of it
 constexpr int kSamples = (kRadius + 1) * (kRadius + 1);
 constexpr int kFewest = kSamples / 2;
 constexpr float kGrazing =
@@ -115,7 +116,7 @@ float sigma_along_normal(float z, float cosine, double fx) {
   const auto right_angle = static_cast<float>(std::numbers::pi / 2);
   const float lateral_px = 0.8f + 0.035f * theta / std::max(right_angle - theta, 0.1f);
   const float lateral = lateral_px * z / static_cast<float>(fx) * sine;
-  const float axial = static_cast<float>(sensor_sigma_m(z)) * cosine;
+  const float axial = static_cast<float>(kKinectV1Noise.sigma_m(z)) * cosine;
   return std::sqrt(axial * axial + lateral * lateral);
 }
 

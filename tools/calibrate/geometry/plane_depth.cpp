@@ -10,7 +10,7 @@
 namespace copresence::calibration {
 namespace {
 
-constexpr double kStep = 1 / 351.3;  // of 1/z between neighbouring levels, 1/m
+constexpr double kStep = kKinectV1Noise.inverse_step();  // 1/m
 // Two levels for a single frame's pixel; a mean of many errs less, but a Kinect's fixed pattern stays.
 constexpr double kAgrees = 1.5 * kStep;
 constexpr double kSameSurface = 4 * kStep;

@@ -7,10 +7,12 @@
 #include <cstddef>
 #include <limits>
 
+#include "common/frame/depth_unit.h"
+
 namespace copresence::calibration {
 
-/// Standard deviation of 1/z for a Kinect v1, in 1/m: half of the sensor's step of z^2 / 351.3 m, whatever the depth.
-inline constexpr double kSensorSigma = 0.5 / 351.3;
+/// Standard deviation of 1/z for a Kinect v1, in 1/m; the same at every depth.
+inline constexpr double kSensorSigma = kKinectV1Noise.sigma_steps / kKinectV1Noise.disparity_constant_m;
 
 struct Sighting {
   std::size_t camera = 0;

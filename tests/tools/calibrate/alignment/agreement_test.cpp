@@ -39,7 +39,7 @@ TEST(Agreement, ShowsAShiftAcrossAWallInMillimetresAndSigmas) {
   const Agreement agreement =
       measure_agreement(surface, {}, surface, {Eigen::Matrix3d::Identity(), {0, 0, 0.02}});
   EXPECT_NEAR(agreement.median_m, 0.02, 0.001);
-  EXPECT_NEAR(agreement.median_sigmas, 0.02 / (std::sqrt(2.0) * sensor_sigma_m(2)), 1.0);
+  EXPECT_NEAR(agreement.median_sigmas, 0.02 / (std::sqrt(2.0) * kKinectV1Noise.sigma_m(2)), 1.0);
 }
 
 TEST(Agreement, FallsWithTheDistanceFromTheTruth) {

@@ -57,7 +57,7 @@ inline Image<float> depth_of(const std::vector<Box>& boxes, const CameraModel& c
         if (z > 0) nearest = std::min(nearest, z);
       }
       if (nearest < 5)
-        depth(x, y) = static_cast<float>(nearest + sensor_step_m(nearest) * blobs(x / 4, y / 4));
+        depth(x, y) = static_cast<float>(nearest + kKinectV1Noise.step_m(nearest) * blobs(x / 4, y / 4));
     }
   }
   return depth;

@@ -43,7 +43,7 @@ TEST(Surface, ExpectsMoreErrorFartherAway) {
     const std::vector<test::Box> wall{{{-9, -9, -9}, {9, 9, z}}};
     return make_surface(test::depth_of(wall, test::small_camera(), {}), test::small_camera()).sigma(160, 120);
   };
-  EXPECT_NEAR(sigma_at(2), sensor_sigma_m(2), 1e-4);
+  EXPECT_NEAR(sigma_at(2), kKinectV1Noise.sigma_m(2), 1e-4);
   EXPECT_NEAR(sigma_at(4) / sigma_at(2), 4, 0.05);
 }
 

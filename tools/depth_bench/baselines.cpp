@@ -10,15 +10,16 @@
 
 #include "common/video/picture_decoder.h"
 #include "common/video/picture_encoder.h"
+#include "tools/depth_bench/holoimage.h"
 #include "tools/depth_bench/rvl.h"
 
 namespace copresence::depth_bench {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNames{"rvl", "rvl_zstd", "png", "split16"};
+constexpr std::array<std::string_view, 5> kNames{"rvl", "rvl_zstd", "png", "split16", "holoimage"};
 constexpr int kZstdLevel = 1;  // what keeps up with a camera
 constexpr int kPngLevel = 1;
-constexpr int kSplitQp = 12;
+constexpr int kLossyQp = 12;
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -123,35 +124,52 @@ void join(const Picture& picture, DepthImage& depth) {
   }
 }
 
-Result<Row> run_split(const DepthRecording& recording) {
-  const int width = recording.format.width, height = recording.format.height;
+// A baseline that goes through H.264 without a validity mask.
+struct Lossy {
+  PixelFormat format;
+  int height;
+  std::function<Picture(const DepthImage&)> encode;
+  std::function<void(const Picture&, DepthImage&)> decode;
+};
+
+Lossy lossy(std::string_view name, const depth::DepthFormat& format) {
+  if (name == "split16") return {PixelFormat::kGray8, 2 * format.height, split, join};
+  const Holoimage holoimage(format);
+  return {PixelFormat::kYuv444, format.height,
+          [holoimage](const DepthImage& depth) { return holoimage.encode(depth); },
+          [holoimage](const Picture& picture, DepthImage& depth) { holoimage.decode(picture, depth); }};
+}
+
+Result<Row> run_lossy(const DepthRecording& recording, const std::string& baseline) {
+  const Lossy codec = lossy(baseline, recording.format);
   video::PictureSettings settings;
-  settings.width = width;
-  settings.height = 2 * height;
-  settings.qp = kSplitQp;
+  settings.format = codec.format;
+  settings.width = recording.format.width;
+  settings.height = codec.height;
+  settings.qp = kLossyQp;
   settings.preset = video::Preset::kLive;
   auto encoder = video::PictureEncoder::open(settings);
   if (!encoder) return fail(encoder.error());
-  auto decoder = video::PictureDecoder::open(PixelFormat::kGray8, width, 2 * height);
+  auto decoder = video::PictureDecoder::open(codec.format, settings.width, settings.height);
   if (!decoder) return fail(decoder.error());
   Tally tally;
   DepthError error(recording.format.unit);
-  DepthImage back(width, height);
+  DepthImage back(recording.format.width, recording.format.height);
   for (std::size_t i = 0; i < recording.depth.size(); ++i) {
     const double start = thread_ms();
-    const auto access_unit = encoder->encode(split(recording.depth[i]), i == 0);
+    const auto access_unit = encoder->encode(codec.encode(recording.depth[i]), i == 0);
     if (!access_unit) return fail(access_unit.error());
     const double coded = thread_ms();
     const auto picture = decoder->decode(*access_unit);
     if (!picture) return fail(picture.error());
-    join(*picture, back);
+    codec.decode(*picture, back);
     tally.decode_ms.push_back(thread_ms() - coded);
     tally.encode_ms.push_back(coded - start);
     add(recording, i, back, access_unit->size(), tally, error);
   }
   Row row;
-  row.pixel_format = "gray8";
-  row.setting = "qp=" + std::to_string(kSplitQp);
+  row.pixel_format = copresence::name(codec.format);
+  row.setting = "qp=" + std::to_string(kLossyQp);
   conclude(tally, error, row);
   return row;
 }
@@ -168,7 +186,8 @@ bool is_baseline(std::string_view name) {
 
 Result<Row> run_baseline(const DepthRecording& recording, const std::string& name) {
   assert(is_baseline(name));
-  Result<Row> row = name == "split16" ? run_split(recording) : Result<Row>(run_lossless(recording, name));
+  const bool is_lossy = name == "split16" || name == "holoimage";
+  Result<Row> row = is_lossy ? run_lossy(recording, name) : Result<Row>(run_lossless(recording, name));
   if (row) row->codec = name;
   return row;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the codecs are compared with: rvl and rvl_zstd (rvl.h), png of the 16-bit depth, and split16, the naive way through a
-// video codec: the high and the low byte as two 8-bit pictures.
+// Codings that the project's codecs are compared with: rvl and rvl_zstd (rvl.h), png of the 16-bit depth, split16
+// (high and low bytes as two 8-bit pictures through H.264), and holoimage (holoimage.h).
 
 #include <span>
 #include <string>
@@ -15,7 +15,7 @@ namespace copresence::depth_bench {
 std::span<const std::string_view> baseline_names();
 bool is_baseline(std::string_view name);
 
-/// One row; `split16` at quantiser 12, the others lossless. Requires a baseline's name.
+/// Runs a baseline: `split16` and `holoimage` at QP 12, the others lossless. Requires a baseline's name.
 /// Fails as the video encoder does.
 Result<Row> run_baseline(const DepthRecording& recording, const std::string& name);
 

@@ -86,6 +86,7 @@ TEST(Baselines, ThatAreLosslessLoseNothing) {
     EXPECT_GT(row->mbps, 0);
   }
   EXPECT_TRUE(run_baseline(recording(3), "split16"));
+  EXPECT_TRUE(run_baseline(recording(3), "holoimage"));
 }
 
 TEST(CodecRun, NeverFlipsAHoleAndIsExactWithoutLoss) {

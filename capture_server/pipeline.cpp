@@ -18,8 +18,8 @@
 #include "common/flow/thread_priority.h"
 #include "common/flow/waiting.h"
 #include "common/flow/worker_pool.h"
-#include "common/wire/end_of_stream.h"
 #include "common/wire/frame_server.h"
+#include "common/wire/message.h"
 
 namespace copresence::server {
 namespace {
@@ -277,14 +277,14 @@ class Pipeline {
     // A recording that loops is damaged again and again.
     if (!is_damaged || !std::exchange(damage_is_said_, true))
       spdlog::warn("{}; {}", why.what, is_damaged ? "playing on" : "waiting for it");
-    server_->tell(why.what);
+    server_->set_camera_status(why.what);
   }
 
   void say_frames_again() {
     const auto reason = std::exchange(no_frames_since_, std::nullopt);
     if (!reason) return;
     if (*reason != ErrorCode::kCorrupt) spdlog::info("{}: the camera is back", settings_.name);
-    server_->tell({});
+    server_->set_camera_status({});
   }
 
   /// Until the capture ends and its last frame is encoded. Fails with what no later frame can mend.

@@ -2,30 +2,64 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cstdint>
 
 namespace copresence::text {
 namespace {
 
-bool is_control(char c) {
-  const auto byte = static_cast<unsigned char>(c);
-  return byte < 0x20 || byte == 0x7F;
+/// Characters that reverse the direction of the text after them. A name with one could make a log line read
+/// differently.
+bool reverses_text(std::uint32_t code) {
+  return code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
+         (code >= 0x2066 && code <= 0x2069);
 }
 
-bool continues_a_character(char c) {
-  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+/// Bytes of the printable character that begins `text`; 0 if there is none.
+std::size_t printable_character(std::string_view text) {
+  const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
+  const std::uint8_t first = byte(0);
+  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
+
+  const std::size_t size = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+  if (first < 0xc2 || first > 0xf4 || text.size() < size) return 0;
+  std::uint32_t code = first & (0x7f >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+    code = code << 6 | (byte(i) & 0x3f);
+  }
+  constexpr std::uint32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};
+  const bool surrogate = code >= 0xd800 && code <= 0xdfff;
+  const bool control = code < 0xa0 || code == 0x2028 || code == 0x2029 || reverses_text(code);
+  return code >= kSmallest[size] && code <= 0x10ffff && !surrogate && !control ? size : 0;
 }
 
 }  // namespace
 
-std::string excerpt(std::string_view text, std::size_t most) {
-  std::size_t end = std::min(text.size(), most);
-  if (end < text.size()) {
-    while (end > 0 && continues_a_character(text[end])) --end;
+bool is_printable(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t size = printable_character(text);
+    if (size == 0) return false;
+    text.remove_prefix(size);
   }
-  std::string quoted(text.substr(0, end));
-  std::replace_if(quoted.begin(), quoted.end(), is_control, '?');
-  return end == text.size() ? quoted : fmt::format("{}... ({} bytes)", quoted, text.size());
+  return true;
+}
+
+std::string sanitise(std::string_view text, std::size_t max_bytes) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t size = printable_character(text);
+    const std::string_view next = size ? text.substr(0, size) : std::string_view("?");
+    if (out.size() + next.size() > max_bytes) break;
+    out += next;
+    text.remove_prefix(size ? size : 1);
+  }
+  return out;
+}
+
+std::string excerpt(std::string_view text, std::size_t max_bytes) {
+  std::string quoted = sanitise(text, max_bytes);
+  // A byte that is not printable becomes one byte, so only a cut makes the text shorter.
+  return quoted.size() == text.size() ? quoted : fmt::format("{}... ({} bytes)", quoted, text.size());
 }
 
 }  // namespace copresence::text

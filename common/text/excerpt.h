@@ -1,6 +1,8 @@
 #pragma once
 
-// Thread: pure.
+// Text from other people and machines, made safe for logs, terminals and error messages.
+//
+// Thread: pure functions.
 
 #include <cstddef>
 #include <string>
@@ -8,8 +10,16 @@
 
 namespace copresence::text {
 
-/// `text` as a sentence may quote it. A longer one than `most` bytes is cut there (between UTF-8 characters) and its
-/// length is given: `aaaa... (5000000 bytes)`. Control characters become '?', so that no file writes to a terminal.
-std::string excerpt(std::string_view text, std::size_t most = 80);
+/// True for valid UTF-8 without characters that control a terminal or split a log line: C0 and C1 controls, DEL,
+/// Unicode's line and paragraph separators, and the characters that reverse the direction of text.
+bool is_printable(std::string_view text);
+
+/// The text with a `?` for every byte that is not part of a printable character, cut between two characters to
+/// at most `max_bytes`.
+std::string sanitise(std::string_view text, std::size_t max_bytes);
+
+/// The text for quoting in a message: sanitised, and where it is longer than `max_bytes` cut and followed by its
+/// length: `aaaa... (5000000 bytes)`.
+std::string excerpt(std::string_view text, std::size_t max_bytes = 80);
 
 }  // namespace copresence::text

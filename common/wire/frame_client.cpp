@@ -8,12 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "common/wire/arrival_watch.h"
+#include "common/wire/flow_control/arrival_watch.h"
 #include "common/wire/host_port.h"
 #include "common/wire/message_codec.h"
-#include "common/wire/name_lookup.h"
-#include "common/wire/tcp.h"
-#include "common/wire/timed_reader.h"
+#include "common/wire/transport/connection.h"
+#include "common/wire/transport/name_lookup.h"
 
 namespace copresence::wire {
 namespace {
@@ -25,13 +24,13 @@ constexpr std::chrono::milliseconds kFirstPings{100}, kPings{1000};
 constexpr int kFirst = 8;  // pings that come quickly, so that the clock is known soon
 constexpr std::size_t kMaxUnsent = 64 * 1024;
 // Between two frames. A camera that is plugged in and out by hand causes a few.
-constexpr int kMostNotices = 100;
+constexpr int kMostStatuses = 100;
 
 }  // namespace
 
-class FrameClient::Connection {
+class FrameClient::Protocol {
  public:
-  explicit Connection(std::string address) : address_(std::move(address)) {}
+  explicit Protocol(std::string address) : address_(std::move(address)) {}
 
   Result<void> open(std::chrono::milliseconds timeout, const std::stop_token& stop) {
     const auto target = parse_host_port(address_);
@@ -53,14 +52,16 @@ class FrameClient::Connection {
   }
 
   void request_keyframe() {
-    asio::post(io_, [this] { say(encode_keyframe_request()); });
+    asio::post(io_, [this] { send(encode_keyframe_request()); });
   }
 
-  void on_notice(std::function<void(const std::string&)> heard) { on_notice_ = std::move(heard); }
+  void on_camera_status(std::function<void(const std::string&)> callback) {
+    on_camera_status_ = std::move(callback);
+  }
 
   ClockOffset clock() const { return same_clock_ ? ClockOffset{} : estimate_.at(Clock::now()); }
   const StreamDescription& description() const { return description_; }
-  std::uint64_t bytes_received() const { return reader_.bytes_read(); }
+  std::uint64_t bytes_received() const { return connection_.bytes_read(); }
 
  private:
   /// Runs the loop until `done` says so, the connection fails, or waiting is over, which is said as
@@ -102,42 +103,41 @@ class FrameClient::Connection {
   }
 
   void connect() {
-    asio::async_connect(socket_, endpoints_, [this](const asio::error_code& error, const tcp::endpoint&) {
+    connection_.connect(endpoints_, [this](const asio::error_code& error) {
       if (error == asio::error::connection_refused) {
         return fail_with(
             ErrorCode::kNotFound,
             "connection refused: start a capture_server there (without --loop it ends with its recording)");
       }
       if (error) return fail_with(ErrorCode::kNotFound, error.message());
-      tune(socket_);
-      reader_.start();
       hello_at_ = Clock::now();
-      say(encode(Hello{}));
+      send(encode(Hello{}));
       read_message();
     });
   }
 
   void read_message() {
     reading_ = true;
-    reader_.read({asio::buffer(header_)}, [this](const asio::error_code& error) {
+    connection_.read({asio::buffer(header_)}, [this](const asio::error_code& error) {
       if (error) return lost(error);
       const auto header = decode_header(header_);
       if (!header) return fail_with(header.error());
-      watch_.bytes_came(reader_.last_arrival());
+      watch_.bytes_came(connection_.last_arrival());
       watch_.message_has(kHeaderBytes + header->body_bytes);
       if (header->type == MessageType::kFrame)
         return welcomed_ ? read_frame(header->body_bytes) : protocol_error();
       body_.resize(header->body_bytes);
-      reader_.read({asio::buffer(body_)}, [this, type = header->type](const asio::error_code& body_error) {
-        if (body_error) return lost(body_error);
-        message_is_complete();
-        take(type);
-      });
+      connection_.read({asio::buffer(body_)},
+                       [this, type = header->type](const asio::error_code& body_error) {
+                         if (body_error) return lost(body_error);
+                         message_is_complete();
+                         take(type);
+                       });
     });
   }
 
   void read_frame(std::uint32_t body_bytes) {
-    reader_.read({asio::buffer(frame_head_)}, [this, body_bytes](const asio::error_code& error) {
+    connection_.read({asio::buffer(frame_head_)}, [this, body_bytes](const asio::error_code& error) {
       if (error) return lost(error);
       const auto head = decode_frame_head(frame_head_, body_bytes);
       if (!head) return fail_with(head.error());
@@ -154,27 +154,27 @@ class FrameClient::Connection {
     frame.frame.color.resize(head.color_bytes);
     frame.counters = head.counters;
     frame.sent_at = head.sent_at;
-    reader_.read({asio::buffer(frame.frame.depth), asio::buffer(frame.frame.color)},
-                 [this](const asio::error_code& error) {
-                   if (error) return lost(error);
-                   message_is_complete();
-                   incoming_.received_at = reader_.last_arrival();
-                   say(encode(FrameAck{incoming_.frame.sequence}));
-                   arrived_ = std::exchange(incoming_, {});
-                   reading_ = false;  // the next one when it is asked for
-                   notices_ = 0;
-                 });
+    connection_.read({asio::buffer(frame.frame.depth), asio::buffer(frame.frame.color)},
+                     [this](const asio::error_code& error) {
+                       if (error) return lost(error);
+                       message_is_complete();
+                       incoming_.received_at = connection_.last_arrival();
+                       send(encode(FrameAck{incoming_.frame.sequence}));
+                       arrived_ = std::exchange(incoming_, {});
+                       reading_ = false;  // the next one when it is asked for
+                       statuses_ = 0;
+                     });
   }
 
   void message_is_complete() {
     watch_.message_is_complete();
-    bytes_of_messages_ = reader_.bytes_read();
+    bytes_of_messages_ = connection_.bytes_read();
   }
 
   void take(MessageType type) {
     switch (type) {
-      case MessageType::kRefusal:
-        return welcomed_ ? protocol_error() : take_refusal();
+      case MessageType::kReject:
+        return welcomed_ ? protocol_error() : take_reject();
       case MessageType::kWelcome:
         return welcomed_ ? protocol_error() : take_welcome();
       case MessageType::kEndOfStream: {
@@ -182,12 +182,13 @@ class FrameClient::Connection {
         if (!end) return fail_with(end.error());
         return fail_with(ErrorCode::kEndOfStream, std::move(end->reason));
       }
-      case MessageType::kNotice: {
-        const auto notice = decode_notice(body_);
-        if (!notice) return fail_with(notice.error());
+      case MessageType::kCameraStatus: {
+        const auto status = decode_camera_status(body_);
+        if (!status) return fail_with(status.error());
         if (!welcomed_) return protocol_error();
-        if (++notices_ > kMostNotices) return fail_with(ErrorCode::kCorrupt, "notices and no frames");
-        if (on_notice_) on_notice_(notice->text);
+        if (++statuses_ > kMostStatuses)
+          return fail_with(ErrorCode::kCorrupt, "camera statuses and no frames");
+        if (on_camera_status_) on_camera_status_(status->text);
         return read_message();
       }
       case MessageType::kPong: {
@@ -202,11 +203,11 @@ class FrameClient::Connection {
     }
   }
 
-  void take_refusal() {
-    auto refusal = decode_refusal(body_);
-    if (!refusal) return fail_with(refusal.error());
-    const bool final = refusal->reason == RejectReason::kVersion;
-    fail_with(final ? ErrorCode::kRefused : ErrorCode::kUnavailable, std::move(refusal->text));
+  void take_reject() {
+    auto reject = decode_reject(body_);
+    if (!reject) return fail_with(reject.error());
+    const bool final = reject->reason == RejectReason::kVersion;
+    fail_with(final ? ErrorCode::kRefused : ErrorCode::kUnavailable, std::move(reject->text));
   }
 
   void take_welcome() {
@@ -222,14 +223,14 @@ class FrameClient::Connection {
 
   /// Takes the answer that was just read. It cannot have come before it was asked for.
   void learn_clock(Instant asked, Instant server_time) {
-    estimate_.add(asked, server_time, std::max(asked, reader_.last_arrival()));
+    estimate_.add(asked, server_time, std::max(asked, connection_.last_arrival()));
   }
 
   void ping_later() {
     timer_.expires_after(pings_ < kFirst ? kFirstPings : kPings);
     timer_.async_wait([this](const asio::error_code& error) {
       if (error) return;
-      if (reader_.bytes_read() > bytes_of_messages_) watch_.bytes_came(reader_.last_arrival());
+      if (connection_.bytes_read() > bytes_of_messages_) watch_.bytes_came(connection_.last_arrival());
       switch (watch_.at(Clock::now())) {
         case ArrivalWatch::Verdict::kSilent:
           return fail_with(ErrorCode::kTimeout,
@@ -244,26 +245,26 @@ class FrameClient::Connection {
       if (!ping_at_) {  // one at a time
         ++pings_;
         ping_at_ = Clock::now();
-        say(encode(Ping{*ping_at_}));
+        send(encode(Ping{*ping_at_}));
       }
       ping_later();
     });
   }
 
-  /// Queues a message; it leaves at once where the socket lets it.
-  void say(const Bytes& message) {
-    if (failure_ || !socket_.is_open()) return;
+  /// Queues a message; it leaves at once where the connection lets it.
+  void send(const Bytes& message) {
+    if (failure_ || !connection_.is_open()) return;
     unsent_.insert(unsent_.end(), message.begin(), message.end());
     if (unsent_.size() > kMaxUnsent) return fail_with(ErrorCode::kUnavailable, "the server does not listen");
-    if (sending_.empty()) send();
+    if (sending_.empty()) write();
   }
 
-  void send() {
+  void write() {
     sending_.swap(unsent_);
-    asio::async_write(socket_, asio::buffer(sending_), [this](const asio::error_code& error, std::size_t) {
+    connection_.write({asio::buffer(sending_)}, [this](const asio::error_code& error) {
       sending_.clear();
       if (error) return lost(error);
-      if (!unsent_.empty()) send();
+      if (!unsent_.empty()) write();
     });
   }
 
@@ -278,16 +279,14 @@ class FrameClient::Connection {
     if (failure_) return;  // the first one tells most
     if (code == ErrorCode::kCorrupt) what = "this is no capture_server of this release: it sent " + what;
     failure_ = Error{code, code == ErrorCode::kEndOfStream ? std::move(what) : address_ + ": " + what};
-    asio::error_code ignored;
-    socket_.close(ignored);
+    connection_.close();
     timer_.cancel();
   }
 
   std::string address_;
-  std::function<void(const std::string&)> on_notice_;
+  std::function<void(const std::string&)> on_camera_status_;
   asio::io_context io_{1};
-  tcp::socket socket_{io_};
-  TimedReader reader_{socket_};
+  Connection connection_{io_};
   asio::steady_timer timer_{io_};
   std::optional<Error> failure_;
 
@@ -299,7 +298,7 @@ class FrameClient::Connection {
   std::uint64_t bytes_of_messages_ = 0;  // that are complete
   Instant hello_at_{};
   std::optional<Instant> ping_at_;  // of the ping that has no answer yet
-  int pings_ = 0, notices_ = 0;
+  int pings_ = 0, statuses_ = 0;
 
   bool reading_ = false;  // a read is on its way; it survives a receive() that was stopped
   std::array<std::uint8_t, kHeaderBytes> header_;
@@ -313,38 +312,38 @@ class FrameClient::Connection {
 
 Result<FrameClient> FrameClient::connect(const std::string& host_port, std::chrono::milliseconds timeout,
                                          std::stop_token stop) {
-  auto connection = std::make_unique<Connection>(host_port);
-  if (const auto open = connection->open(timeout, stop); !open) return fail(open.error());
-  return FrameClient(std::move(connection));
+  auto protocol = std::make_unique<Protocol>(host_port);
+  if (const auto open = protocol->open(timeout, stop); !open) return fail(open.error());
+  return FrameClient(std::move(protocol));
 }
 
-FrameClient::FrameClient(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+FrameClient::FrameClient(std::unique_ptr<Protocol> protocol) : protocol_(std::move(protocol)) {}
 FrameClient::FrameClient(FrameClient&&) noexcept = default;
 FrameClient& FrameClient::operator=(FrameClient&&) noexcept = default;
 FrameClient::~FrameClient() = default;
 
 const StreamDescription& FrameClient::description() const {
-  return connection_->description();
+  return protocol_->description();
 }
 
 Result<ReceivedFrame> FrameClient::receive(std::stop_token stop, std::optional<Instant> latest) {
-  return connection_->receive(stop, latest);
+  return protocol_->receive(stop, latest);
 }
 
-void FrameClient::on_notice(std::function<void(const std::string&)> heard) {
-  connection_->on_notice(std::move(heard));
+void FrameClient::on_camera_status(std::function<void(const std::string&)> callback) {
+  protocol_->on_camera_status(std::move(callback));
 }
 
 void FrameClient::request_keyframe() {
-  connection_->request_keyframe();
+  protocol_->request_keyframe();
 }
 
 ClockOffset FrameClient::clock() const {
-  return connection_->clock();
+  return protocol_->clock();
 }
 
 std::uint64_t FrameClient::bytes_received() const {
-  return connection_->bytes_received();
+  return protocol_->bytes_received();
 }
 
 }  // namespace copresence::wire

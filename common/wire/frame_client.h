@@ -43,9 +43,9 @@ class FrameClient {
 
   const StreamDescription& description() const;
 
-  /// Calls `heard` from within receive() whenever the server says what keeps its camera from sending frames,
-  /// and with an empty text when nothing does any more.
-  void on_notice(std::function<void(const std::string&)> heard);
+  /// receive() will call `callback` when the server reports what keeps its camera from sending frames, and
+  /// with an empty text once the camera works.
+  void on_camera_status(std::function<void(const std::string&)> callback);
 
   /// Waits for the next frame and acknowledges it: call again when ready for one more, that is what keeps the
   /// latency bounded. Returns kUnavailable when asked to stop, and kTimeout when no byte has come for 5 s.
@@ -59,9 +59,9 @@ class FrameClient {
   std::uint64_t bytes_received() const;
 
  private:
-  class Connection;
-  explicit FrameClient(std::unique_ptr<Connection> connection);
-  std::unique_ptr<Connection> connection_;
+  class Protocol;
+  explicit FrameClient(std::unique_ptr<Protocol> protocol);
+  std::unique_ptr<Protocol> protocol_;
 };
 
 }  // namespace copresence::wire

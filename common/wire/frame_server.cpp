@@ -1,8 +1,6 @@
 #include "common/wire/frame_server.h"
 
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <asio.hpp>
@@ -12,19 +10,18 @@
 #include <vector>
 
 #include "common/wire/clock_offset.h"
-#include "common/wire/encoder_demand.h"
+#include "common/wire/flow_control/encoder_demand.h"
 #include "common/wire/session.h"
+#include "common/wire/transport/acceptor.h"
 
 namespace copresence::wire {
 namespace {
 
-using asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSweep{250};
 constexpr std::chrono::milliseconds kFlush{400};
-constexpr std::chrono::milliseconds kAcceptAgain{100};
-constexpr std::size_t kMaxDepartures = 8;  // frames that the wire thread has not looked at yet
+constexpr std::size_t kMaxOutbound = 8;  // frames that the wire thread has not distributed yet
 
 Duration period_of(const StreamDescription& stream) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / stream.frames_per_second));
@@ -42,41 +39,28 @@ class FrameServer::Loop {
     stream_.admit = [this](Session& session, Stage stage) { return admit(session, stage); };
   }
 
-  Result<void> listen(const ListeningSocket& socket) {
-    const int descriptor = ::dup(socket.descriptor());
-    if (descriptor < 0) return fail(ErrorCode::kUnavailable, "cannot serve the port: too many open files");
-    int domain = AF_INET;
-    socklen_t size = sizeof domain;
-    ::getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &domain, &size);
-    asio::error_code error;
-    acceptor_.assign(domain == AF_INET6 ? tcp::v6() : tcp::v4(), descriptor, error);
-    if (error) {
-      ::close(descriptor);
-      return fail(ErrorCode::kUnavailable, fmt::format("cannot serve the port: {}", error.message()));
-    }
-    return {};
-  }
+  Result<void> listen(const ListeningSocket& socket) { return acceptor_.open(socket); }
 
   void run(const std::stop_token& stop, std::function<void()> alive) {
     alive_ = std::move(alive);
     const std::stop_callback halt(stop, [this] { io_.stop(); });
-    accept();
+    acceptor_.run([this](std::unique_ptr<Connection> connection) { add(std::move(connection)); });
     sweep();
     io_.run();
     for (const auto& session : sessions_) session->close(Ending::kServerEnds);
-    stop_accepting();
+    acceptor_.close();
     publish();
     forget_closed();
   }
 
-  void send(OutboundFrame departure) {
+  void send(OutboundFrame outbound) {
     std::lock_guard lock(mutex_);
     ++frames_offered_;
-    if (departures_.size() >= kMaxDepartures) {  // the wire thread stands still: begin anew at a keyframe
-      overrun_ += departures_.size();
-      departures_.clear();
+    if (outbound_.size() >= kMaxOutbound) {  // the wire thread stands still: begin anew at a keyframe
+      overrun_ += outbound_.size();
+      outbound_.clear();
     }
-    departures_.push_back(std::move(departure));
+    outbound_.push_back(std::move(outbound));
     if (!std::exchange(distributing_, true)) asio::post(io_, [this] { distribute(); });
   }
 
@@ -90,11 +74,11 @@ class FrameServer::Loop {
     return demand_.take_keyframe_request(Clock::now());
   }
 
-  void tell(std::string notice) {
-    asio::post(io_, [this, notice = std::move(notice)]() mutable {
-      stream_.notice = std::move(notice);
-      const Bytes message = encode(CameraStatus{stream_.notice});
-      for (const auto& session : sessions_) session->tell(message);
+  void set_camera_status(std::string status) {
+    asio::post(io_, [this, status = std::move(status)]() mutable {
+      stream_.camera_status = std::move(status);
+      const Bytes message = encode(CameraStatus{stream_.camera_status});
+      for (const auto& session : sessions_) session->send_status(message);
     });
   }
 
@@ -108,25 +92,11 @@ class FrameServer::Loop {
   }
 
  private:
-  void accept() {
-    acceptor_.async_accept([this](const asio::error_code& error, tcp::socket socket) {
-      if (ending_ || error == asio::error::operation_aborted) return;
-      if (error) {  // out of descriptors, most likely: let some go first
-        accept_again_.expires_after(kAcceptAgain);
-        return accept_again_.async_wait([this](const asio::error_code&) { accept(); });
-      }
-      const auto session = std::make_shared<Session>(std::move(socket), stream_);
-      if (admit(*session, Stage::kStranger)) {
-        sessions_.push_back(session);
-        session->start();
-      }
-      accept();
-    });
-  }
-
-  void stop_accepting() {
-    asio::error_code ignored;
-    acceptor_.close(ignored);
+  void add(std::unique_ptr<Connection> connection) {
+    const auto session = std::make_shared<Session>(std::move(connection), stream_);
+    if (!admit(*session, Stage::kStranger)) return;
+    sessions_.push_back(session);
+    session->start();
   }
 
   /// Whether there is room for `session` in `stage`; makes room where admit() says so.
@@ -193,20 +163,20 @@ class FrameServer::Loop {
   }
 
   void distribute() {
-    std::vector<OutboundFrame> departures;
+    std::vector<OutboundFrame> frames;
     std::uint64_t overrun = 0;
     {
       std::lock_guard lock(mutex_);
       distributing_ = false;
-      departures.swap(departures_);
+      frames.swap(outbound_);
       overrun = std::exchange(overrun_, 0);
     }
     if (overrun > 0) {
       for (const auto& session : sessions_) session->skip(overrun);
     }
-    for (const OutboundFrame& departure : departures) {
-      const EncodedFrame& frame = *departure.frame;
-      for (const auto& session : sessions_) session->offer(departure);
+    for (const OutboundFrame& outbound : frames) {
+      const EncodedFrame& frame = *outbound.frame;
+      for (const auto& session : sessions_) session->offer(outbound);
       if (frame.keyframe) stream_.keyframe_requested = false;
       std::lock_guard lock(mutex_);
       demand_.sent(frame.keyframe, frame.depth.size() + frame.color.size(), Clock::now());
@@ -235,7 +205,7 @@ class FrameServer::Loop {
 
   void close_gracefully(const std::string& reason) {
     if (std::exchange(ending_, true)) return;
-    stop_accepting();
+    acceptor_.close();
     const Bytes last = encode(EndOfStream{reason});
     for (const auto& session : sessions_) {
       session->is_streaming() ? session->close_gracefully(last, Ending::kServerEnds)
@@ -248,8 +218,8 @@ class FrameServer::Loop {
 
   // The wire thread's.
   asio::io_context io_{1};
-  tcp::acceptor acceptor_{io_};
-  asio::steady_timer sweeper_{io_}, accept_again_{io_}, flush_{io_};
+  Acceptor acceptor_{io_};
+  asio::steady_timer sweeper_{io_}, flush_{io_};
   Session::Stream stream_;
   std::vector<std::shared_ptr<Session>> sessions_;
   ConnectionLog log_;
@@ -259,7 +229,7 @@ class FrameServer::Loop {
 
   // Everybody's.
   mutable std::mutex mutex_;
-  std::vector<OutboundFrame> departures_;
+  std::vector<OutboundFrame> outbound_;
   bool distributing_ = false;  // the wire thread has been told of them
   std::uint64_t overrun_ = 0, frames_offered_ = 0, bytes_sent_ = 0;
   std::size_t clients_ = 0;
@@ -294,8 +264,8 @@ bool FrameServer::take_keyframe_request() {
   return loop_->take_keyframe_request();
 }
 
-void FrameServer::tell(std::string notice) {
-  loop_->tell(std::move(notice));
+void FrameServer::set_camera_status(std::string status) {
+  loop_->set_camera_status(std::move(status));
 }
 
 void FrameServer::end(std::string reason) {

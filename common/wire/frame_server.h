@@ -57,9 +57,9 @@ class FrameServer {
   /// a second; a true answer is a promise of the caller to encode one.
   bool take_keyframe_request();
 
-  /// Tells all clients, and whoever comes later, what keeps the camera from sending frames (one sentence), or
-  /// with an empty text that nothing does any more.
-  void tell(std::string notice);
+  /// Sends all clients, and clients that join later, what keeps the camera from sending frames: one sentence,
+  /// or an empty text once the camera works.
+  void set_camera_status(std::string status);
 
   /// Tells all clients that nothing follows and why (one sentence); run() returns when they know, after at
   /// most 0.4 s. Frames sent before still go out first.

@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-#include "common/wire/printable.h"
+#include "common/text/excerpt.h"
 
 namespace copresence::wire {
 
@@ -13,7 +13,7 @@ Result<HostPort> parse_host_port(std::string_view text) {
     return fail(
         ErrorCode::kInvalid,
         fmt::format("\"{}\" is not an address: write HOST:PORT, for instance 127.0.0.1:7001 or [::1]:7001",
-                    made_printable(text, 100)));
+                    text::sanitise(text, 100)));
   };
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return invalid();
@@ -27,7 +27,7 @@ Result<HostPort> parse_host_port(std::string_view text) {
   HostPort out{std::string(host), 0};
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), out.port);
   const bool number = error == std::errc{} && end == port.data() + port.size();
-  if (!number || host.empty() || !is_printable(host)) return invalid();
+  if (!number || host.empty() || !text::is_printable(host)) return invalid();
   return out;
 }
 

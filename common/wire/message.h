@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "common/frame/rgbd_frame.h"
 #include "common/frame/stream_description.h"
@@ -37,12 +38,12 @@ enum class MessageType : std::uint8_t {
   kKeyframeRequest = 2,  ///< client: what follows cannot be decoded without a keyframe
   kFrameAck = 3,         ///< client: this frame and all before it have arrived
   kPing = 4,             ///< client: what time is it?
-  kRefusal = 17,         ///< server: instead of Welcome; nothing follows
+  kReject = 17,          ///< server: instead of Welcome; nothing follows
   kWelcome = 18,         ///< server: what is going to be streamed
   kFrame = 19,           ///< server: one EncodedFrame
   kEndOfStream = 20,     ///< server: nothing follows
   kPong = 21,            ///< server: answer to Ping
-  kNotice = 22,          ///< server: how its camera is, when that changes
+  kCameraStatus = 22,    ///< server: how its camera is, when that changes
 };
 
 struct MessageHeader {
@@ -103,8 +104,15 @@ struct FrameHead {
   std::uint32_t color_bytes = 0;  ///< 0: no colour
 };
 
+/// After these two reasons a server does not come back by itself: it has sent what it was asked to send. After
+/// any other reason a client may expect that somebody starts the server again.
+inline constexpr std::string_view kRecordingIsOver = "the recording is over";
+inline constexpr std::string_view kAllFramesAreSent = "all frames that --frames asked for are sent";
+
 struct EndOfStream {
   std::string reason;  ///< one sentence
+
+  bool is_final() const { return reason == kRecordingIsOver || reason == kAllFramesAreSent; }
   friend bool operator==(const EndOfStream&, const EndOfStream&) = default;
 };
 

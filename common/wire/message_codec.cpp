@@ -8,15 +8,15 @@
 #include <limits>
 
 #include "common/frame/bounds.h"
+#include "common/text/excerpt.h"
 #include "common/wire/byte_order.h"
-#include "common/wire/printable.h"
 
 namespace copresence::wire {
 namespace {
 
 // Fixed parts of the bodies, in bytes. docs/internals/wire_format.md draws them.
 constexpr std::size_t kHelloBytes = kMagic.size() + 4;
-constexpr std::size_t kRefusalBytes = 1 + 2;
+constexpr std::size_t kRejectBytes = 1 + 2;
 constexpr std::size_t kWelcomeBytes = 8 + 8 + 8 * (4 + 8 + 9 + 3 + 2 + 1 + 2) + 8 + 2 + 2 + 2;
 constexpr std::size_t kParameterBytes = 2 + 8;
 constexpr std::size_t kTimeBytes = 8;
@@ -45,8 +45,8 @@ bool size_range(std::uint8_t type, SizeRange& range) {
     case MessageType::kPing:
       range = {kTimeBytes, kTimeBytes};
       return true;
-    case MessageType::kRefusal:
-      range = {kRefusalBytes, kRefusalBytes + kMaxTextBytes};
+    case MessageType::kReject:
+      range = {kRejectBytes, kRejectBytes + kMaxTextBytes};
       return true;
     case MessageType::kWelcome:
       range = {kWelcomeBytes, kMaxWelcomeBytes};
@@ -55,7 +55,7 @@ bool size_range(std::uint8_t type, SizeRange& range) {
       range = {kFrameHeadBytes + 1, kMaxMessageBytes};
       return true;
     case MessageType::kEndOfStream:
-    case MessageType::kNotice:
+    case MessageType::kCameraStatus:
       range = {2, 2 + kMaxTextBytes};
       return true;
     case MessageType::kPong:
@@ -120,7 +120,7 @@ tl::unexpected<Error> corrupt(std::string what) {
 }
 
 bool is_name(const std::string& name) {
-  return !name.empty() && name.size() <= kMaxNameBytes && is_printable(name);
+  return !name.empty() && name.size() <= kMaxNameBytes && text::is_printable(name);
 }
 
 bool is_known(PixelFormat format) {
@@ -141,10 +141,10 @@ Bytes encode(const Hello& hello) {
   });
 }
 
-Bytes encode(const Reject& refusal) {
-  return message(MessageType::kRefusal, [&](ByteWriter& to) {
-    to.number(static_cast<std::uint8_t>(refusal.reason));
-    to.text(made_printable(refusal.text, kMaxTextBytes));
+Bytes encode(const Reject& reject) {
+  return message(MessageType::kReject, [&](ByteWriter& to) {
+    to.number(static_cast<std::uint8_t>(reject.reason));
+    to.text(text::sanitise(reject.text, kMaxTextBytes));
   });
 }
 
@@ -182,12 +182,12 @@ Bytes encode(const Welcome& welcome) {
 
 Bytes encode(const EndOfStream& end) {
   return message(MessageType::kEndOfStream,
-                 [&](ByteWriter& to) { to.text(made_printable(end.reason, kMaxTextBytes)); });
+                 [&](ByteWriter& to) { to.text(text::sanitise(end.reason, kMaxTextBytes)); });
 }
 
-Bytes encode(const CameraStatus& notice) {
-  return message(MessageType::kNotice,
-                 [&](ByteWriter& to) { to.text(made_printable(notice.text, kMaxTextBytes)); });
+Bytes encode(const CameraStatus& status) {
+  return message(MessageType::kCameraStatus,
+                 [&](ByteWriter& to) { to.text(text::sanitise(status.text, kMaxTextBytes)); });
 }
 
 Bytes encode(const FrameAck& ack) {
@@ -261,15 +261,15 @@ Result<Hello> decode_hello(std::span<const std::uint8_t> body) {
   return hello;
 }
 
-Result<Reject> decode_refusal(std::span<const std::uint8_t> body) {
+Result<Reject> decode_reject(std::span<const std::uint8_t> body) {
   ByteReader from(body);
   const auto reason = static_cast<RejectReason>(from.number<std::uint8_t>());
-  Reject refusal{reason, from.text()};
+  Reject reject{reason, from.text()};
   const bool known = reason == RejectReason::kVersion || reason == RejectReason::kFull;
-  if (!known || !from.complete() || refusal.text.size() > kMaxTextBytes || !is_printable(refusal.text)) {
-    return corrupt("a refusal that cannot be read");
+  if (!known || !from.complete() || reject.text.size() > kMaxTextBytes || !text::is_printable(reject.text)) {
+    return corrupt("a reject message that cannot be read");
   }
-  return refusal;
+  return reject;
 }
 
 Result<Welcome> decode_welcome(std::span<const std::uint8_t> body) {
@@ -314,19 +314,19 @@ Result<Welcome> decode_welcome(std::span<const std::uint8_t> body) {
 Result<EndOfStream> decode_end_of_stream(std::span<const std::uint8_t> body) {
   ByteReader from(body);
   EndOfStream end{from.text()};
-  if (!from.complete() || end.reason.size() > kMaxTextBytes || !is_printable(end.reason)) {
+  if (!from.complete() || end.reason.size() > kMaxTextBytes || !text::is_printable(end.reason)) {
     return corrupt("an end of stream that cannot be read");
   }
   return end;
 }
 
-Result<CameraStatus> decode_notice(std::span<const std::uint8_t> body) {
+Result<CameraStatus> decode_camera_status(std::span<const std::uint8_t> body) {
   ByteReader from(body);
-  CameraStatus notice{from.text()};
-  if (!from.complete() || notice.text.size() > kMaxTextBytes || !is_printable(notice.text)) {
-    return corrupt("a notice that cannot be read");
+  CameraStatus status{from.text()};
+  if (!from.complete() || status.text.size() > kMaxTextBytes || !text::is_printable(status.text)) {
+    return corrupt("a camera status that cannot be read");
   }
-  return notice;
+  return status;
 }
 
 Result<FrameAck> decode_frame_ack(std::span<const std::uint8_t> body) {

@@ -42,10 +42,10 @@ Result<MessageHeader> decode_header(std::span<const std::uint8_t, kHeaderBytes> 
 
 /// One body each, exactly as long as its header said.
 Result<Hello> decode_hello(std::span<const std::uint8_t> body);
-Result<Reject> decode_refusal(std::span<const std::uint8_t> body);
+Result<Reject> decode_reject(std::span<const std::uint8_t> body);
 Result<Welcome> decode_welcome(std::span<const std::uint8_t> body);
 Result<EndOfStream> decode_end_of_stream(std::span<const std::uint8_t> body);
-Result<CameraStatus> decode_notice(std::span<const std::uint8_t> body);
+Result<CameraStatus> decode_camera_status(std::span<const std::uint8_t> body);
 Result<FrameAck> decode_frame_ack(std::span<const std::uint8_t> body);
 Result<Ping> decode_ping(std::span<const std::uint8_t> body);
 Result<Pong> decode_pong(std::span<const std::uint8_t> body);

@@ -1,12 +1,12 @@
 #pragma once
 
-// One connection of a FrameServer: handshake, window, queue of what goes out. Not for other modules: it shows
-// Asio.
+// One client of a FrameServer: the handshake, the client's window, and the queue of messages to it. Private to
+// this module.
 //
 // Thread: the wire thread.
 
 #include <array>
-#include <asio.hpp>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -15,45 +15,47 @@
 #include <vector>
 
 #include "common/frame/coded_frame.h"
-#include "common/wire/admission.h"
-#include "common/wire/client_window.h"
 #include "common/wire/connection_log.h"
+#include "common/wire/flow_control/admission.h"
+#include "common/wire/flow_control/client_window.h"
 #include "common/wire/message_codec.h"
+#include "common/wire/transport/connection.h"
 
 namespace copresence::wire {
 
 /// A frame on its way to every client.
 struct OutboundFrame {
   std::shared_ptr<const EncodedFrame> frame;
-  FrameCounters counters;  ///< window_full: not encoded since no client had room
+  FrameCounters counters;  ///< window_full counts frames that were not encoded, since no client wanted one
   Instant sent_at{};
 };
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  /// What sessions share; outlives them.
+  /// What all sessions share. Outlives them.
   struct Stream {
     StreamDescription description;
     std::uint64_t clock_id = 0;
-    bool keyframe_requested =
-        false;                     ///< a client has sent a keyframe request since the last keyframe went out
-    std::uint64_t bytes_sent = 0;  ///< to all clients
-    std::string notice;            ///< what keeps the camera from sending frames; empty: nothing
-    std::function<void()> on_change;  ///< a client joined, left, has room again, or wants a keyframe
-    /// Asks for the next stage; false where there is no room in it. It may close other sessions.
+    bool keyframe_requested = false;  ///< by a client's message since the last keyframe went out
+    std::uint64_t bytes_sent = 0;     ///< to all clients
+    std::string camera_status;        ///< what keeps the camera from sending frames; empty: nothing
+    /// A client joined, left, can take frames again, or requested a keyframe.
+    std::function<void()> on_change;
+    /// True if a session may enter a stage. May close other sessions to make room.
     std::function<bool(Session&, Stage)> admit;
   };
 
-  Session(asio::ip::tcp::socket socket, Stream& stream);
+  Session(std::unique_ptr<Connection> connection, Stream& stream);
 
   void start();
-  void offer(const OutboundFrame& departure);  ///< queues the frame if the window allows, counts it otherwise
+  /// Queues the frame if the window allows it, and counts it as skipped otherwise.
+  void offer(const OutboundFrame& frame);
   void skip(std::uint64_t frames);
-  void tell(const Bytes& notice);
-  /// The last message; closes when the client has read it, or after a second.
+  void send_status(const Bytes& message);
+  /// Sends the last message and closes when the client has read it, or after a second.
   void close_gracefully(const Bytes& last, Ending why);
   void close(Ending why);
-  /// Looks for signs of life; closes a session that showed none in time.
+  /// Closes a session that showed no sign of life in time. Call it a few times a second.
   void sweep(Instant now);
 
   bool is_streaming() const { return phase_ == Phase::kStreaming; }
@@ -71,21 +73,22 @@ class Session : public std::enable_shared_from_this<Session> {
   enum class Phase { kGreeting, kStreaming, kLeaving, kClosed };
   struct Outgoing {
     Bytes head;
-    std::shared_ptr<const EncodedFrame> frame;  // null: head is all
+    std::shared_ptr<const EncodedFrame> frame;  // null: the message is its head
   };
 
-  void read();
-  void has_read(std::size_t bytes);
-  bool take(MessageHeader header, std::span<const std::uint8_t> body);  // false: a protocol error
-  bool take_hello(std::span<const std::uint8_t> body);
-  bool take_ack(std::span<const std::uint8_t> body);
+  void read_header();
+  void read_body(MessageHeader header);
+  void discard();
+  bool take(MessageType type);  // false: a protocol error
+  bool take_hello();
+  bool take_ack();
   void queue(Outgoing message);
   void write();
-  void has_written(std::size_t bytes);
+  void on_written();
   void enter(Phase phase);
-  void lives(Instant now);
+  void prolong(Instant now);
 
-  asio::ip::tcp::socket socket_;
+  std::unique_ptr<Connection> connection_;
   Stream& stream_;
   std::string address_, network_;
   ClientWindow window_;
@@ -93,11 +96,11 @@ class Session : public std::enable_shared_from_this<Session> {
   Stage stage_ = Stage::kStranger;
   Ending ending_ = Ending::kHungUp;
   Instant began_at_, overdue_at_;
-  int unacknowledged_bytes_ = 0;       // of ours in the kernel, when looked at last
-  std::array<std::uint8_t, 1024> in_;  // far more than the largest message of a client
-  std::size_t in_bytes_ = 0;
+  int unacknowledged_bytes_ = 0;  // at the last sweep
+  std::array<std::uint8_t, kHeaderBytes> header_;
+  Bytes body_;
   std::deque<Outgoing> out_;
-  std::vector<asio::const_buffer> buffers_;  // of the messages being written: the first writing_ of out_
+  std::vector<asio::const_buffer> buffers_;  // of the first `writing_` messages of out_
   std::size_t writing_ = 0;
 };
 

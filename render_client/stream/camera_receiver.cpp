@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/flow/waiting.h"
-#include "common/wire/end_of_stream.h"
+#include "common/wire/message.h"
 #include "render_client/stream/frame_times.h"
 
 namespace copresence::client {
@@ -113,7 +113,7 @@ Error CameraReceiver::receive_from(wire::FrameClient& client, const std::stop_to
   if (!stream.setup->remark.empty())
     say(Topic::kSetup, Severity::kWarning, fmt::format("{}: {}", address_, stream.setup->remark));
   if (scene_ && scene_->clip) stream.clipper.emplace(*stream.setup, *scene_->clip);
-  client.on_notice([this](const std::string& notice) { heard(notice); });
+  client.on_camera_status([this](const std::string& notice) { heard(notice); });
   while (true) {
     const Instant look_after_at = steady_clock::now() + kLookAfter;
     auto received = client.receive(stop, look_after_at);
@@ -123,7 +123,7 @@ Error CameraReceiver::receive_from(wire::FrameClient& client, const std::stop_to
       take(client, *decoding, *received, stream);
     } else if (received.error().code != ErrorCode::kTimeout || now < look_after_at) {
       const bool server_says_so = received.error().code == ErrorCode::kEndOfStream;
-      if (server_says_so && wire::ends_for_good(received.error().what))
+      if (server_says_so && wire::EndOfStream{received.error().what}.is_final())
         states_.over(slot_, received.error().what);
       return server_says_so ? named(received.error()) : received.error();
     }

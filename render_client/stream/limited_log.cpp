@@ -4,13 +4,13 @@
 
 #include <algorithm>
 
-#include "common/wire/printable.h"
+#include "common/text/excerpt.h"
 
 namespace copresence::client {
 namespace {
 
 std::string bounded(std::string_view text) {
-  std::string line = wire::made_printable(text, LimitedLog::kMostBytes);
+  std::string line = text::sanitise(text, LimitedLog::kMostBytes);
   // A byte that is not printable becomes one byte, so only a cut makes the line shorter.
   if (line.size() < text.size()) line += "...";
   return line;

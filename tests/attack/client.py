@@ -62,9 +62,9 @@ def unshowable():
     yield "unknown codec", wire.welcome(codec="h265"), "h265"
     yield "a codec without its parameter", wire.welcome(codec="triangle", pixel_format=3), "triangle"
     yield "a range too small for the unit", wire.welcome(near=1e-9, far=1e-8), ""
-    yield "another version", wire.refusal(wire.WRONG_VERSION, "install the same release"), "same release"
+    yield "another version", wire.reject(wire.WRONG_VERSION, "install the same release"), "same release"
     yield "an empty range", wire.welcome(near=5.0, far=0.4), "range"
-    yield "a full server", wire.refusal(wire.FULL, "32 clients already"), "32 clients"
+    yield "a full server", wire.reject(wire.FULL, "32 clients already"), "32 clients"
     yield "garbage", b"SSH-2.0-OpenSSH_9.2p1\r\n" * 100, "no capture_server"
 
 
@@ -143,7 +143,7 @@ def refused_in_mid_session(room, checks):
 def all_cameras_refused(room, checks):
     """the program ends with 1 and one sentence when no camera can be shown"""
     def refuse(connection):
-        wire.shake_hands(connection, wire.refusal(wire.WRONG_VERSION, "install the same release"))
+        wire.shake_hands(connection, wire.reject(wire.WRONG_VERSION, "install the same release"))
 
     def unknown(connection):
         wire.shake_hands(connection, wire.welcome(codec="h265"))
@@ -166,15 +166,15 @@ def floods(room, checks):
     first, bodies = wire.frames_of(honest, 4)
     welcome = wire.message(wire.WELCOME, first)
 
-    def notices(connection):
+    def statuses(connection):
         wire.shake_hands(connection, welcome)
-        flood = b"".join(wire.notice(f"notice {i}") for i in range(2000))
+        flood = b"".join(wire.camera_status(f"status {i}") for i in range(2000))
         while True:
             connection.sendall(flood)
 
-    def long_notices(connection):
+    def long_statuses(connection):
         wire.shake_hands(connection, welcome)
-        flood = wire.notice("x" * 512) * 50
+        flood = wire.camera_status("x" * 512) * 50
         for body in bodies:
             connection.sendall(flood + wire.message(wire.FRAME, body))
         wire.hear_out(connection)
@@ -196,7 +196,7 @@ def floods(room, checks):
         wire.shake_hands(connection, welcome)
         connection.sendall(wire.end_of_stream("that is all"))
 
-    for attack in (notices, long_notices, hang_up, one_frame_and_hang_up, garbage, end_of_stream):
+    for attack in (statuses, long_statuses, hang_up, one_frame_and_hang_up, garbage, end_of_stream):
         with wire.Server(attack) as evil:
             client = room.view(honest, evil.port)
             checks.expect(client.says(rf":{evil.port}", 30), f"{attack.__name__}: it begins")

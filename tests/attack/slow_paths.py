@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Paths that are slow, or get worse while a viewer watches: tests/attack/slow_paths.py [--bin FOLDER] [CASE ...]
 
-The exact figures are those of a simulation without a clock (tests/common/wire/flow_control_test.cpp); here limits are wide enough
+The exact figures are those of a simulation without a clock (tests/common/wire/flow_control/flow_control_test.cpp); here limits are wide enough
 for a machine that has little time."""
 import time
 

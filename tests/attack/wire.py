@@ -13,8 +13,8 @@ MAGIC = b"COPRESNC"
 # From the client.
 HELLO, KEYFRAME_REQUEST, FRAME_ACK, PING = 1, 2, 3, 4
 # From the server.
-REFUSAL, WELCOME, FRAME, END_OF_STREAM, PONG, NOTICE = 17, 18, 19, 20, 21, 22
-# Reasons of a refusal.
+REJECT, WELCOME, FRAME, END_OF_STREAM, PONG, CAMERA_STATUS = 17, 18, 19, 20, 21, 22
+# Reasons of a reject.
 WRONG_VERSION, FULL = 1, 2
 
 KEYFRAME = 1  # flag of a frame
@@ -49,16 +49,16 @@ def text(sentence):
     return struct.pack("<H", len(encoded)) + encoded
 
 
-def refusal(reason, sentence):
-    return message(REFUSAL, bytes([reason]) + text(sentence))
+def reject(reason, sentence):
+    return message(REJECT, bytes([reason]) + text(sentence))
 
 
 def end_of_stream(sentence):
     return message(END_OF_STREAM, text(sentence))
 
 
-def notice(sentence):
-    return message(NOTICE, text(sentence))
+def camera_status(sentence):
+    return message(CAMERA_STATUS, text(sentence))
 
 
 def pong(client_ns, server_ns=None):
@@ -174,7 +174,7 @@ class Viewer:
                                              head["flags"] & KEYFRAME, head["window_full"], head["encoder_busy"]))
                 if len(self.bodies) < self.keep_bodies:
                     self.bodies.append(body)
-            elif kind in (END_OF_STREAM, NOTICE):
+            elif kind in (END_OF_STREAM, CAMERA_STATUS):
                 self._note("says: " + body[2:].decode(errors="replace"))
             if now - pinged > 1:
                 pinged = now

@@ -64,7 +64,7 @@ class Watcher {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         continue;
       }
-      client->on_notice([this](const std::string& notice) {
+      client->on_camera_status([this](const std::string& notice) {
         const std::lock_guard lock(mutex_);
         notices_ += "[" + notice + "]";
       });

@@ -8,7 +8,7 @@
 
 #include "common/command_line/values.h"
 #include "common/scene/write_scene.h"
-#include "common/wire/printable.h"
+#include "common/text/excerpt.h"
 #include "tools/calibrate/board_picture.h"
 #include "tools/calibrate/capture.h"
 #include "tools/calibrate/command.h"
@@ -275,10 +275,10 @@ Result<void> take_lens(const LensSettings& settings) {
     return fail(ErrorCode::kInvalid,
                 settings.camera_info + ": has no camera_name; say with --name whose lens it is");
   }
-  if (!wire::is_printable(info->name)) {
+  if (!text::is_printable(info->name)) {
     return fail(ErrorCode::kInvalid,
                 fmt::format("the camera's name \"{}\" is not UTF-8 text: save {} as UTF-8, or give --name",
-                            wire::made_printable(info->name, 64), settings.camera_info));
+                            text::sanitise(info->name, 64), settings.camera_info));
   }
   if (!info->remark.empty()) fmt::print(stderr, "{}: {}\n", settings.camera_info, info->remark);
   const CameraModel& m = info->model;

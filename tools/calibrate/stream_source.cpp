@@ -19,7 +19,7 @@ class StreamSource : public sensor::FrameSource {
  public:
   StreamSource(const std::string& address, wire::FrameClient client, client::FrameDecoding decoding)
       : client_(std::move(client)), decoding_(std::move(decoding)) {
-    client_.on_notice([this, address](const std::string& notice) {
+    client_.on_camera_status([this, address](const std::string& notice) {
       notice_ = notice;
       if (notice.empty()) return;
       log_.say(client::LimitedLog::Topic::kNotice, client::LimitedLog::Severity::kWarning,

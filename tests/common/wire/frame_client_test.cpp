@@ -221,14 +221,14 @@ TEST(FrameClient, DoesNotCountItsOwnPausesAsRoundTrips) {
 TEST(FrameClient, TakesNoFloodOfNoticesForACamera) {
   Bytes flood;
   for (int i = 0; i < 1000; ++i) {
-    const Bytes notice = encode(CameraStatus{"unplugged"});
-    flood.insert(flood.end(), notice.begin(), notice.end());
+    const Bytes status = encode(CameraStatus{"unplugged"});
+    flood.insert(flood.end(), status.begin(), status.end());
   }
   FakeServer server(welcomes_and_says(flood));
   auto client = server.client();
   ASSERT_TRUE(client);
   int heard = 0;
-  client->on_notice([&](const std::string&) { ++heard; });
+  client->on_camera_status([&](const std::string&) { ++heard; });
   const auto received = client->receive({});
   ASSERT_FALSE(received);
   EXPECT_EQ(received.error().code, ErrorCode::kCorrupt);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "common/wire/host_port.h"
+#include "common/wire/transport/connection.h"
 
 namespace copresence::wire {
 namespace {
@@ -32,6 +33,14 @@ TEST(HostPort, SaysHowToWriteIt) {
     EXPECT_EQ(address.error().code, ErrorCode::kInvalid);
     EXPECT_THAT(address.error().what, HasSubstr("write HOST:PORT"));
   }
+}
+
+TEST(Connection, CountsAnIpv4AddressOr64BitsOfIpv6AsOneNetwork) {
+  const auto network = [](const char* address) { return network_of(asio::ip::make_address(address)); };
+  EXPECT_EQ(network("192.168.1.7"), "192.168.1.7");
+  EXPECT_EQ(network("::ffff:192.168.1.7"), "192.168.1.7");
+  EXPECT_EQ(network("2001:db8:1:2:3:4:5:6"), "2001:db8:1:2::/64");
+  EXPECT_EQ(network("2001:db8:1:2:ffff::1"), network("2001:db8:1:2::9"));
 }
 
 TEST(ListeningSocket, NamesThePortItGot) {

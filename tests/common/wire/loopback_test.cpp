@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/wire/admission.h"
+#include "common/wire/flow_control/admission.h"
 #include "tests/common/wire/raw_peer.h"
 #include "tests/common/wire/served.h"
 
@@ -44,17 +44,17 @@ TEST(Loopback, CarriesFramesWithoutColourAndOfEverySize) {
   }
 }
 
-TEST(Loopback, TellsWhatKeepsTheCameraFromSendingAndThatItIsBack) {
+TEST(Loopback, SendsWhatKeepsTheCameraFromSendingAndThatItIsBack) {
   Served served;
   auto client = served.client();
   ASSERT_TRUE(client);
   std::vector<std::string> heard, heard_late;
-  client->on_notice([&](const std::string& notice) { heard.push_back(notice); });
-  served.server().tell("unplugged");
+  client->on_camera_status([&](const std::string& status) { heard.push_back(status); });
+  served.server().set_camera_status("unplugged");
   auto late = served.client();
   ASSERT_TRUE(late);
-  late->on_notice([&](const std::string& notice) { heard_late.push_back(notice); });
-  served.server().tell("");
+  late->on_camera_status([&](const std::string& status) { heard_late.push_back(status); });
+  served.server().set_camera_status("");
   ASSERT_NE(served.capture_when_wanted(), 0u);
   EXPECT_TRUE(client->receive({}));
   EXPECT_TRUE(late->receive({}));
@@ -182,11 +182,11 @@ TEST(Loopback, RefusesAnotherVersionAndSaysWhatToDo) {
   stranger.say(encode(Hello{kProtocolVersion + 1}));
   const auto answer = stranger.hear();
   ASSERT_TRUE(answer);
-  const auto refusal = decode_refusal(body_of(*answer));
-  ASSERT_TRUE(refusal);
-  EXPECT_EQ(refusal->reason, RejectReason::kVersion);
-  EXPECT_THAT(refusal->text, HasSubstr("server speaks protocol version 5, this client 6"));
-  EXPECT_THAT(refusal->text, HasSubstr("same release"));
+  const auto reject = decode_reject(body_of(*answer));
+  ASSERT_TRUE(reject);
+  EXPECT_EQ(reject->reason, RejectReason::kVersion);
+  EXPECT_THAT(reject->text, HasSubstr("server speaks protocol version 5, this client 6"));
+  EXPECT_THAT(reject->text, HasSubstr("same release"));
   EXPECT_FALSE(stranger.hear());
 }
 

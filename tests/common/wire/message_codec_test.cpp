@@ -32,14 +32,14 @@ Result<void> decoded(MessageType type, std::span<const std::uint8_t> body) {
   switch (type) {
     case MessageType::kHello:
       return outcome(decode_hello(body));
-    case MessageType::kRefusal:
-      return outcome(decode_refusal(body));
+    case MessageType::kReject:
+      return outcome(decode_reject(body));
     case MessageType::kWelcome:
       return outcome(decode_welcome(body));
     case MessageType::kEndOfStream:
       return outcome(decode_end_of_stream(body));
-    case MessageType::kNotice:
-      return outcome(decode_notice(body));
+    case MessageType::kCameraStatus:
+      return outcome(decode_camera_status(body));
     case MessageType::kFrameAck:
       return outcome(decode_frame_ack(body));
     case MessageType::kPing:
@@ -63,12 +63,12 @@ StreamDescription with(const std::function<void(StreamDescription&)>& change) {
 
 TEST(MessageCodec, GivesBackWhatWasSaid) {
   EXPECT_EQ(*decode_hello(body_of(encode(Hello{7}))), Hello{7});
-  const Reject refusal{RejectReason::kFull, "full"};
-  EXPECT_EQ(*decode_refusal(body_of(encode(refusal))), refusal);
+  const Reject reject{RejectReason::kFull, "full"};
+  EXPECT_EQ(*decode_reject(body_of(encode(reject))), reject);
   EXPECT_EQ(*decode_welcome(body_of(encode(sample_welcome()))), sample_welcome());
   EXPECT_EQ(*decode_end_of_stream(body_of(encode(EndOfStream{"Ende: Küche"}))), EndOfStream{"Ende: Küche"});
-  EXPECT_EQ(*decode_notice(body_of(encode(CameraStatus{"unplugged"}))), CameraStatus{"unplugged"});
-  EXPECT_EQ(*decode_notice(body_of(encode(CameraStatus{}))), CameraStatus{});
+  EXPECT_EQ(*decode_camera_status(body_of(encode(CameraStatus{"unplugged"}))), CameraStatus{"unplugged"});
+  EXPECT_EQ(*decode_camera_status(body_of(encode(CameraStatus{}))), CameraStatus{});
   EXPECT_EQ(decode_frame_ack(body_of(encode(FrameAck{9})))->sequence, 9u);
   EXPECT_EQ(*decode_ping(body_of(encode(Ping{at_ns(77)}))), Ping{at_ns(77)});
   EXPECT_EQ(*decode_pong(body_of(encode(Pong{at_ns(77), at_ns(78)}))), (Pong{at_ns(77), at_ns(78)}));

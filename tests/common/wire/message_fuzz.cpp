@@ -30,8 +30,8 @@ void decode_whole(MessageHeader header, Input whole) {
       return expect_one_spelling(decode_frame_ack(body), whole);
     case MessageType::kPing:
       return expect_one_spelling(decode_ping(body), whole);
-    case MessageType::kRefusal:
-      return expect_one_spelling(decode_refusal(body), whole);
+    case MessageType::kReject:
+      return expect_one_spelling(decode_reject(body), whole);
     case MessageType::kWelcome:
       return expect_one_spelling(decode_welcome(body), whole);
     case MessageType::kFrame:
@@ -39,8 +39,8 @@ void decode_whole(MessageHeader header, Input whole) {
                                  whole.first(kHeaderBytes + kFrameHeadBytes));
     case MessageType::kEndOfStream:
       return expect_one_spelling(decode_end_of_stream(body), whole);
-    case MessageType::kNotice:
-      return expect_one_spelling(decode_notice(body), whole);
+    case MessageType::kCameraStatus:
+      return expect_one_spelling(decode_camera_status(body), whole);
     case MessageType::kPong:
       return expect_one_spelling(decode_pong(body), whole);
   }

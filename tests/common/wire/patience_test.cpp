@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/wire/client_window.h"
+#include "common/wire/flow_control/client_window.h"
 #include "tests/common/wire/raw_peer.h"
 #include "tests/common/wire/served.h"
 

@@ -53,11 +53,11 @@ inline std::vector<std::pair<std::string, Bytes>> sample_messages() {
   const FrameHeadMessage frame = encode(sample_frame_head());
   return {
       {"hello", encode(Hello{})},
-      {"refusal", encode(Reject{RejectReason::kFull, "full"})},
+      {"reject", encode(Reject{RejectReason::kFull, "full"})},
       {"welcome", encode(sample_welcome())},
       {"frame", Bytes(frame.begin(), frame.end())},
       {"end of stream", encode(EndOfStream{"the end"})},
-      {"notice", encode(CameraStatus{"unplugged"})},
+      {"camera status", encode(CameraStatus{"unplugged"})},
       {"keyframe request", encode_keyframe_request()},
       {"frame ack", encode(FrameAck{300})},
       {"ping", encode(Ping{at_ns(1'000'000'000)})},

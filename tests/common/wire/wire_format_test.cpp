@@ -6,7 +6,7 @@
 #include <map>
 #include <regex>
 
-#include "common/wire/client_window.h"
+#include "common/wire/flow_control/client_window.h"
 #include "tests/common/wire/sample_messages.h"
 
 namespace copresence::wire {

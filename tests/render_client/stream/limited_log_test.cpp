@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/wire/printable.h"
+#include "common/text/excerpt.h"
 
 namespace copresence::client {
 namespace {
@@ -74,7 +74,7 @@ TEST_F(LimitedLogTest, BoundsAndCleansEveryLine) {
   ASSERT_EQ(lines_.size(), 1u);
   EXPECT_EQ(lines_[0].size(), LimitedLog::kMostBytes + 3);
   say("red \x1b[31m, bell \a, line\nfeed, \xff, turned \xe2\x80\xae over", 1);
-  EXPECT_TRUE(wire::is_printable(lines_[1])) << lines_[1];
+  EXPECT_TRUE(text::is_printable(lines_[1])) << lines_[1];
 }
 
 }  // namespace

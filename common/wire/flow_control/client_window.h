@@ -26,7 +26,7 @@
 #include <optional>
 
 #include "common/frame/rgbd_frame.h"
-#include "common/wire/path_estimate.h"
+#include "common/wire/flow_control/path_estimate.h"
 
 namespace copresence::wire {
 

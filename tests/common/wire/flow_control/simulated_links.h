@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/wire/client_window.h"
-#include "common/wire/encoder_demand.h"
+#include "common/wire/flow_control/client_window.h"
+#include "common/wire/flow_control/encoder_demand.h"
 
 namespace copresence::wire {
 

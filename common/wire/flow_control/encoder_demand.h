@@ -15,7 +15,7 @@
 #include <optional>
 
 #include "common/frame/rgbd_frame.h"
-#include "common/wire/client_window.h"
+#include "common/wire/flow_control/client_window.h"
 
 namespace copresence::wire {
 

@@ -1,4 +1,4 @@
-#include "common/wire/name_lookup.h"
+#include "common/wire/transport/name_lookup.h"
 
 #include <mutex>
 #include <optional>

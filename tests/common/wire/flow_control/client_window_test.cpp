@@ -1,4 +1,4 @@
-#include "common/wire/client_window.h"
+#include "common/wire/flow_control/client_window.h"
 
 #include <gtest/gtest.h>
 

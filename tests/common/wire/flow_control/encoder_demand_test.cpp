@@ -1,4 +1,4 @@
-#include "common/wire/encoder_demand.h"
+#include "common/wire/flow_control/encoder_demand.h"
 
 #include <gtest/gtest.h>
 

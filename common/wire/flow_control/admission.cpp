@@ -1,8 +1,8 @@
-#include "common/wire/admission.h"
+#include "common/wire/flow_control/admission.h"
 
 #include <algorithm>
-#include <asio/ip/address.hpp>
 #include <map>
+#include <string_view>
 
 namespace copresence::wire {
 namespace {
@@ -60,17 +60,6 @@ Decision admit(Stage stage, const std::string& network, std::span<const Standing
   if (stage != Stage::kClient) return {true, oldest_of_largest_network(stage, network, others)};
   const auto stalled = longest_stalled_client(others, now);
   return {stalled.has_value(), stalled};
-}
-
-std::string network_of(const std::string& address) {
-  asio::error_code error;
-  const auto parsed = asio::ip::make_address(address, error);
-  if (error || parsed.is_v4()) return address;
-  const auto v6 = parsed.to_v6();
-  if (v6.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, v6).to_string();
-  auto bytes = v6.to_bytes();
-  std::fill(bytes.begin() + 8, bytes.end(), std::uint8_t{0});
-  return asio::ip::make_address_v6(bytes).to_string() + "/64";
 }
 
 }  // namespace copresence::wire

@@ -1,4 +1,4 @@
-#include "common/wire/arrival_watch.h"
+#include "common/wire/flow_control/arrival_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/common/wire/simulated_room.h"
+#include "tests/common/wire/flow_control/simulated_links.h"
 
 namespace copresence::wire {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/wire/path_estimate.h"
+#include "common/wire/flow_control/path_estimate.h"
 
 #include <algorithm>
 

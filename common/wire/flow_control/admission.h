@@ -29,7 +29,7 @@ enum class Stage { kStranger, kNewcomer, kClient };
 std::size_t room_for(Stage stage);
 
 struct Standing {
-  std::string network;  ///< of the address it comes from: network_of()
+  std::string network;  ///< of the address it comes from: Connection::peer_network()
   Stage stage = Stage::kStranger;
   Instant since{};                     ///< connected at
   std::optional<Instant> waits_since;  ///< the oldest frame on its way to it; nothing where none is
@@ -43,9 +43,5 @@ struct Decision {
 /// Whether one more connection from `network` may enter `stage`. `others` are all connections except that
 /// one.
 Decision admit(Stage stage, const std::string& network, std::span<const Standing> others, Instant now);
-
-/// What one party usually has for itself: an IPv4 address, or the first 64 bits of an IPv6 address. Takes an
-/// address as text; returns anything else as it is.
-std::string network_of(const std::string& address);
 
 }  // namespace copresence::wire

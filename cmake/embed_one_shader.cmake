@@ -1,4 +1,4 @@
-# Run by embed_shaders(): SOURCE, HEADER, SYMBOL.
+# Writes one shader as a header. Run by embed_shaders() with SOURCE, HEADER and SYMBOL.
 file(READ ${SOURCE} text)
 file(WRITE ${HEADER} "// Made from shaders/ by cmake/embed_shaders.cmake.
 #pragma once

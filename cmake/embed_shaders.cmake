@@ -1,10 +1,11 @@
-# Embeds shaders into a room, so that no program looks for files at run time:
+# Embeds shaders into a module, so that no program looks for files at run time:
 #
 #   embed_shaders(copresence_gl_renderer depth_mesh.vert depth_mesh.frag)
 #
 # makes "shaders/depth_mesh.vert.h" with copresence::shaders::depth_mesh_vert, a constexpr std::string_view.
 function(embed_shaders target)
   set(folder ${CMAKE_CURRENT_BINARY_DIR}/embedded)
+  set(headers)
   foreach(shader ${ARGN})
     set(source ${PROJECT_SOURCE_DIR}/shaders/${shader})
     set(header ${folder}/shaders/${shader}.h)
@@ -14,7 +15,12 @@ function(embed_shaders target)
               -P ${PROJECT_SOURCE_DIR}/cmake/embed_one_shader.cmake
       DEPENDS ${source} ${PROJECT_SOURCE_DIR}/cmake/embed_one_shader.cmake
       VERBATIM)
-    target_sources(${target} PRIVATE ${header})
+    list(APPEND headers ${header})
   endforeach()
-  target_include_directories(${target} PRIVATE ${folder})
+  foreach(each ${target} ${target}_v3)
+    if(TARGET ${each})
+      target_sources(${each} PRIVATE ${headers})
+      target_include_directories(${each} PRIVATE ${folder})
+    endif()
+  endforeach()
 endfunction()

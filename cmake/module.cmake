@@ -1,26 +1,51 @@
-# What most sources include is parsed once. Presets for developers do without: there a missing include shows.
+# Headers that most sources include are parsed once. The developers' presets do without, so that a missing include shows.
+function(add_precompiled_headers target)
+  add_library(${target} OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
+  target_link_libraries(${target} PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected)
+  target_precompile_headers(${target} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.h)
+endfunction()
+function(use_precompiled_headers target headers)
+  target_link_libraries(${target} PRIVATE Eigen3::Eigen fmt::fmt tl::expected)
+  target_precompile_headers(${target} REUSE_FROM ${headers})
+endfunction()
 if(COPRESENCE_PRECOMPILED)
-  add_library(copresence_headers OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
-  target_link_libraries(copresence_headers PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected)
-  target_precompile_headers(copresence_headers PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.h)
+  add_precompiled_headers(copresence_headers)
+  if(COPRESENCE_TWINS)
+    add_precompiled_headers(copresence_headers_v3)
+    set_target_properties(copresence_headers_v3 PROPERTIES COPRESENCE_V3 ON)
+  endif()
 endif()
 
-# A module is a folder that is a target: a static library whose headers compile alone and which names what it depends on.
+# A module is a folder that is a target: a library whose headers compile alone and which names what it depends on.
 #
-#   add_module(depth HEADERS a.h PRIVATE b.h SOURCES a.cpp b.cpp USES copresence::frame HIDES copresence_opencv)
+#   add_module(depth FAST HEADERS a.h PRIVATE b.h SOURCES a.cpp b.cpp USES copresence::frame HIDES copresence_opencv)
 #
 # makes the library copresence_depth with the alias copresence::depth. HEADERS may be included by others, PRIVATE ones only by
 # the module itself and by its tests and benchmarks. USES are public (other modules, libraries whose types
 # show in the headers), HIDES are private. A module without SOURCES is header-only.
+#
+# FAST is for modules with loops over pixels: in a portable build they are shared libraries, built for x86-64-v2 and, as
+# copresence_depth_v3, for x86-64-v3. SHARED is for modules with state that FAST modules use: one copy in a program. All other
+# modules are static libraries.
 function(add_module name)
-  cmake_parse_arguments(MODULE "" "" "HEADERS;PRIVATE;SOURCES;USES;HIDES" ${ARGN})
+  cmake_parse_arguments(MODULE "FAST;SHARED" "" "HEADERS;PRIVATE;SOURCES;USES;HIDES" ${ARGN})
   set(target copresence_${name})
   if(MODULE_SOURCES)
-    add_library(${target} STATIC ${MODULE_SOURCES})
+    set(kind STATIC)
+    if(COPRESENCE_TWINS AND (MODULE_FAST OR MODULE_SHARED))
+      set(kind SHARED)
+    endif()
+    add_library(${target} ${kind} ${MODULE_SOURCES})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${COPRESENCE_UNITY})
     target_link_libraries(${target} PUBLIC copresence::rules ${MODULE_USES} PRIVATE ${MODULE_HIDES})
     if(COPRESENCE_PRECOMPILED)
-      target_link_libraries(${target} PRIVATE Eigen3::Eigen fmt::fmt tl::expected)
-      target_precompile_headers(${target} REUSE_FROM copresence_headers)
+      use_precompiled_headers(${target} copresence_headers)
+    endif()
+    if(kind STREQUAL "SHARED")
+      put_private_library(${target} "" "$ORIGIN")
+      if(MODULE_FAST)
+        add_v3_twin(${target})
+      endif()
     endif()
     set(scope PUBLIC)
   else()
@@ -40,12 +65,35 @@ function(add_module name)
   target_sources(${target} ${scope}
     FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${lone_headers}
     FILE_SET tried TYPE HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${tried_headers})
-  set_target_properties(${target} PROPERTIES INTERFACE_HEADER_SETS_TO_VERIFY HEADERS)
+  set_target_properties(${target} PROPERTIES INTERFACE_HEADER_SETS_TO_VERIFY HEADERS COPRESENCE_PRIVATE "${MODULE_PRIVATE}")
   add_library(copresence::${name} ALIAS ${target})
 endfunction()
 
-# Compiling tests is half of all compiling: what all of them include is parsed once (tests/support), and they themselves need not
-# be fast.
+# Our shared libraries lie in lib/copresence, those for x86-64-v3 where glibc's loader looks for them: in
+# lib/copresence/glibc-hwcaps/x86-64-v3 (man ld.so).
+function(put_private_library target subfolder path_to_others)
+  set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/copresence/${subfolder}
+    BUILD_RPATH "${path_to_others}" INSTALL_RPATH "${path_to_others}" DEFINE_SYMBOL "")
+  target_link_options(${target} PRIVATE LINKER:-Bsymbolic-functions)
+  install(TARGETS ${target} LIBRARY DESTINATION lib/copresence/${subfolder})
+endfunction()
+
+# The same library for x86-64-v3. Programs link the base only.
+function(add_v3_twin target)
+  get_target_property(sources ${target} SOURCES)
+  get_target_property(libraries ${target} LINK_LIBRARIES)
+  add_library(${target}_v3 SHARED ${sources})
+  target_link_libraries(${target}_v3 PRIVATE ${libraries})
+  set_target_properties(${target}_v3 PROPERTIES OUTPUT_NAME ${target} COPRESENCE_V3 ON
+    UNITY_BUILD ${COPRESENCE_UNITY})
+  if(COPRESENCE_PRECOMPILED)
+    use_precompiled_headers(${target}_v3 copresence_headers_v3)
+  endif()
+  put_private_library(${target}_v3 glibc-hwcaps/x86-64-v3 "$ORIGIN/../..")
+  add_dependencies(${target} ${target}_v3)
+endfunction()
+
+# Tests are half of what is compiled. Their common headers are parsed once (tests/support), and -O1 is fast enough for them.
 function(compile_as_test target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_link_libraries(${target} PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected GTest::gmock)

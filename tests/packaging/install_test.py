@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Installs a build into a temporary folder, moves that folder elsewhere, and runs the programs from there:
-they must find their drivers and load nothing of the build.
+"""Installs a build into a temporary folder, moves that folder elsewhere, and runs the programs from there.
+They must find their drivers and shared libraries and load nothing of the build. The man pages must be valid.
 
   tests/packaging/install_test.py --build build/release"""
 import argparse
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -41,7 +42,14 @@ def main():
                 continue
             version = run(path, "--version")
             expect(version.returncode == 0 and version.stdout.startswith(program), f"{program} --version: {version}")
-            expect(str(build) not in run("ldd", path).stdout, f"{program} loads libraries of the build")
+            loaded = run("ldd", path).stdout
+            expect(str(build) not in loaded, f"{program} loads libraries of the build")
+            expect("not found" not in loaded, f"{program} does not find all libraries: {loaded}")
+            page = moved / "share/man/man1" / f"{program}.1"
+            expect(page.is_file() and ".SH OPTIONS" in page.read_text(), f"{program} has no man page with options")
+            if shutil.which("mandoc"):
+                checked = run("mandoc", "-T", "lint", "-W", "error", page)
+                expect(checked.returncode == 0, f"the man page of {program}: {checked.stdout}")
         if not faults:
             server = moved / "bin/capture_server"
             listed = run(server, "--list").stdout

@@ -11,7 +11,7 @@
 #include <functional>
 
 #include "capture_server/capture_thread.h"
-#include "capture_server/drivers/simulated/simulated_uri.h"
+#include "capture_server/drivers/contract/simulated_uri.h"
 #include "capture_server/pipeline.h"
 #include "capture_server/running_settings.h"
 #include "capture_server/sensor/source.h"

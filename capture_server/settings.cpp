@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "capture_server/drivers/simulated/simulated_uri.h"
+#include "capture_server/drivers/contract/simulated_uri.h"
 #include "capture_server/flags.h"
 #include "capture_server/sensor/source.h"
 #include "common/command_line/mistakes.h"

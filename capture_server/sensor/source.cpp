@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "capture_server/drivers/simulated/simulated_uri.h"
+#include "capture_server/drivers/contract/simulated_uri.h"
 #include "capture_server/recording/oni_check.h"
 #include "common/frame/camera_model.h"
 

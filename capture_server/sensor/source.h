@@ -10,7 +10,7 @@
 
 namespace copresence {
 
-/// source  openni: (the first camera), openni:URI, simulated:WORLD?camera=N (drivers/simulated/simulated_uri.h), or the
+/// source  openni: (the first camera), openni:URI, simulated:WORLD?camera=N (drivers/contract/simulated_uri.h), or the
 ///         path of an .oni recording, which is checked before OpenNI2 sees it. Intrinsics are the recording's own note where it has one, else from its field of view, else a
 ///         Kinect's. Without a note, colour of depth's size counts as registered to it: nothing else says so in the
 ///         format, and recorders' default is to register.

@@ -1,4 +1,4 @@
-// Simulated Kinects as cameras of OpenNI2: simulated:WORLD?camera=N, see simulated_uri.h. 640x480 at 30 frames a second,
+// Simulated Kinects as cameras of OpenNI2: simulated:WORLD?camera=N, see contract/simulated_uri.h. 640x480 at 30 frames a second,
 // depth in 1 mm registered to colour, time from the system clock.
 //
 // One thread per started device makes its frames; one thread per driver watches control files, where there are any.
@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <list>
 #include <map>
@@ -23,10 +24,10 @@
 
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/drivers/contract/push_device.h"
+#include "capture_server/drivers/contract/simulated_uri.h"
 #include "capture_server/drivers/contract/watch.h"
 #include "capture_server/drivers/simulated/frame_clock.h"
 #include "capture_server/drivers/simulated/shared_projectors.h"
-#include "capture_server/drivers/simulated/simulated_uri.h"
 #include "common/flow/waiting.h"
 #include "simulation/frame_marker.h"
 #include "simulation/kinect_noise.h"
@@ -46,6 +47,27 @@ constexpr milliseconds kWatchEvery(50);
 // A camera at its place with everything traced that it will see. Kept when its device is closed: plugging it in again
 // takes no second.
 using Camera = std::shared_ptr<simulation::SimulatedKinect>;
+
+// Read from the control file of a camera, for tests of what happens when cameras fail.
+enum class Control {
+  kWork,       // no file was named, or its first word is none of the following
+  kUnplugged,  // there is no such file
+  kStall,      // "stall": no frames, and no error
+  kCrash,      // "crash": the driver ends its process
+  kHang,       // "hang": the driver never returns
+};
+
+Control read_control(const std::string& path) {
+  if (path.empty()) return Control::kWork;
+  std::ifstream file(path);
+  if (!file) return Control::kUnplugged;
+  std::string word;
+  file >> word;
+  if (word == "stall") return Control::kStall;
+  if (word == "crash") return Control::kCrash;
+  if (word == "hang") return Control::kHang;
+  return Control::kWork;
+}
 
 std::int64_t now_us() {
   return std::chrono::duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();

@@ -1,7 +1,10 @@
-#include "capture_server/drivers/simulated/simulated_uri.h"
+#include "capture_server/drivers/contract/simulated_uri.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "simulation/simulated_kinect.h"
+#include "simulation/world.h"
 
 namespace copresence::drivers {
 namespace {
@@ -22,6 +25,11 @@ TEST(SimulatedUri, ReadsWhatItIsAskedFor) {
   EXPECT_TRUE(full->marker);
   EXPECT_EQ(full->control, "/tmp/a b");
   EXPECT_EQ(full->projectors, "air");
+}
+
+TEST(SimulatedUri, ListsTheSimulatorsWorldsAndCameras) {
+  EXPECT_THAT(kSimulatedWorlds, testing::ElementsAreArray(simulation::World::names()));
+  EXPECT_EQ(kMostSimulatedCameras, simulation::kMostKinects);
 }
 
 TEST(SimulatedUri, SaysWhatCouldStandThere) {

@@ -1,12 +1,9 @@
-#include "capture_server/drivers/simulated/simulated_uri.h"
+#include "capture_server/drivers/contract/simulated_uri.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-
-#include "simulation/simulated_kinect.h"
 
 namespace copresence::drivers {
 namespace {
@@ -19,7 +16,7 @@ bool read_number(std::string_view text, Number& number) {
   return problem == std::errc() && end == text.data() + text.size();
 }
 
-// What stands before the first `separator`; `text` keeps what follows it.
+// Cuts `text` at the first `separator`: returns the part before it, leaves the part after it.
 std::string_view take_until(char separator, std::string_view& text) {
   const auto at = text.find(separator);
   const std::string_view before = text.substr(0, at);
@@ -50,10 +47,9 @@ Result<SimulatedUri> parse_simulated_uri(const std::string& uri) {
   std::string_view rest(uri);
   rest.remove_prefix(std::min(rest.size(), std::string_view(kSimulatedPrefix).size()));
   parsed.world = take_until('?', rest);
-  const auto worlds = simulation::World::names();
-  if (std::find(worlds.begin(), worlds.end(), parsed.world) == worlds.end()) {
+  if (std::find(kSimulatedWorlds.begin(), kSimulatedWorlds.end(), parsed.world) == kSimulatedWorlds.end()) {
     return fail(ErrorCode::kInvalid, fmt::format("{}: there is no world \"{}\"; there are {}", uri,
-                                                 parsed.world, fmt::join(worlds, ", ")));
+                                                 parsed.world, fmt::join(kSimulatedWorlds, ", ")));
   }
   while (!rest.empty()) {
     const std::string_view option = take_until('&', rest);
@@ -63,10 +59,10 @@ Result<SimulatedUri> parse_simulated_uri(const std::string& uri) {
       return fail(ErrorCode::kInvalid, fmt::format("{}: \"{}\" is none of {}", uri, option, kOptions));
     }
   }
-  if (parsed.camera < 0 || parsed.camera >= simulation::kMostKinects || parsed.cameras < 1 ||
-      parsed.cameras > simulation::kMostKinects) {
+  if (parsed.camera < 0 || parsed.camera >= kMostSimulatedCameras || parsed.cameras < 1 ||
+      parsed.cameras > kMostSimulatedCameras) {
     return fail(ErrorCode::kInvalid, fmt::format("{}: camera goes from 0 to {}, cameras from 1 to {}", uri,
-                                                 simulation::kMostKinects - 1, simulation::kMostKinects));
+                                                 kMostSimulatedCameras - 1, kMostSimulatedCameras));
   }
   parsed.cameras = std::max(parsed.cameras, parsed.camera + 1);
   return parsed;
@@ -74,19 +70,7 @@ Result<SimulatedUri> parse_simulated_uri(const std::string& uri) {
 
 std::string simulated_cameras() {
   return fmt::format("{}WORLD?camera=N, N from 0 to {}, WORLD one of {}", kSimulatedPrefix,
-                     simulation::kMostKinects - 1, fmt::join(simulation::World::names(), ", "));
-}
-
-Control read_control(const std::string& path) {
-  if (path.empty()) return Control::kWork;
-  std::ifstream file(path);
-  if (!file) return Control::kUnplugged;
-  std::string word;
-  file >> word;
-  if (word == "stall") return Control::kStall;
-  if (word == "crash") return Control::kCrash;
-  if (word == "hang") return Control::kHang;
-  return Control::kWork;
+                     kMostSimulatedCameras - 1, fmt::join(kSimulatedWorlds, ", "));
 }
 
 }  // namespace copresence::drivers

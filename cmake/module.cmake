@@ -99,12 +99,18 @@ function(compile_as_test target)
   target_link_libraries(${target} PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected GTest::gmock)
 endfunction()
 
+# Tests of code that reads what others wrote: files, streams, messages. ./run test-parsers runs them under sanitizers.
+if(BUILD_TESTING)
+  add_custom_target(parser_tests)
+endif()
+
 # One test program for one module. LABEL is unit (below a second, no hardware, no GL, no network), gl (headless EGL) or
-# pipeline (real processes over loopback). SERIAL ones run beside no other: they measure time.
+# pipeline (real processes over loopback). SERIAL ones run beside no other: they measure time. PARSER ones belong to
+# parser_tests; their label is unit.parser, which `ctest -L unit` finds, too.
 #
 #   add_module_test(depth LABEL unit SOURCES depth_codec_test.cpp USES copresence::depth)
 function(add_module_test name)
-  cmake_parse_arguments(TEST "SERIAL" "LABEL;TIMEOUT" "SOURCES;USES;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(TEST "SERIAL;PARSER" "LABEL;TIMEOUT" "SOURCES;USES;ENVIRONMENT" ${ARGN})
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 120)
   endif()
@@ -117,11 +123,15 @@ function(add_module_test name)
   target_precompile_headers(${target} REUSE_FROM copresence_test_headers)
   target_link_libraries(${target} PRIVATE ${TEST_USES} GTest::gtest_main)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(TEST_PARSER)
+    add_dependencies(parser_tests ${target})
+    string(APPEND TEST_LABEL .parser)
+  endif()
   set(environment)
   if(TEST_ENVIRONMENT)
     set(environment ENVIRONMENT ${TEST_ENVIRONMENT})
   elseif(TEST_LABEL STREQUAL "gl" AND COPRESENCE_SANITIZE MATCHES "address")
-    set(environment ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)  # Mesa and LLVM keep theirs
+    set(environment ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)  # Mesa and LLVM keep memory to the end
   endif()
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     PROPERTIES LABELS ${TEST_LABEL} TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} ${environment})
@@ -153,6 +163,7 @@ function(add_fuzz_target name)
   else()
     target_sources(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/replay_corpus.cpp)
     add_test(NAME ${name}_corpus COMMAND ${target} ${CMAKE_CURRENT_SOURCE_DIR}/${FUZZ_CORPUS})
-    set_tests_properties(${name}_corpus PROPERTIES LABELS unit TIMEOUT 120)
+    set_tests_properties(${name}_corpus PROPERTIES LABELS unit.parser TIMEOUT 120)
+    add_dependencies(parser_tests ${target})
   endif()
 endfunction()

@@ -1,20 +1,26 @@
 #!/usr/bin/env python3
-"""Reads every #include of the project: rooms may use what lies below them and nothing beside them, and each foreign
-library has one home. The table here is the table in docs/internals/architecture.md. A .cpp includes its own header before all
-else, so that every header is known to compile alone (cmake/module.cmake tries those that have none)."""
+"""Reads every #include of the project and, where a build folder is given, what each target links.
+
+  tests/architecture/layers_test.py FOLDER [BUILD]
+
+A module may use what lies below it and nothing beside it, and each foreign library has one home. The table here is the
+table in docs/architecture.md. A module's private headers are included only by itself, its tests and its benchmarks. A
+.cpp includes its own header before all else, so that every header is known to compile alone (cmake/module.cmake tries
+those that have none)."""
+import dataclasses
 import pathlib
 import re
 import sys
 
-ROOT = pathlib.Path(sys.argv[1])
+ROOT = pathlib.Path(sys.argv[1]).resolve()
 
-# room -> rooms it may include (itself always)
+# module -> modules that it may include and link; itself always
 EDGE_TYPES = {"common/frame", "common", "common/text"}
-ROOMS = {
-    "common": set(),  # result.h
+MODULES = {
+    "common": set(),  # result.h, executor.h
     "common/frame": {"common"},
     "common/text": {"common"},
-    **{f"common/{room}": EDGE_TYPES for room in ("flow", "scene", "command_line", "depth", "color", "bitstream", "wire", "gl")},
+    **{f"common/{name}": EDGE_TYPES for name in ("flow", "scene", "command_line", "depth", "color", "bitstream", "wire", "gl")},
     "common/video": EDGE_TYPES | {"common/bitstream"},
     "common/window": EDGE_TYPES | {"common/gl"},
     "simulation": EDGE_TYPES,
@@ -32,11 +38,11 @@ ROOMS = {
     "render_client/pacing": EDGE_TYPES,
     "render_client/color_matching": EDGE_TYPES,
 }
-# the programs put the rooms together: pipeline, settings, main
+# The programs put the modules together: pipeline, settings, main.
 PROGRAMS = {"capture_server": ("common", "capture_server"), "render_client": ("common", "render_client")}
 EVERYTHING = ("tests", "benchmarks", "tools")
 
-# foreign header -> rooms it may show up in (tests, benchmarks and tools are free)
+# Foreign header -> modules that may include it. Tests, benchmarks and tools are free.
 HOMES = {
     r"libav|libsw|x264": {"common/video"},
     r"asio": {"common/wire"},
@@ -55,50 +61,138 @@ HOMES = {
 }
 
 
-def room_of(path):
+# Linked library -> modules that may link it.
+LIBRARY_HOMES = {
+    "PkgConfig::FFMPEG": {"common/video"},
+    "copresence_asio": {"common/wire"},
+    "PkgConfig::EPOXY": {"common/gl", "common/window"},
+    "glfw": {"common/window"},
+    "tomlplusplus::tomlplusplus": {"common/scene"},
+    "PkgConfig::OPENNI2": {"capture_server/sensor", "capture_server/drivers/contract", "capture_server"},
+    "PkgConfig::FREENECT": {"capture_server/drivers/kinect_v1"},
+    "embree": {"simulation"},
+    "copresence_opencv": set(),
+    "yaml-cpp": set(),
+    "PkgConfig::TURBOJPEG": {"capture_server/recording"},
+    "PNG::PNG": {"render_client"},
+    "spdlog::spdlog": {"capture_server", "render_client"},
+    "nlohmann_json::nlohmann_json": {"capture_server/recording", "render_client"},
+}
+# Program -> targets and libraries that it must not link, not even through others.
+NOT_IN_PROGRAM = {
+    "capture_server": {"copresence_simulation", "embree", "glfw", "copresence_window", "copresence_opencv",
+                       "copresence_client"},
+    "render_client": {"copresence_simulation", "embree", "copresence_server", "copresence_sensor", "copresence_opencv",
+                      "PkgConfig::OPENNI2", "PkgConfig::FREENECT"},
+}
+PROJECT_FOLDERS = r"(common|simulation|capture_server|render_client|tests|benchmarks|tools)/"
+
+
+@dataclasses.dataclass
+class Target:
+    folder: pathlib.Path
+    links: list
+    private_headers: set
+
+
+def module_of(path):
     folder = path.parent
     while folder != pathlib.Path("."):
         name = folder.as_posix()
-        if name in ROOMS or name in PROGRAMS or name.split("/")[0] in EVERYTHING:
+        if name in MODULES or name in PROGRAMS or name.split("/")[0] in EVERYTHING:
             return name
         folder = folder.parent
     return None
 
 
-def main():
-    faults = []
-    sources = [p for top in ("common", "simulation", "capture_server", "render_client")
-               for p in (ROOT / top).rglob("*") if p.suffix in (".h", ".cpp")]
-    for source in sources:
-        path = source.relative_to(ROOT)
-        room = room_of(path)
-        if room is None:
-            faults.append(f"{path}: lies in no room that this test knows")
+def may_use(module, path):
+    """True if files of the module may use what lies at the path."""
+    if module in PROGRAMS:
+        return path.as_posix().startswith(tuple(f"{top}/" for top in PROGRAMS[module]))
+    used = module_of(path)
+    return used == module or used in MODULES[module]
+
+
+def read_targets(build):
+    """Targets by name, from what cmake/target_list.cmake wrote."""
+    targets = {}
+    for line in (build / "targets.tsv").read_text().splitlines():
+        name, folder, links, private = line.split("\t")
+        links = [re.sub("^copresence::", "copresence_", link) for link in links.split(";") if link]
+        headers = {pathlib.Path(header).resolve().relative_to(ROOT).as_posix() for header in private.split(";") if header}
+        targets[name] = Target(pathlib.Path(folder).resolve().relative_to(ROOT), links, headers)
+    return targets
+
+
+def link_faults(targets):
+    for name, target in targets.items():
+        module = module_of(target.folder / "file")
+        if module is None or module.split("/")[0] in EVERYTHING:
             continue
-        text = source.read_text()
-        own = source.with_suffix(".h")
-        if source.suffix == ".cpp" and own.exists():
-            first = re.search(r'^\s*#include\s+[<"]([^>"]+)[>"]', text, re.MULTILINE)
-            if not first or first.group(1) != own.relative_to(ROOT).as_posix():
-                faults.append(f"{path}: its first include is not its own header")
-        for number, line in enumerate(text.splitlines(), 1):
-            match = re.match(r'\s*#include\s+[<"]([^>"]+)[>"]', line)
-            if not match:
-                continue
-            header = match.group(1)
-            where = f"{path}:{number}: {room} includes {header}"
-            if re.match(r"(common|simulation|capture_server|render_client|tests|benchmarks|tools)/", header):
-                target = room_of(pathlib.Path(header))
-                if room in PROGRAMS:
-                    allowed = header.startswith(tuple(f"{top}/" for top in PROGRAMS[room]))
-                else:
-                    allowed = target == room or target in ROOMS[room]
-                if not allowed:
-                    faults.append(f"{where}, but may use only {sorted(ROOMS.get(room, PROGRAMS.get(room)))}")
-            for pattern, homes in HOMES.items():
-                if re.match(pattern, header) and room not in homes:
-                    faults.append(f"{where}, which belongs to {sorted(homes)}")
-    print("\n".join(faults) if faults else f"{len(sources)} files, every include points downward")
+        for link in target.links:
+            if link in LIBRARY_HOMES:
+                if module not in LIBRARY_HOMES[link]:
+                    yield f"{name} ({module}) links {link}, which belongs to {sorted(LIBRARY_HOMES[link])}"
+            elif link in targets and module_of(targets[link].folder / "file"):
+                used = targets[link].folder / "file"
+                if module_of(used) not in PROGRAMS and not may_use(module, used):
+                    yield f"{name} ({module}) links {link} of {module_of(used)}"
+    for program, excluded in NOT_IN_PROGRAM.items():
+        ways, new = {program: program}, [program]
+        while new:
+            name = new.pop()
+            for link in targets[name].links if name in targets else []:
+                if link not in ways:
+                    ways[link] = f"{ways[name]} -> {link}"
+                    new.append(link)
+        yield from (f"{program} must not link {name}: {ways[name]}" for name in sorted(excluded & ways.keys()))
+
+
+def private_header_faults(targets):
+    homes = {header: target.folder for target in targets.values() for header in target.private_headers}
+    for top in ("common", "simulation", "capture_server", "render_client", *EVERYTHING):
+        for source in (path for path in (ROOT / top).rglob("*") if path.suffix in (".h", ".cpp")):
+            path = source.relative_to(ROOT)
+            mirrored = path.relative_to(path.parts[0]) if path.parts[0] in ("tests", "benchmarks") else path
+            for header in re.findall(r'^\s*#include\s+"([^"]+)"', source.read_text(), re.MULTILINE):
+                home = homes.get(header)
+                if home and home not in mirrored.parents:
+                    yield f"{path} includes {header}, which is private to {home}"
+
+
+def include_faults(path):
+    module = module_of(path)
+    if module is None:
+        yield f"{path}: lies in no module that this test knows"
+        return
+    source = ROOT / path
+    text = source.read_text()
+    own = source.with_suffix(".h")
+    if source.suffix == ".cpp" and own.exists():
+        first = re.search(r'^\s*#include\s+[<"]([^>"]+)[>"]', text, re.MULTILINE)
+        if not first or first.group(1) != own.relative_to(ROOT).as_posix():
+            yield f"{path}: its first include is not its own header"
+    for number, line in enumerate(text.splitlines(), 1):
+        match = re.match(r'\s*#include\s+[<"]([^>"]+)[>"]', line)
+        if not match:
+            continue
+        header = match.group(1)
+        where = f"{path}:{number}: {module} includes {header}"
+        if re.match(PROJECT_FOLDERS, header) and not may_use(module, pathlib.Path(header)):
+            yield f"{where}, but may use only {sorted(MODULES.get(module, PROGRAMS.get(module)))}"
+        for pattern, homes in HOMES.items():
+            if re.match(pattern, header) and module not in homes:
+                yield f"{where}, which belongs to {sorted(homes)}"
+
+
+def main():
+    sources = [path.relative_to(ROOT) for top in ("common", "simulation", "capture_server", "render_client")
+               for path in (ROOT / top).rglob("*") if path.suffix in (".h", ".cpp")]
+    faults = [fault for path in sources for fault in include_faults(path)]
+    if len(sys.argv) > 2:
+        targets = read_targets(pathlib.Path(sys.argv[2]))
+        faults += [*link_faults(targets), *private_header_faults(targets)]
+    print("\n".join(faults) or f"{len(sources)} files, every include and every link points downward")
     return 1 if faults or not sources else 0
 
 

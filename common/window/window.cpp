@@ -9,6 +9,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstdlib>
 #include <thread>
 #include <utility>
 
@@ -121,7 +122,9 @@ struct Window::Callbacks {
 Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height,
                                              gl::Debug debug) {
   assert(width > 0 && height > 0);
-  if (!glfwInit()) {
+  // GLFW asks libwayland first, which prints a message of its own where there is no display.
+  const bool has_display = std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
+  if (!has_display || !glfwInit()) {
     return fail(ErrorCode::kUnavailable, "no display: set DISPLAY or use --headless");
   }
   const auto made = make_window(title, width, height, debug);

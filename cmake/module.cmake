@@ -27,16 +27,22 @@ endif()
 # FAST is for modules with loops over pixels: in a portable build they are shared libraries, built for x86-64-v2 and, as
 # copresence_depth_v3, for x86-64-v3. SHARED is for modules with state that FAST modules use: one copy in a program. All other
 # modules are static libraries.
+#
+# UNITY is for modules of many small sources: with COPRESENCE_UNITY, eight of them are compiled at a time. The sources may not
+# define a name twice then, not even in anonymous namespaces; those that do are listed under ALONE.
 function(add_module name)
-  cmake_parse_arguments(MODULE "FAST;SHARED" "" "HEADERS;PRIVATE;SOURCES;USES;HIDES" ${ARGN})
+  cmake_parse_arguments(MODULE "FAST;SHARED;UNITY" "" "HEADERS;PRIVATE;SOURCES;ALONE;USES;HIDES" ${ARGN})
   set(target copresence_${name})
   if(MODULE_SOURCES)
     set(kind STATIC)
     if(COPRESENCE_TWINS AND (MODULE_FAST OR MODULE_SHARED))
       set(kind SHARED)
     endif()
-    add_library(${target} ${kind} ${MODULE_SOURCES})
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ${COPRESENCE_UNITY})
+    add_library(${target} ${kind} ${MODULE_SOURCES} ${MODULE_ALONE})
+    if(COPRESENCE_UNITY AND MODULE_UNITY)
+      set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
+      set_source_files_properties(${MODULE_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endif()
     target_link_libraries(${target} PUBLIC copresence::rules ${MODULE_USES} PRIVATE ${MODULE_HIDES})
     if(COPRESENCE_PRECOMPILED)
       use_precompiled_headers(${target} copresence_headers)
@@ -56,7 +62,7 @@ function(add_module name)
   # A header that is the first include of its own .cpp (tests/architecture) compiles alone already, where
   # COPRESENCE_PRECOMPILED is off.
   set(lone_headers ${MODULE_HEADERS} ${MODULE_PRIVATE})
-  foreach(source IN LISTS MODULE_SOURCES)
+  foreach(source IN LISTS MODULE_SOURCES MODULE_ALONE)
     string(REGEX REPLACE "[.]cpp$" ".h" header ${source})
     list(REMOVE_ITEM lone_headers ${header})
   endforeach()
@@ -82,10 +88,11 @@ endfunction()
 function(add_v3_twin target)
   get_target_property(sources ${target} SOURCES)
   get_target_property(libraries ${target} LINK_LIBRARIES)
+  get_target_property(unity ${target} UNITY_BUILD)
   add_library(${target}_v3 SHARED ${sources})
   target_link_libraries(${target}_v3 PRIVATE ${libraries})
   set_target_properties(${target}_v3 PROPERTIES OUTPUT_NAME ${target} COPRESENCE_V3 ON
-    UNITY_BUILD ${COPRESENCE_UNITY})
+    UNITY_BUILD ${unity})
   if(COPRESENCE_PRECOMPILED)
     use_precompiled_headers(${target}_v3 copresence_headers_v3)
   endif()

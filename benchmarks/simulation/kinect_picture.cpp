@@ -1,6 +1,6 @@
 // The picture of docs/internals/simulation.md: kinect_picture OUT.jpg
 //
-// What camera 1 of the simulated room's two delivers: its colours, and its depth with the holes in red.
+// Shows a frame of camera 1 in the simulated room: its colours, and its depth with holes in red.
 
 #include <fmt/format.h>
 
@@ -9,14 +9,14 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::simulation {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-// Near is white, far is black, even in 1/z as the sensor's steps are.
+// Near is white, far is black. Grey values are linear in 1/z, as the levels of the sensor are.
 cv::Mat picture_of(const DepthImage& depth_mm) {
   constexpr double kNear = 1 / 1200.0, kFar = 1 / 5500.0;
   cv::Mat picture(kHeight, kWidth, CV_8UC3);
@@ -32,13 +32,13 @@ cv::Mat picture_of(const DepthImage& depth_mm) {
 }
 
 int draw(const char* path) {
-  const auto world = std::make_shared<const World>(World::make("room").value());
+  const auto world = std::make_shared<const LitScene>(LitScene::of_world("room").value());
   auto kinect = SimulatedKinect::make(world, kinect_model(kWidth, kHeight), kinect_poses(2), 1,
                                       DepthUnit::kMillimetre, 1)
                     .value();
   DepthImage depth;
   ColorImage color;
-  kinect.expose(0.25, 15, depth, color);
+  kinect.capture(0.25, 15, depth, color);
   const cv::Mat rgb(kHeight, kWidth, CV_8UC3, color.data());
   cv::Mat bgr, both;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);

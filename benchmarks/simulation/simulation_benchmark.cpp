@@ -1,14 +1,14 @@
-// Milliseconds of processor time per 640x480 frame of a simulated camera, and what comes before the first.
+// CPU milliseconds per 640x480 frame of a simulated camera, and before its first frame.
 
 #include <benchmark/benchmark.h>
 
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::simulation {
 namespace {
 
-std::shared_ptr<const World> room() {
-  static const auto kRoom = std::make_shared<const World>(World::make("room").value());
+std::shared_ptr<const LitScene> room() {
+  static const auto kRoom = std::make_shared<const LitScene>(LitScene::of_world("room").value());
   return kRoom;
 }
 
@@ -16,34 +16,27 @@ TrueCamera camera() {
   return TrueCamera::make(room(), kinect_model(640, 480), kinect_poses(1)[0]).value();
 }
 
-void make_world(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(World::make("room").value());
+void make_scene_with_light(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(LitScene::of_world("room").value());
 }
-BENCHMARK(make_world)->Unit(benchmark::kMillisecond);
+BENCHMARK(make_scene_with_light)->Unit(benchmark::kMillisecond);
 
-void trace_still_room(benchmark::State& state) {
+void trace_background(benchmark::State& state) {
   room();
   for (auto _ : state) benchmark::DoNotOptimize(camera());
 }
-BENCHMARK(trace_still_room)->Unit(benchmark::kMillisecond);
+BENCHMARK(trace_background)->Unit(benchmark::kMillisecond);
 
-void look_at_person(benchmark::State& state) {
+void trace_person(benchmark::State& state) {
   TrueCamera eye = camera();
   std::uint64_t frame = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(&eye.look(phase_of_frame(frame++, kPeriodFrames)));
+  for (auto _ : state) benchmark::DoNotOptimize(&eye.trace(phase_of_frame(frame++, kPeriodFrames)));
 }
-BENCHMARK(look_at_person)->Unit(benchmark::kMillisecond);
-
-void glance_at_person(benchmark::State& state) {
-  TrueCamera eye = camera();
-  std::uint64_t frame = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(&eye.glance(phase_of_frame(frame++, kPeriodFrames)));
-}
-BENCHMARK(glance_at_person)->Unit(benchmark::kMillisecond);
+BENCHMARK(trace_person)->Unit(benchmark::kMillisecond);
 
 void dots_of_a_view(benchmark::State& state) {
   TrueCamera eye = camera();
-  const TrueView& view = eye.look(0);
+  const TrueView& view = eye.trace(0);
   DotImage dots;
   for (auto _ : state) project_dots(eye.model(), view, dots);
 }
@@ -52,33 +45,33 @@ BENCHMARK(dots_of_a_view)->Unit(benchmark::kMillisecond);
 void add_kinect_noise(benchmark::State& state) {
   TrueCamera eye = camera();
   DotImage dots;
-  project_dots(eye.model(), eye.look(0), dots);
+  project_dots(eye.model(), eye.trace(0), dots);
   KinectNoise noise(eye.model(), DepthUnit::kMillimetre, 1, 0);
   DepthImage depth(640, 480);
   std::uint64_t frame = 0;
-  for (auto _ : state) noise.expose(dots, frame++, depth.pixels());
+  for (auto _ : state) noise.add_noise(dots, frame++, depth.pixels());
 }
 BENCHMARK(add_kinect_noise)->Unit(benchmark::kMillisecond);
 
-void sense_colors(benchmark::State& state) {
+void apply_color_response(benchmark::State& state) {
   TrueCamera eye = camera();
   const ColorResponse response(640, 480, 1, 1);
-  const TrueView& view = eye.look(0);
-  SensedColors sensed;
-  for (auto _ : state) response.sense(view.color, sensed);
+  const TrueView& view = eye.trace(0);
+  NoiseFreeColors colors;
+  for (auto _ : state) response.apply_response(view.color, colors);
 }
-BENCHMARK(sense_colors)->Unit(benchmark::kMillisecond);
+BENCHMARK(apply_color_response)->Unit(benchmark::kMillisecond);
 
-void expose_colors(benchmark::State& state) {
+void add_color_noise(benchmark::State& state) {
   TrueCamera eye = camera();
   const ColorResponse response(640, 480, 1, 1);
-  SensedColors sensed;
-  response.sense(eye.look(0).color, sensed);
+  NoiseFreeColors colors;
+  response.apply_response(eye.trace(0).color, colors);
   ColorImage picture(640, 480);
   std::uint64_t frame = 0;
-  for (auto _ : state) response.expose(sensed, frame++, picture.pixels());
+  for (auto _ : state) response.add_noise(colors, frame++, picture.pixels());
 }
-BENCHMARK(expose_colors)->Unit(benchmark::kMillisecond);
+BENCHMARK(add_color_noise)->Unit(benchmark::kMillisecond);
 
 void whole_frame(benchmark::State& state) {
   auto kinect =
@@ -88,7 +81,7 @@ void whole_frame(benchmark::State& state) {
   ColorImage color;
   std::uint64_t frame = 0;
   for (auto _ : state) {
-    kinect.expose(phase_of_frame(frame, kPeriodFrames), frame, depth, color);
+    kinect.capture(phase_of_frame(frame, kPeriodFrames), frame, depth, color);
     ++frame;
   }
 }
@@ -99,26 +92,25 @@ SimulatedKinect kinect() {
       .value();
 }
 
-// What a live camera does before its first frame when its room is there.
-void begin_live(benchmark::State& state) {
+// The work of a live camera before its first frame; its scene exists already.
+void precompute_live(benchmark::State& state) {
   room();
   for (auto _ : state) {
     SimulatedKinect made = kinect();
-    made.foresee();
+    made.precompute();
   }
 }
-BENCHMARK(begin_live)->Unit(benchmark::kMillisecond);
+BENCHMARK(precompute_live)->Unit(benchmark::kMillisecond);
 
-// From its first frame on.
 void live_frame(benchmark::State& state) {
   SimulatedKinect live = kinect();
-  live.foresee();
+  live.precompute();
   DepthImage depth(640, 480);
   ColorImage color(640, 480);
   std::uint64_t frame = 0;
   for (auto _ : state) {
-    live.expose_live_depth(frame, depth.pixels());
-    live.expose_live_color(frame, color.pixels());
+    live.capture_live_depth(frame, depth.pixels());
+    live.capture_live_color(frame, color.pixels());
     ++frame;
   }
 }

@@ -23,13 +23,15 @@ MODULES = {
     **{f"common/{name}": EDGE_TYPES for name in ("flow", "scene", "command_line", "depth", "color", "bitstream", "wire", "gl")},
     "common/video": EDGE_TYPES | {"common/bitstream"},
     "common/window": EDGE_TYPES | {"common/gl"},
-    "simulation": EDGE_TYPES,
+    "simulation/scene": EDGE_TYPES,
+    "simulation/truth": EDGE_TYPES | {"simulation/scene"},
+    "simulation/sensor": EDGE_TYPES | {"simulation/scene", "simulation/truth"},
     "capture_server/recording": EDGE_TYPES,
     "capture_server/drivers/contract": EDGE_TYPES | {"common/flow"},
     "capture_server/drivers/primesense": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/installed": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/kinect_v1": EDGE_TYPES | {"capture_server/drivers/contract"},
-    "capture_server/drivers/simulated": EDGE_TYPES | {"capture_server/drivers/contract", "common/flow", "simulation"},
+    "capture_server/drivers/simulated": EDGE_TYPES | {"capture_server/drivers/contract", "common/flow", "simulation/scene", "simulation/truth", "simulation/sensor"},
     "capture_server/sensor": EDGE_TYPES | {"common/flow", "capture_server/drivers/contract"},
     "capture_server/registration": EDGE_TYPES,
     "capture_server/hole_filling": EDGE_TYPES | {"common/gl"},
@@ -51,7 +53,7 @@ HOMES = {
     r"toml\+\+": {"common/scene"},
     r"OpenNI\.h|Oni.*\.h|PS1080\.h|PrimeSense\.h|Driver/": {"capture_server/sensor", "capture_server/drivers/contract"},
     r"libfreenect": {"capture_server/drivers/kinect_v1"},
-    r"embree": {"simulation"},
+    r"embree": {"simulation/truth"},
     r"opencv": set(),  # the two programs start in a sixth of the time without it: docs/decisions/0003-libraries.md
     r"turbojpeg": {"capture_server/recording"},
     r"png\.h": {"render_client"},
@@ -70,7 +72,7 @@ LIBRARY_HOMES = {
     "tomlplusplus::tomlplusplus": {"common/scene"},
     "PkgConfig::OPENNI2": {"capture_server/sensor", "capture_server/drivers/contract", "capture_server"},
     "PkgConfig::FREENECT": {"capture_server/drivers/kinect_v1"},
-    "embree": {"simulation"},
+    "embree": {"simulation/truth"},
     "copresence_opencv": set(),
     "yaml-cpp": set(),
     "PkgConfig::TURBOJPEG": {"capture_server/recording"},
@@ -80,9 +82,9 @@ LIBRARY_HOMES = {
 }
 # Program -> targets and libraries that it must not link, not even through others.
 NOT_IN_PROGRAM = {
-    "capture_server": {"copresence_simulation", "embree", "glfw", "copresence_window", "copresence_opencv",
+    "capture_server": {"copresence_simulation_scene", "copresence_simulation_truth", "copresence_simulation_sensor", "embree", "glfw", "copresence_window", "copresence_opencv",
                        "copresence_client"},
-    "render_client": {"copresence_simulation", "embree", "copresence_server", "copresence_sensor", "copresence_opencv",
+    "render_client": {"copresence_simulation_scene", "copresence_simulation_truth", "copresence_simulation_sensor", "embree", "copresence_server", "copresence_sensor", "copresence_opencv",
                       "PkgConfig::OPENNI2", "PkgConfig::FREENECT"},
 }
 PROJECT_FOLDERS = r"(common|simulation|capture_server|render_client|tests|benchmarks|tools)/"

@@ -20,7 +20,7 @@
 #include "render_client/decoding/temporal_filter.h"
 #include "render_client/renderer/cpu/cpu_renderer.h"
 #include "render_client/viewpoint/look_at.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::testing {
 namespace {
@@ -55,7 +55,7 @@ cv::Mat to_mat(const ColorImage& image) {
 class MergedTruth : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    world_ = std::make_shared<const simulation::World>(simulation::World::make("room").value());
+    world_ = std::make_shared<const simulation::LitScene>(simulation::LitScene::of_world("room").value());
     poses_ = simulation::kinect_poses(2);
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       kinects_.push_back(simulation::SimulatedKinect::make(world_, simulation::kinect_model(640, 480), poses_,
@@ -81,7 +81,7 @@ class MergedTruth : public ::testing::Test {
     for (std::size_t i = 0; i < kinects_.size(); ++i) {
       simulation::SimulatedKinect& kinect = kinects_[i];
       RgbdFrame frame;
-      kinect.expose(kPhase, number, frame.depth, frame.color.emplace());
+      kinect.capture(kPhase, number, frame.depth, frame.color.emplace());
       frame.state = StateImage(640, 480, DepthState::kMeasured);
       server::clip_to_range(frame, to_units(DepthRange{}, DepthUnit::kMillimetre));
       const auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
@@ -161,7 +161,7 @@ class MergedTruth : public ::testing::Test {
   }
 
   std::array<client::TemporalFilter, 2> filters_;
-  static inline std::shared_ptr<const simulation::World> world_;
+  static inline std::shared_ptr<const simulation::LitScene> world_;
   static inline std::vector<Rigid3> poses_;
   static inline std::vector<simulation::SimulatedKinect> kinects_;
   static inline renderer::VirtualCamera eye_;
@@ -174,7 +174,7 @@ TEST_F(MergedTruth, ColourMatchingBringsTheViewNearTheTruth) {
   const std::vector<std::optional<color_matching::ColorCorrection>> none(2);
   const auto matched = show(captured, maps), unmatched = show(captured, none);
   auto eye = true_camera(eye_.lens, eye_.world_from_eye);
-  const ColorImage& truth = eye.look(kPhase).color;
+  const ColorImage& truth = eye.trace(kPhase).color;
   const double with = psnr_of_shown(matched, truth, 1), without = psnr_of_shown(unmatched, truth, 1);
   const double areas_with = psnr_of_shown(matched, truth, 16),
                areas_without = psnr_of_shown(unmatched, truth, 16);
@@ -215,11 +215,11 @@ TEST_F(MergedTruth, ShowsWhatACameraSees) {
   const auto captured = frames_after_half_a_second();
   const auto view = show(captured, match(captured));
   auto eye = true_camera(eye_.lens, eye_.world_from_eye);
-  const Image<float> truth = eye.look(kPhase).depth_m;
+  const Image<float> truth = eye.trace(kPhase).depth_m;
   std::vector<Image<float>> seen;
   for (const auto& kinect : kinects_) {
     auto camera = true_camera(kinect.model(), kinect.world_from_camera());
-    seen.push_back(camera.look(kPhase).depth_m);
+    seen.push_back(camera.trace(kPhase).depth_m);
   }
   int should = 0, missing = 0;
   for (int y = 0; y < kHeight; ++y) {

@@ -9,7 +9,7 @@
 #include "capture_server/recording/oni_writer.h"
 #include "render_client/viewpoint/eye_path.h"
 #include "render_client/viewpoint/look_at.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 #include "tools/simulate_kinect/output.h"
 #include "tools/simulate_kinect/settings.h"
 
@@ -46,7 +46,7 @@ std::chrono::microseconds invented_start(const Settings& settings) {
   return kYear2000 + std::chrono::seconds(hash % kSecondsOfTenYears);
 }
 
-Result<void> record(const Settings& settings, const std::shared_ptr<const simulation::World>& world,
+Result<void> record(const Settings& settings, const std::shared_ptr<const simulation::LitScene>& world,
                     const std::vector<Rigid3>& poses, std::size_t index) {
   const CameraModel model = simulation::kinect_model(settings.width, settings.height);
   auto kinect = simulation::SimulatedKinect::make(world, model, poses, index, settings.unit, settings.seed);
@@ -71,7 +71,7 @@ Result<void> record(const Settings& settings, const std::shared_ptr<const simula
   ColorImage color;
   for (int frame = 0; frame < settings.frames; ++frame) {
     const auto number = static_cast<std::uint64_t>(frame);
-    kinect->expose(simulation::phase_of_frame(number, static_cast<std::uint64_t>(settings.frames)), number,
+    kinect->capture(simulation::phase_of_frame(number, static_cast<std::uint64_t>(settings.frames)), number,
                    depth, color);
     if (auto written = writer->write_depth(time_of(frame), depth); !written) return written;
     if (auto written = writer->write_color(time_of(frame), color); !written) return written;
@@ -83,7 +83,7 @@ Result<void> record(const Settings& settings, const std::shared_ptr<const simula
   return recording::check_written(writer->path());
 }
 
-Result<void> show_truth(const Settings& settings, const std::shared_ptr<const simulation::World>& world,
+Result<void> show_truth(const Settings& settings, const std::shared_ptr<const simulation::LitScene>& world,
                         const std::filesystem::path& path_file) {
   const auto path = viewpoint::EyePath::load(path_file);
   if (!path) return fail(path.error());
@@ -97,7 +97,7 @@ Result<void> show_truth(const Settings& settings, const std::shared_ptr<const si
     if (!camera) return fail(camera.error());
     const double phase = simulation::phase_of_frame(static_cast<std::uint64_t>(frame),
                                                     static_cast<std::uint64_t>(settings.frames));
-    if (auto written = write_truth(*folder, frame, camera->look(phase)); !written) return written;
+    if (auto written = write_truth(*folder, frame, camera->trace(phase)); !written) return written;
   }
   return {};
 }
@@ -123,9 +123,9 @@ Result<void> simulate(const Settings& settings) {
   if (!settings.overwrite) {
     if (auto free = keep_existing(settings); !free) return free;
   }
-  auto made = simulation::World::make(settings.world);
+  auto made = simulation::LitScene::of_world(settings.world);
   if (!made) return fail(made.error());
-  const auto world = std::make_shared<const simulation::World>(std::move(*made));
+  const auto world = std::make_shared<const simulation::LitScene>(std::move(*made));
   const std::vector<Rigid3> poses = simulation::kinect_poses(settings.cameras);
   for (std::size_t index = 0; index < poses.size(); ++index) {
     if (auto recorded = record(settings, world, poses, index); !recorded) return recorded;

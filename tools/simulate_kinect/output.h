@@ -10,7 +10,7 @@
 #include "common/frame/camera_model.h"
 #include "common/frame/rigid3.h"
 #include "common/result.h"
-#include "simulation/true_camera.h"
+#include "simulation/truth/true_camera.h"
 
 namespace copresence::simulate_kinect {
 

@@ -8,7 +8,7 @@
 
 #include "common/command_line/mistakes.h"
 #include "common/command_line/values.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::simulate_kinect {
 
@@ -21,7 +21,7 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       "and scene.toml, which says where they stand. The motion closes at the recording's end.",
       "simulate_kinect"};
   app.set_version_flag("--version", std::string("simulate_kinect ") + COPRESENCE_VERSION);
-  const auto worlds = simulation::World::names();
+  const auto worlds = simulation::world_names();
   app.add_option("WORLD", settings.world, fmt::format("the world: {}", fmt::join(worlds, ", ")))
       ->required()
       ->check(one_of(worlds));

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "capture_server/hole_filling/hole_filler.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::hole_filling {
 namespace {
@@ -58,13 +58,13 @@ cv::Mat titled(cv::Mat picture, std::string_view title) {
 }
 
 int draw(const char* path) {
-  auto world = std::make_shared<const simulation::World>(simulation::World::make("room").value());
+  auto world = std::make_shared<const simulation::LitScene>(simulation::LitScene::of_world("room").value());
   auto kinect = simulation::SimulatedKinect::make(world, simulation::kinect_model(kWidth, kHeight),
                                                   simulation::kinect_poses(2), 0, DepthUnit::kMillimetre, 1)
                     .value();
   RgbdFrame measured;
   ColorImage color;
-  kinect.expose(0.4, 24, measured.depth, color);
+  kinect.capture(0.4, 24, measured.depth, color);
   measured.state = StateImage(kWidth, kHeight, DepthState::kMeasured);
   DepthImage truth(kWidth, kHeight);
   for (std::size_t i = 0; i < measured.depth.pixels().size(); ++i) {

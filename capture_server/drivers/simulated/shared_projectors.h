@@ -10,7 +10,7 @@
 #include <string>
 
 #include "common/result.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::drivers {
 

@@ -29,9 +29,9 @@
 #include "capture_server/drivers/simulated/frame_clock.h"
 #include "capture_server/drivers/simulated/shared_projectors.h"
 #include "common/flow/waiting.h"
-#include "simulation/frame_marker.h"
-#include "simulation/kinect_noise.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/frame_marker.h"
+#include "simulation/sensor/kinect_depth.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::drivers {
 namespace {
@@ -212,10 +212,10 @@ class SimulatedDevice final : public PushDevice {
     auto pictures = next_pictures();
     for (auto& [type, picture] : pictures) {
       if (type == ONI_SENSOR_DEPTH) {
-        camera_->expose_live_depth(number, picture.pixels<std::uint16_t>());
+        camera_->capture_live_depth(number, picture.pixels<std::uint16_t>());
       } else {
         const auto pixels = picture.pixels<Rgb8>();
-        camera_->expose_live_color(number, pixels);
+        camera_->capture_live_color(number, pixels);
         if (uri_.marker) simulation::draw_marker(static_cast<std::uint32_t>(number), pixels, kWidth);
       }
     }
@@ -321,9 +321,9 @@ class SimulatedDriver final : public oni::driver::DriverBase {
     if (known.camera) return known.camera;
     auto& world = worlds_[uri.world];
     if (!world) {
-      auto made = simulation::World::make(uri.world);
+      auto made = simulation::LitScene::of_world(uri.world);
       if (!made) return fail(made.error());
-      world = std::make_shared<const simulation::World>(std::move(*made));
+      world = std::make_shared<const simulation::LitScene>(std::move(*made));
     }
     const auto poses = simulation::kinect_poses(uri.cameras);
     auto camera = simulation::SimulatedKinect::make(world, simulation::kinect_model(kWidth, kHeight), poses,
@@ -332,7 +332,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
     if (!camera) return fail(camera.error());
     known.uri = uri;
     known.camera = std::make_shared<simulation::SimulatedKinect>(std::move(*camera));
-    known.camera->foresee();
+    known.camera->precompute();
     return known.camera;
   }
 
@@ -356,7 +356,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   bool chosen_ = false;
   std::mutex mutex_;
   std::map<std::string, Known> known_;
-  std::map<std::string, std::shared_ptr<const simulation::World>> worlds_;
+  std::map<std::string, std::shared_ptr<const simulation::LitScene>> worlds_;
   std::optional<Watch> watch_;
 };
 

@@ -13,9 +13,9 @@
 #include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/sensor/source.h"
 #include "common/flow/worker_pool.h"
-#include "simulation/frame_marker.h"
-#include "simulation/kinect_noise.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/frame_marker.h"
+#include "simulation/sensor/kinect_depth.h"
+#include "simulation/sensor/simulated_kinect.h"
 #include "tests/support/open_ni.h"
 #include "tests/support/process.h"
 
@@ -187,7 +187,7 @@ class SimulatedDriver : public ::testing::Test {
         << openni::OpenNI::getExtendedError();
     EXPECT_EQ(depth_.create(device_, openni::SENSOR_DEPTH), openni::STATUS_OK);
     EXPECT_EQ(color_.create(device_, openni::SENSOR_COLOR), openni::STATUS_OK);
-    kinect_.foresee();
+    kinect_.precompute();
   }
   ~SimulatedDriver() override {
     depth_.destroy();
@@ -210,11 +210,11 @@ class SimulatedDriver : public ::testing::Test {
     };
     if (&stream == &depth_) {
       DepthImage expected(640, 480);
-      kinect_.expose_live_depth(frame, expected.pixels());
+      kinect_.capture_live_depth(frame, expected.pixels());
       expect(expected);
     } else {
       ColorImage expected(640, 480);
-      kinect_.expose_live_color(frame, expected.pixels());
+      kinect_.capture_live_color(frame, expected.pixels());
       simulation::draw_marker(static_cast<std::uint32_t>(frame), expected.pixels(), 640);
       expect(expected);
     }
@@ -225,7 +225,7 @@ class SimulatedDriver : public ::testing::Test {
   openni::VideoStream depth_, color_;
   simulation::SimulatedKinect kinect_ =
       simulation::SimulatedKinect::make(
-          std::make_shared<const simulation::World>(simulation::World::make("empty-room").value()),
+          std::make_shared<const simulation::LitScene>(simulation::LitScene::of_world("empty-room").value()),
           simulation::kinect_model(640, 480), simulation::kinect_poses(2), 0, DepthUnit::kMillimetre, 1)
           .value();
 };

@@ -3,8 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "simulation/simulated_kinect.h"
-#include "simulation/world.h"
+#include "simulation/scene/scene.h"
 
 namespace copresence::drivers {
 namespace {
@@ -28,7 +27,7 @@ TEST(SimulatedUri, ReadsWhatItIsAskedFor) {
 }
 
 TEST(SimulatedUri, ListsTheSimulatorsWorldsAndCameras) {
-  EXPECT_THAT(kSimulatedWorlds, testing::ElementsAreArray(simulation::World::names()));
+  EXPECT_THAT(kSimulatedWorlds, testing::ElementsAreArray(simulation::world_names()));
   EXPECT_EQ(kMostSimulatedCameras, simulation::kMostKinects);
 }
 

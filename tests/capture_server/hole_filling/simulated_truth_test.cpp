@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "capture_server/hole_filling/hole_filler.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::hole_filling {
 namespace {
@@ -23,7 +23,7 @@ struct Shot {
 };
 
 std::vector<Shot> shots_of_the_room() {
-  auto world = std::make_shared<const simulation::World>(simulation::World::make("room").value());
+  auto world = std::make_shared<const simulation::LitScene>(simulation::LitScene::of_world("room").value());
   const auto poses = simulation::kinect_poses(2);
   std::vector<Shot> shots;
   for (std::size_t camera = 0; camera < poses.size(); ++camera) {
@@ -32,7 +32,7 @@ std::vector<Shot> shots_of_the_room() {
                       .value();
     Shot shot;
     ColorImage color;
-    kinect.expose(0.4, 24, shot.frame.depth, color);
+    kinect.capture(0.4, 24, shot.frame.depth, color);
     shot.frame.color = std::move(color);
     shot.frame.state = StateImage(640, 480, DepthState::kMeasured);
     for (std::size_t i = 0; i < shot.frame.depth.pixels().size(); ++i) {

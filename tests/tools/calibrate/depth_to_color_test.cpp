@@ -9,7 +9,7 @@
 #include "capture_server/recording/oni_writer.h"
 #include "common/scene/scene.h"
 #include "common/scene/write_scene.h"
-#include "simulation/kinect_noise.h"
+#include "simulation/sensor/kinect_depth.h"
 #include "tests/support/process.h"
 #include "tests/tools/calibrate/painted_planes.h"
 
@@ -57,7 +57,7 @@ class DepthToColorProgram : public ::testing::Test {
     simulation::project_dots(kDepthLens, view, dots);
     DepthImage depth(640, 480);
     for (int frame = 0; frame < 12; ++frame) {
-      noise.expose(dots, static_cast<std::uint64_t>(frame), depth.pixels());
+      noise.add_noise(dots, static_cast<std::uint64_t>(frame), depth.pixels());
       const std::chrono::milliseconds time(33 * frame);
       ASSERT_TRUE(writer->write_depth(time, depth));
       ASSERT_TRUE(writer->write_color(time, color));

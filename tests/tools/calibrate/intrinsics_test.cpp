@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/scene/scene.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 #include "tests/support/process.h"
 #include "tests/tools/calibrate/painted_board.h"
 #include "tools/calibrate/lens/camera_info.h"

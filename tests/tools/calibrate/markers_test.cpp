@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "common/scene/scene.h"
-#include "simulation/marker_world.h"
+#include "simulation/scene/calibration_worlds.h"
 #include "tests/support/process.h"
 
 namespace copresence {

@@ -15,7 +15,7 @@
 #include <random>
 #include <vector>
 
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 #include "tests/tools/calibrate/geometry/rig.h"
 #include "tools/calibrate/alignment/refinement.h"
 #include "tools/calibrate/alignment/static_depth.h"
@@ -46,7 +46,7 @@ Rigid3 pushed(const Rigid3& pose, std::mt19937& random, double metres, double de
 }
 
 // Two to four Kinects before the middle of the room, found by six markers. The markers are not in the surfaces.
-Layout make_layout(const std::shared_ptr<const simulation::World>& world, int number) {
+Layout make_layout(const std::shared_ptr<const simulation::LitScene>& world, int number) {
   const int cameras = number < 18 ? 2 : number < 34 ? 3 : 4;
   const calibration::Rig rig = calibration::make_rig(static_cast<std::uint32_t>(1000 + number), cameras);
   const auto found = calibration::fit_world(calibration::measure(rig, kFrames).by_plane, rig.names(),
@@ -67,7 +67,7 @@ Layout make_layout(const std::shared_ptr<const simulation::World>& world, int nu
     std::vector<DepthImage> frames(kFrames);
     ColorImage color;
     for (int frame = 0; frame < kFrames; ++frame) {
-      kinect.expose(0.3, static_cast<std::uint64_t>(frame), frames[static_cast<std::size_t>(frame)], color);
+      kinect.capture(0.3, static_cast<std::uint64_t>(frame), frames[static_cast<std::size_t>(frame)], color);
     }
     layout.surfaces.push_back(make_surface(static_depth(frames, DepthUnit::kMillimetre), rig.model));
   }
@@ -82,7 +82,7 @@ const std::vector<Layout>& layouts() {
       first = dash ? std::atoi(which) : 0;
       end = std::atoi(dash ? dash + 1 : which);
     }
-    const auto world = std::make_shared<const simulation::World>(simulation::World::make("room").value());
+    const auto world = std::make_shared<const simulation::LitScene>(simulation::LitScene::of_world("room").value());
     std::vector<Layout> made;
     for (int number = first; number < end; ++number) {
       made.push_back(make_layout(world, number));

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "benchmarks/tools/calibrate/alignment/generalized_icp.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 #include "tests/support/real_recordings.h"
 #include "tools/calibrate/alignment/descent.h"
 #include "tools/calibrate/alignment/refinement.h"
@@ -112,7 +112,7 @@ std::vector<View> office_views() {
 // A Kinect carried around the simulated room's figure, which stands still meanwhile: nearer and farther, higher and lower,
 // looking past it to both sides.
 std::vector<View> simulated_views() {
-  const auto world = std::make_shared<const simulation::World>(simulation::World::make("room").value());
+  const auto world = std::make_shared<const simulation::LitScene>(simulation::LitScene::of_world("room").value());
   const CameraModel model = simulation::kinect_model(640, 480);
   std::vector<View> views;
   for (int i = 0; i < kSimulatedViews; ++i) {
@@ -126,7 +126,7 @@ std::vector<View> simulated_views() {
                       .value();
     DepthImage depth;
     ColorImage color;
-    kinect.expose(0.3, 0, depth, color);
+    kinect.capture(0.3, 0, depth, color);
     views.push_back({make_surface(static_depth(std::vector{depth}, DepthUnit::kMillimetre), model), pose});
   }
   return views;

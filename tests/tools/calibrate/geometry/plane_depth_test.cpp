@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/simulated_kinect.h"
 
 namespace copresence::calibration {
 namespace {

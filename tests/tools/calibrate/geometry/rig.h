@@ -12,8 +12,8 @@
 
 #include "common/frame/camera_model.h"
 #include "common/frame/rigid3.h"
-#include "simulation/kinect_noise.h"
-#include "simulation/simulated_kinect.h"
+#include "simulation/sensor/kinect_depth.h"
+#include "simulation/sensor/simulated_kinect.h"
 #include "tools/calibrate/geometry/layout.h"
 #include "tools/calibrate/geometry/plane_depth.h"
 #include "tools/calibrate/geometry/world_fit.h"
@@ -208,7 +208,7 @@ inline Measured measure(const Rig& rig, int frames) {
     simulation::project_dots(rig.model, view, dots);
     DepthImage depth(rig.model.width, rig.model.height);
     for (int frame = 0; frame < frames; ++frame) {
-      noise.expose(dots, static_cast<std::uint64_t>(frame), depth.pixels());
+      noise.add_noise(dots, static_cast<std::uint64_t>(frame), depth.pixels());
       average.add(depth);
     }
     for (std::size_t m = 0; m < rig.world_from_marker.size(); ++m) {

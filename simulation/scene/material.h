@@ -1,0 +1,71 @@
+#pragma once
+
+// The appearance of surfaces, in colour and in the infrared light of a Kinect's projector. Patterns are procedural
+// functions of the texture coordinates, so every camera sees the same pattern on a surface.
+//
+// Thread: free functions on values, safe anywhere.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+#include "common/frame/image.h"
+
+namespace copresence::simulation {
+
+enum class Pattern : std::uint8_t {
+  kPlain,      ///< one colour with faint patches
+  kPlaster,    ///< painted wall with grain
+  kWallpaper,  ///< broad stripes with small diamonds
+  kWood,       ///< grain along u
+  kParquet,    ///< staggered planks along u
+  kRug,        ///< borders and diamonds; uv from 0 to 1
+  kFabric,     ///< coarse weave
+  kBook,       ///< bands and a title; v along the spine
+  kPicture,    ///< hills, sun and sea; uv from 0 to 1
+  kPoster,     ///< coloured circles and bars; uv from 0 to 1
+  kOutdoors,   ///< trees below a sky; uv from 0 to 1
+  kLeaf,       ///< a vein along v
+  kPlaid,      ///< checked cloth
+  kStripes,    ///< stripes across v
+  kHair,       ///< strands along v
+  kFace,       ///< eyes, brows and mouth around u = 0.75 * scale; v in metres from the neck, negative upwards
+};
+
+/// Colours are linear, 0 to 1 per channel.
+struct Material {
+  Pattern pattern = Pattern::kPlain;
+  Eigen::Vector3f color{0.5f, 0.5f, 0.5f};
+  Eigen::Vector3f accent{0.2f, 0.2f, 0.2f};
+  float scale = 0.1f;     ///< size of a cell of the pattern in texture coordinates, mostly metres
+  float emission = 0;     ///< emitted light as a multiple of the pattern's colour
+  float mirror = 0;       ///< share of light that is reflected specularly
+  float infrared = 0.6f;  ///< share of the projector's light that is reflected diffusely
+};
+
+/// Converts an sRGB colour 0xRRGGBB to linear light.
+Eigen::Vector3f srgb(std::uint32_t hex);
+
+/// Texture coordinates of many points, one array per coordinate so that loops become vector code.
+struct SurfacePoints {
+  std::span<const float> u, v;
+};
+/// Colours or light of many points, one array per channel.
+struct Colors {
+  std::span<float> r, g, b;
+};
+
+/// Tone mapping from linear light to an sRGB pixel, with a soft shoulder above 0.8.
+Rgb8 to_screen(const Eigen::Vector3f& light);
+
+/// The same for many points. `screen` sets their number; requires at least as many lights.
+void to_screen(const Colors& light, std::span<Rgb8> screen);
+
+/// The colour of the pattern at texture coordinates `uv`.
+Eigen::Vector3f albedo(const Material& material, const Eigen::Vector2f& uv);
+
+/// The same for many points. Each point gets the same colour as alone, to the last bit. Requires spans of equal
+/// length that do not overlap.
+void albedo(const Material& material, const SurfacePoints& points, const Colors& colors);
+
+}  // namespace copresence::simulation

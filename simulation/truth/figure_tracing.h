@@ -1,0 +1,89 @@
+#pragma once
+
+// Private to TrueCamera: finds by ray tracing which surface points of the figure a camera sees.
+//
+// Only cells of pixels that bounding spheres of the figure's parts cover are traced.
+//
+// Thread: one thread per object; several may share a scene.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/frame/image.h"
+#include "simulation/truth/lit_scene.h"
+#include "simulation/truth/ray_tracer.h"
+
+namespace copresence::simulation {
+
+/// Sample points of a pixel's colour, in pixels from its centre. No two are in the same row or column of sub-pixels.
+inline const std::array<Eigen::Vector2f, 4> kFigureSamples{
+    Eigen::Vector2f(-0.125f, -0.375f), Eigen::Vector2f(0.375f, -0.125f), Eigen::Vector2f(0.125f, 0.375f),
+    Eigen::Vector2f(-0.375f, 0.125f)};
+
+/// The surface point of a part at the centre of a pixel.
+struct Hit {
+  std::uint32_t pixel = 0, triangle = 0;
+  float depth = 0;     ///< along the optical axis, metres
+  float u = 0, v = 0;  ///< barycentric weights of the second and third vertex
+};
+
+/// All pixels that show the figure.
+struct FigureHits {
+  using SampleParts = std::array<std::int32_t, kFigureSamples.size()>;
+
+  FigureHits(std::size_t picture_width, std::size_t picture_height, std::size_t part_count);
+
+  /// Removes all hits.
+  void clear();
+
+  /// Derives part_of, runs and silhouette from the hits.
+  void close();
+
+  std::size_t width, height;
+  std::vector<std::vector<Hit>> parts;  ///< hits of each part
+
+  /// Consecutive pixels of a row.
+  struct Run {
+    std::size_t first = 0, count = 0;
+  };
+  std::vector<Run> runs;             ///< per row: all pixels whose colour the figure may change
+  std::vector<std::int8_t> part_of;  ///< per pixel: the part at its centre, or -1
+  std::vector<std::uint32_t>
+      silhouette;  ///< pixels with a neighbour that shows another part or the background
+  std::vector<SampleParts> sample_parts;  ///< per silhouette pixel and sample: the part, or -1
+};
+
+class FigureTracer {
+ public:
+  FigureTracer(std::shared_ptr<const LitScene> scene, const PixelRays& pixels);
+
+  /// Finds the points of the figure that are nearer than `background`, the static scene's depth per pixel (0 for none).
+  /// `pose` is world_from_part per part. Requires cleared hits and the rays given to the constructor.
+  void find(const PixelRays& pixels, const Image<float>& background, std::span<const Eigen::Isometry3f> pose,
+            FigureHits& hits);
+
+ private:
+  struct Sphere {
+    Eigen::Vector3f center;
+    float radius = 0;
+  };
+
+  void bound_parts();
+  void find_cells(const PixelRays& pixels, std::span<const Eigen::Isometry3f> pose);
+  template <class Visit>
+  void for_each_run(std::size_t width, Visit&& visit) const;
+
+  std::shared_ptr<const LitScene> scene_;
+  PosedScene posed_;
+  std::vector<std::vector<Sphere>> bounds_;  // per part, in its own frame; together they contain the part
+  Image<std::uint8_t> cells_;                // per row: cells of pixels that may show the figure
+  std::vector<Ray> rays_;
+};
+
+}  // namespace copresence::simulation

@@ -1,0 +1,71 @@
+#pragma once
+
+// Private to TrueCamera: the figure as one camera sees it at one instant, drawn over the static view.
+//
+// Thread: one thread per object; several may share a scene.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "simulation/truth/figure_tracing.h"
+#include "simulation/truth/lit_scene.h"
+#include "simulation/truth/ray_tracer.h"
+#include "simulation/truth/shadow.h"
+#include "simulation/truth/static_view.h"
+#include "simulation/truth/true_camera.h"
+
+namespace copresence::simulation {
+
+class FigureView {
+ public:
+  FigureView(std::shared_ptr<const LitScene> scene, const PixelRays& pixels);
+
+  /// Restores the static view wherever the last draw() put the figure.
+  void erase(const StaticView& background, TrueView& view);
+
+  /// Draws the figure where it is nearer than the static scene. `pose` is world_from_part per part. `capsules` are the parts in
+  /// the world frame, which cast shadows on each other. Requires an erased view and the rays given to the constructor.
+  void draw(const PixelRays& pixels, const StaticView& background, std::span<const Eigen::Isometry3f> pose,
+            std::span<const Capsule> capsules, TrueView& view);
+
+ private:
+  /// Surface points of the hits that are being drawn, one array per coordinate; world frame.
+  struct Points {
+    ShadowPoints positions;
+    std::vector<float> normal_x, normal_y, normal_z;  // unit length, towards the camera
+    std::vector<float> cosine;                        // of the angle between normal and view ray, 0 to 1
+  };
+  /// Light at these points without shadows, per channel: as Light.
+  struct PointLight {
+    std::array<std::vector<float>, 3> lamp, rest;
+  };
+
+  void draw_hits(std::size_t part, const Eigen::Isometry3f& world_from_part, std::span<const Hit> hits,
+                 const PixelRays& pixels, std::span<const Capsule> capsules, TrueView& view);
+  void find_points(const Mesh& part, const Eigen::Isometry3f& world_from_part, const PixelRays& pixels,
+                   std::span<const Hit> hits);
+  void light_points();
+  void find_samples(std::span<const Hit> hits);
+  Eigen::Vector2f uv_change(std::size_t pixel, std::size_t distance) const;
+  void smooth_silhouette(const StaticView& background, TrueView& view) const;
+
+  std::shared_ptr<const LitScene> scene_;
+  FigureTracer tracer_;
+  FigureHits hits_;
+  std::vector<Eigen::Vector2f> uv_;     // per pixel: texture coordinates, valid where the figure is visible
+  std::vector<Eigen::Vector3f> light_;  // likewise: reflected light
+
+  // Of the hits that are being drawn.
+  Points points_;
+  PointLight point_light_;
+  std::vector<float> hidden_;               // share of the lamp that is in shadow
+  std::vector<float> sample_u_, sample_v_;  // all hits' first samples, then all second ones and so on
+  std::array<std::vector<float>, 3> sample_colors_;  // likewise; the first of each hit becomes its light
+  std::vector<Rgb8> screen_;
+};
+
+}  // namespace copresence::simulation

@@ -1,0 +1,128 @@
+#pragma once
+
+// Ray casting against triangle meshes, static or moving. This is the only place that uses Embree (version 3 or 4).
+//
+// Thread: build and pose a scene on one thread at a time. Tracing does not change a scene and is safe on any thread.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/frame/camera_model.h"
+#include "common/frame/rigid3.h"
+#include "common/result.h"
+#include "simulation/scene/mesh.h"
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
+
+namespace copresence::simulation {
+
+/// A ray and, after tracing, its first hit. `direction` may have any length: `near` and `far` are multiples of it.
+struct Ray {
+  Eigen::Vector3f origin, direction;
+  float near = 1e-4f, far = 1e30f;  ///< the searched range; after a hit, `far` is the distance of the hit
+  int mesh = -1;                    ///< index of the mesh or part that was hit, or -1 for none
+  std::uint32_t triangle = 0;       ///< index within the mesh
+  float u = 0, v = 0;               ///< barycentric weights of the second and third vertex
+};
+
+/// Interpolates values of the three vertices of the triangle that was hit.
+template <class Value>
+Value interpolate(const Ray& hit, const Value& a, const Value& b, const Value& c) {
+  return a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v;
+}
+
+struct SurfacePoint {
+  Eigen::Vector3f position, normal;  ///< in the frame of the mesh
+  Eigen::Vector2f uv;
+};
+
+/// The surface at the point where a ray hit `mesh`.
+inline SurfacePoint surface_at(const Mesh& mesh, const Ray& hit) {
+  const auto& t = mesh.triangles[hit.triangle];
+  const Vertex &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+  return {interpolate(hit, a.position, b.position, c.position),
+          interpolate(hit, a.normal, b.normal, c.normal).normalized(), interpolate(hit, a.uv, b.uv, c.uv)};
+}
+
+/// The rays through the pixels of a camera.
+struct PixelRays {
+  /// Requires a model that check() accepts and a rigid pose.
+  PixelRays(const CameraModel& model, const Rigid3& world_from_camera);
+
+  std::size_t width() const { return static_cast<std::size_t>(model.width); }
+  std::size_t height() const { return static_cast<std::size_t>(model.height); }
+
+  /// Direction through the point `offset` pixels from the centre of a pixel.
+  Eigen::Vector3f direction(std::size_t pixel, const Eigen::Vector2f& offset) const {
+    return directions[pixel] + offset.x() * pixel_x + offset.y() * pixel_y;
+  }
+
+  CameraModel model;
+  Rigid3 world_from_camera;
+  Eigen::Vector3f eye;                      ///< world frame, metres
+  std::vector<Eigen::Vector3f> directions;  ///< per pixel, world frame; 1 long along the optical axis
+  Eigen::Vector3f pixel_x, pixel_y;         ///< difference of the directions of neighbouring pixels
+};
+
+struct FreeScene {
+  void operator()(RTCSceneTy* scene) const;
+};
+struct FreeDevice {
+  void operator()(RTCDeviceTy* device) const;
+};
+
+/// Static meshes, ready for tracing.
+class RayScene {
+ public:
+  /// Fails  kUnsupported if Embree cannot start on this processor.
+  static Result<RayScene> make(std::span<const Mesh> meshes);
+
+  /// Traces rays in packets of eight. Consecutive rays should have similar directions.
+  void trace(std::span<Ray> rays) const;
+
+  /// True if there is a surface between `near` and `far`.
+  bool is_blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float near,
+                  float far) const;
+
+ private:
+  std::shared_ptr<RTCDeviceTy> device_;
+  std::unique_ptr<RTCSceneTy, FreeScene> scene_;
+};
+
+/// Rigid parts that move: each mesh is an instance with its own pose. Several objects may share the geometry.
+class PosedScene {
+ public:
+  /// The geometry of the parts. It is built once.
+  class Parts {
+   public:
+    /// Fails  as RayScene::make().
+    static Result<Parts> make(std::span<const Mesh> meshes);
+    std::size_t size() const { return scenes_.size(); }
+
+   private:
+    friend class PosedScene;
+    std::shared_ptr<RTCDeviceTy> device_;
+    std::vector<std::shared_ptr<RTCSceneTy>> scenes_;
+  };
+
+  explicit PosedScene(const Parts& parts);
+
+  /// Moves part i to world_from_part[i]. Requires one pose per part.
+  void pose(std::span<const Eigen::Isometry3f> world_from_part);
+
+  /// As RayScene::trace(); Ray::mesh is the index of the part.
+  void trace(std::span<Ray> rays) const;
+
+ private:
+  std::shared_ptr<RTCDeviceTy> device_;
+  std::vector<std::shared_ptr<RTCSceneTy>> parts_;
+  std::unique_ptr<RTCSceneTy, FreeScene> scene_;
+};
+
+}  // namespace copresence::simulation

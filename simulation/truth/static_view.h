@@ -1,0 +1,57 @@
+#pragma once
+
+// Private to TrueCamera: the static part of a scene as one camera sees it, traced once, and the shadow of the figure on it.
+//
+// Thread: one thread per object; several may share a scene.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/frame/image.h"
+#include "simulation/truth/lit_scene.h"
+#include "simulation/truth/ray_tracer.h"
+#include "simulation/truth/shadow.h"
+#include "simulation/truth/true_camera.h"
+
+namespace copresence::simulation {
+
+class StaticView {
+ public:
+  /// Traces all static surfaces. The rays are not kept.
+  StaticView(std::shared_ptr<const LitScene> scene, const PixelRays& rays);
+
+  /// The view without figure and shadow.
+  const TrueView& view() const { return view_; }
+
+  /// Colour and light with the shadow of the last cast_figure_shadow().
+  const ColorImage& color() const { return color_; }
+  const Eigen::Vector3f& light(std::size_t pixel) const { return light_[pixel]; }
+
+  /// Replaces the shadow of the figure by that of `capsules` (world frame). Pixels that change are also written to `view`.
+  void cast_figure_shadow(std::span<const Capsule> capsules, ColorImage& view);
+
+ private:
+  struct Block {
+    int x = 0, y = 0;  // top left of 2x2 pixels that share one shadow value
+  };
+
+  void trace(const PixelRays& pixels);
+  void find_shadow_blocks(const PixelRays& pixels);
+  std::size_t add_light(std::span<const Ray> rays, float share, std::size_t pixel);
+  Light reflected_light(const Ray& ray, const Eigen::Vector3f& color, bool mirrors) const;
+
+  std::shared_ptr<const LitScene> scene_;
+  TrueView view_;
+  std::vector<Eigen::Vector3f> static_light_, static_lamp_;  // linear, without shadow; the lamp's share of it
+  std::vector<Block> blocks_;
+  ShadowPoints shadow_points_;
+  std::vector<float> hidden_;                      // per block: the hidden share of the lamp
+  std::vector<Eigen::Vector3f> light_;             // per pixel, with the shadow of the figure
+  ColorImage color_;                               // the same after tone mapping
+  std::vector<float> u_, v_, red_, green_, blue_;  // buffers of add_light()
+};
+
+}  // namespace copresence::simulation

@@ -59,19 +59,9 @@ function(add_module name)
     target_link_libraries(${target} INTERFACE copresence::rules ${MODULE_USES})
     set(scope INTERFACE)
   endif()
-  # A header that is the first include of its own .cpp (tests/architecture) compiles alone already, where
-  # COPRESENCE_PRECOMPILED is off.
-  set(lone_headers ${MODULE_HEADERS} ${MODULE_PRIVATE})
-  foreach(source IN LISTS MODULE_SOURCES MODULE_ALONE)
-    string(REGEX REPLACE "[.]cpp$" ".h" header ${source})
-    list(REMOVE_ITEM lone_headers ${header})
-  endforeach()
-  set(tried_headers ${MODULE_HEADERS} ${MODULE_PRIVATE})
-  list(REMOVE_ITEM tried_headers ${lone_headers} "")
-  target_sources(${target} ${scope}
-    FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${lone_headers}
-    FILE_SET tried TYPE HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${tried_headers})
-  set_target_properties(${target} PROPERTIES INTERFACE_HEADER_SETS_TO_VERIFY HEADERS COPRESENCE_PRIVATE "${MODULE_PRIVATE}")
+  # ./run check-headers compiles each of them alone.
+  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${MODULE_HEADERS} ${MODULE_PRIVATE})
+  set_target_properties(${target} PROPERTIES COPRESENCE_PRIVATE "${MODULE_PRIVATE}")
   add_library(copresence::${name} ALIAS ${target})
 endfunction()
 

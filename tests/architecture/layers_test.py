@@ -5,8 +5,7 @@
 
 A module may use what lies below it and nothing beside it, and each foreign library has one home. The table here is the
 table in docs/architecture.md. A module's private headers are included only by itself, its tests and its benchmarks. A
-.cpp includes its own header before all else, so that every header is known to compile alone (cmake/module.cmake tries
-those that have none)."""
+.cpp includes its own header before all else."""
 import dataclasses
 import pathlib
 import re

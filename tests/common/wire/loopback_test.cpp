@@ -28,7 +28,7 @@ TEST(Loopback, CarriesAFrameAsItIs) {
   EXPECT_EQ(received->frame.color, std::vector<std::uint8_t>(25000, 0x55));
   EXPECT_EQ(received->counters, (FrameCounters{.captured = 1}));
   EXPECT_LE(received->sent_at, received->received_at);
-  EXPECT_EQ(client->bytes_received(), 283 + 104 + 75000u);
+  EXPECT_EQ(client->bytes_received(), 299 + 104 + 75000u);
 }
 
 TEST(Loopback, CarriesFramesWithoutColourAndOfEverySize) {

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""The demo: two capture servers replay data/recordings, or with --simulated are live simulated cameras at the
-same places, and one client shows the room. With a display it opens a window and ends when that is closed.
-Without one it renders a path headless, into a picture. It ends with a table of what was measured."""
+"""Shows the whole system: two capture servers replay data/recordings, and one client shows the room. With
+--simulated the servers run live simulated cameras in the same poses. With a display the client opens a window, and the
+demo ends when that is closed. Without one it renders a path headless, into a picture. At the end the demo prints a table
+of frame rate, rate and latency."""
 import argparse
 import collections
 import json
@@ -21,7 +22,7 @@ PICTURE = ROOT / "build/demo.png"
 CAMERAS = ("camera0", "camera1")
 FIRST_PORT = 7001
 VIEWS = 300
-HEADLESS_LIMIT_S = 300  # ten seconds of views; more only where something hangs
+HEADLESS_LIMIT_S = 300  # the views take ten seconds; longer means that something hangs
 
 
 def is_free(port):
@@ -41,14 +42,14 @@ def any_free_port():
 
 
 def choose_ports(first):
-    """One port for each camera: from `first` on, or else from 7001 on where these are free."""
+    """Returns one port for each camera: from `first` on if given, else 7001 and 7002 or other free ones."""
     if first:
         return [first + i for i in range(len(CAMERAS))]
     return [port if is_free(port) else any_free_port() for port in range(FIRST_PORT, FIRST_PORT + len(CAMERAS))]
 
 
 class Server:
-    """A running capture_server; its log goes to the terminal."""
+    """A running capture_server. Its log goes to the terminal."""
 
     def __init__(self, name, command):
         self.name = name
@@ -81,7 +82,7 @@ class Server:
 
 
 def start_servers(options, ports):
-    begin = time.time() + 2  # servers that begin at two instants would show the person twice
+    begin = time.time() + 2  # one instant for all servers: else the person is seen twice
     servers = []
     for index, (camera, port) in enumerate(zip(CAMERAS, ports)):
         source = ["--source", f"simulated:room?camera={index}"] if options.simulated else [
@@ -98,7 +99,7 @@ def client_command(options, ports, stats):
 
 
 def watch(client, servers, limit_s):
-    """Until the client ends. Returns why it had to be ended, or None."""
+    """Waits until the client ends. Returns a sentence if it must be stopped, else None."""
     begin = time.monotonic()
     while client.poll() is None:
         gone = next((server for server in servers if server.has_ended()), None)
@@ -130,7 +131,7 @@ def table(stats):
 
 
 def show_room(options, folder):
-    """Returns a sentence where it failed."""
+    """Runs servers and client. Returns a sentence if that failed, else None."""
     ports = choose_ports(options.port)
     stats = folder / "stats.json"
     command, limit_s = client_command(options, ports, stats), float("inf")
@@ -155,7 +156,7 @@ def show_room(options, folder):
     if failed:
         return failed
     if client.returncode or not stats.exists():
-        return "the client ended without a picture; its own words stand above"
+        return "the client ended without a picture; its message is above"
     table(json.loads(stats.read_text()))
     return None
 

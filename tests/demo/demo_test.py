@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The demo over loopback: it shows the room on free ports although its usual ones are taken, and where a
-server cannot start it ends with that server's own words.
+"""Tests the demo over loopback. It uses other ports where its usual ones are taken, and where a
+server cannot start it ends with the message of that server.
 
   tests/demo/demo_test.py --bin build/release/bin"""
 import argparse

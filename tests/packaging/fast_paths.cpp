@@ -100,7 +100,8 @@ void try_registration(const RgbdFrame& frame) {
 }
 
 void try_hole_filling(RgbdFrame frame, hole_filling::Method method) {
-  const hole_filling::FrameFormat format{.unit = DepthUnit::k100Micrometres};
+  hole_filling::FrameFormat format;
+  format.unit = DepthUnit::k100Micrometres;
   auto filler = hole_filling::open(method, hole_filling::Compute::kCpu, format);
   if (!filler || !(*filler)->fill(frame)) return fmt::print("hole filling {} failed\n", name(method));
   Checksum sum;

@@ -2,7 +2,7 @@
 """Shows the whole system: two capture servers replay data/recordings, and one client shows the room. With
 --simulated the servers run live simulated cameras in the same poses. With a display the client opens a window, and the
 demo ends when that is closed. Without one it renders a path headless, into a picture. At the end the demo prints a table
-of frame rate, rate and latency."""
+of views per second, bitrate and latency."""
 import argparse
 import collections
 import json

@@ -17,13 +17,13 @@ namespace copresence::depth_bench {
 namespace {
 
 constexpr std::array<std::string_view, 5> kNames{"rvl", "rvl_zstd", "png", "split16", "holoimage"};
-constexpr int kZstdLevel = 1;  // what keeps up with a camera
+constexpr int kZstdLevel = 1;  // fast enough for a camera
 constexpr int kPngLevel = 1;
 constexpr int kLossyQp = 12;
 
 using Bytes = std::vector<std::uint8_t>;
 
-// A lossless baseline: depth to bytes and back.
+// A lossless baseline.
 struct Lossless {
   std::function<Bytes(const DepthImage&)> encode;
   std::function<void(const Bytes&, DepthImage&)> decode;
@@ -65,7 +65,8 @@ Lossless lossless(std::string_view name) {
           }};
 }
 
-// Holes are zeros here; that depth was filled, nobody tells the baselines, and it does not count against them.
+// The states of decoded depth. Baselines code holes as zeros and do not know which pixels were filled, so these count as
+// correct.
 StateImage states_of(const DepthImage& depth, const StateImage& original) {
   StateImage states(depth.width(), depth.height(), DepthState::kHole);
   for (std::size_t i = 0; i < states.pixels().size(); ++i) {
@@ -104,7 +105,7 @@ Row run_lossless(const DepthRecording& recording, const std::string& name) {
   return row;
 }
 
-// One picture of twice the height: high bytes above, low bytes below.
+// A picture of twice the height: high bytes in the upper half, low bytes in the lower half.
 Picture split(const DepthImage& depth) {
   Picture picture(PixelFormat::kGray8, depth.width(), 2 * depth.height());
   const auto samples = picture.plane8(0);
@@ -124,7 +125,7 @@ void join(const Picture& picture, DepthImage& depth) {
   }
 }
 
-// A baseline that goes through H.264 without a validity mask.
+// A baseline that uses H.264 and no validity mask.
 struct Lossy {
   PixelFormat format;
   int height;

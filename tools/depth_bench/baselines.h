@@ -1,7 +1,7 @@
 #pragma once
 
-// Codings that the project's codecs are compared with: rvl and rvl_zstd (rvl.h), png of the 16-bit depth, split16
-// (high and low bytes as two 8-bit pictures through H.264), and holoimage (holoimage.h).
+// Baselines that the depth codecs are compared with: rvl and rvl_zstd (rvl.h), png of 16-bit depth, split16 (high and low
+// bytes as two 8-bit pictures, coded with H.264), and holoimage (holoimage.h).
 
 #include <span>
 #include <string>
@@ -15,8 +15,8 @@ namespace copresence::depth_bench {
 std::span<const std::string_view> baseline_names();
 bool is_baseline(std::string_view name);
 
-/// Runs a baseline: `split16` and `holoimage` at QP 12, the others lossless. Requires a baseline's name.
-/// Fails as the video encoder does.
+/// Runs a baseline: split16 and holoimage at QP 12, the others lossless. Requires is_baseline(name).
+/// Fails  as the video encoder.
 Result<Row> run_baseline(const DepthRecording& recording, const std::string& name);
 
 }  // namespace copresence::depth_bench

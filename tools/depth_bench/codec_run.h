@@ -1,31 +1,41 @@
 #pragma once
 
-// A depth codec over a whole recording, through the same encoders and decoders as the running system.
+// Runs a depth codec on a recording, with the encoders and decoders of capture_server and render_client.
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/frame/picture.h"
 #include "common/video/video_settings.h"
 #include "tools/depth_bench/depth_recording.h"
 #include "tools/depth_bench/row.h"
+#include "tools/progress/progress.h"
 
 namespace copresence::depth_bench {
 
 struct Setting {
-  std::optional<int> qp, kbps;  ///< exactly one
+  std::optional<int> qp, kbps;  ///< exactly one is set
   video::Preset preset = video::Preset::kLive;
-  std::string text() const;  ///< qp=12 or kbps=1000
+  std::string text() const;  ///< such as qp=12 or kbps=1000
 };
 
-/// The middle frame, for pictures.
+/// The middle frame of a recording, for plots.
 struct Snapshot {
-  Picture before, after;  ///< video coding
-  DepthImage depth, back;
+  Picture before, after;   ///< the picture before and after video coding
+  DepthImage depth, back;  ///< original and decoded depth
 };
 
-/// Fails as the encoders and decoders do; a decoded frame that is not whole is an error too.
+/// Codes and decodes all frames. Fails  as the encoders and decoders, and for an incompletely decoded frame.
 Result<Row> run_codec(const DepthRecording& recording, const std::string& codec, const Setting& setting,
                       Snapshot* snapshot = nullptr);
+
+/// The codecs that tune() tries: all of them, and some with other parameters.
+std::vector<std::string> tuning_candidates();
+
+/// Runs all candidates at a bitrate and sorts them by RMSE in disparity steps, the best first (thesis 5.1.2). Codecs that exceed
+/// the bitrate by more than a tenth come last. Fails  as run_codec().
+Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset preset,
+                              tools::Progress& progress);
 
 }  // namespace copresence::depth_bench

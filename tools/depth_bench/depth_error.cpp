@@ -11,9 +11,9 @@ double step_mm(double z_mm) {
   return kKinectV1Noise.step_m(z_mm * 1e-3) * 1e3;
 }
 
-constexpr double kEdgeSteps = 10;   // neighbours this far apart are two surfaces
-constexpr double kFlyingSteps = 5;  // from both of them: a point in the air
-constexpr int kEdgeReach = 2;       // pixels from a pixel to either side of the edge
+constexpr double kEdgeSteps = 10;   // smallest difference between two surfaces
+constexpr double kFlyingSteps = 5;  // a flying pixel is farther than this from both surfaces
+constexpr int kEdgeReach = 2;       // distance from a pixel to the surfaces on both sides, pixels
 
 }  // namespace
 
@@ -47,13 +47,13 @@ void DepthError::add_edges(const DepthImage& depth, const DepthImage& back) {
       const double step = step_mm(std::min(left, right));
       if (std::abs(left - right) < kEdgeSteps * step_mm(std::max(left, right))) continue;
       const double z = row[x] * mm_per_unit_, z_back = row_back[x] * mm_per_unit_;
-      const auto off = [&](double at) {
+      const auto is_flying = [&](double at) {
         return std::min(std::abs(at - left) / step_mm(left), std::abs(at - right) / step_mm(right)) >
                kFlyingSteps;
       };
-      if (off(z)) continue;  // the sensor itself saw something between
+      if (is_flying(z)) continue;  // the original pixel is flying, too
       ++edges_;
-      flying_ += off(z_back) && std::abs(z_back - z) > kFlyingSteps * step;
+      flying_ += is_flying(z_back) && std::abs(z_back - z) > kFlyingSteps * step;
     }
   }
 }

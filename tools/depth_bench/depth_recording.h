@@ -1,6 +1,6 @@
 #pragma once
 
-// A recording's depth in memory, as every codec is given it: what lies outside the range is a hole.
+// The depth of a recording in memory, as input of all codecs. Depth outside the range is a hole.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,13 +14,13 @@ namespace copresence::depth_bench {
 
 struct DepthRecording {
   depth::DepthFormat format;
-  std::vector<std::uint16_t> levels;  ///< that the sensor told, as SensorDescription::levels
+  std::vector<std::uint16_t> levels;  ///< as SensorDescription::levels
   std::vector<DepthImage> depth;
   std::vector<StateImage> states;
 };
 
-/// The first `frames` frames, all of them where it is 0.
-/// Fails as open_source() does, and with kEndOfStream for a recording without frames.
+/// Loads the first `frames` frames, or all if `frames` is 0.
+/// Fails  as open_source(); kEndOfStream for a recording without frames.
 Result<DepthRecording> load(const std::filesystem::path& recording, const DepthRange& range, int frames);
 
 }  // namespace copresence::depth_bench

@@ -9,7 +9,6 @@
 #include "tools/depth_bench/plots.h"
 #include "tools/depth_bench/row.h"
 #include "tools/depth_bench/settings.h"
-#include "tools/depth_bench/tuning.h"
 #include "tools/progress/progress.h"
 
 namespace copresence::depth_bench {
@@ -36,7 +35,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
     runs += is_baseline(codec) ? 1 : static_cast<int>(list.size());
   tools::Progress progress(runs);
   std::vector<Row> rows;
-  std::string left_out;  // since this recording does not allow it
+  std::string left_out;  // codec that does not support this recording
   print(progress, heading());
   for (const std::string& codec : settings.codecs) {
     if (is_baseline(codec)) {
@@ -47,7 +46,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
       continue;
     }
     Snapshot snapshot;
-    std::string shot;  // of which setting
+    std::string shot;  // the setting of the snapshot
     for (const Setting& setting : list) {
       const std::string title = codec + ' ' + setting.text();
       progress.begin(title);
@@ -69,7 +68,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
 }
 
 Result<std::vector<Row>> tune_all(const Settings& settings, const DepthRecording& recording) {
-  tools::Progress progress(static_cast<int>(settings.rates_kbps.size() * candidates().size()));
+  tools::Progress progress(static_cast<int>(settings.rates_kbps.size() * tuning_candidates().size()));
   std::vector<Row> all;
   for (const int kbps : settings.rates_kbps) {
     const auto rows = tune(recording, kbps, settings.preset, progress);
@@ -83,8 +82,8 @@ Result<std::vector<Row>> tune_all(const Settings& settings, const DepthRecording
   return all;
 }
 
-// NAME.png becomes NAME_uv.png.
-std::string beside(const std::filesystem::path& path, const char* ending) {
+// Inserts `ending` before the extension: NAME.png becomes NAME_uv.png.
+std::string with_suffix(const std::filesystem::path& path, const char* ending) {
   return (path.parent_path() / (path.stem().string() + ending + path.extension().string())).string();
 }
 
@@ -99,8 +98,9 @@ Result<void> run(const Settings& settings) {
   }
   if (settings.plot) {
     if (auto written = plot_curves(*rows, settings.plot->string()); !written) return written;
-    if (auto written = plot_uv(shots, beside(*settings.plot, "_uv")); !written) return written;
-    if (auto written = plot_errors(shots, recording->format.unit, beside(*settings.plot, "_error")); !written)
+    if (auto written = plot_uv(shots, with_suffix(*settings.plot, "_uv")); !written) return written;
+    if (auto written = plot_errors(shots, recording->format.unit, with_suffix(*settings.plot, "_error"));
+        !written)
       return written;
   }
   return {};

@@ -18,11 +18,11 @@ Result<void> write(const cv::Mat& image, const std::string& path) {
   bool written = false;
   try {
     written = cv::imwrite(path, image);
-  } catch (const cv::Exception&) {  // its way of saying that the name has no known ending
+  } catch (const cv::Exception&) {  // thrown for an unknown extension
   }
   if (written) return {};
   return fail(ErrorCode::kUnavailable,
-              fmt::format("{}: the plot cannot be written there; give a name that ends in .png", path));
+              fmt::format("{}: the plot cannot be written; give a name that ends in .png", path));
 }
 
 void text(cv::Mat& image, const std::string& words, cv::Point at, const cv::Scalar& color = kBlack,
@@ -40,7 +40,7 @@ cv::Scalar color_of(std::size_t i) {
   return colors[i % colors.size()];
 }
 
-// A curve's point: curves of one colour have marks of their own.
+// Draws a point of a curve. Curves of the same colour have different marks.
 void mark(cv::Mat& image, cv::Point at, std::size_t i) {
   if (i < kColors) {
     cv::circle(image, at, 3, color_of(i), cv::FILLED, cv::LINE_AA);
@@ -51,7 +51,7 @@ void mark(cv::Mat& image, cv::Point at, std::size_t i) {
   }
 }
 
-// A rectangle of the image with two logarithmic axes.
+// A plot area with two logarithmic axes.
 class LogAxes {
  public:
   LogAxes(cv::Mat& image, cv::Rect area, std::pair<double, double> x, std::pair<double, double> y)
@@ -98,7 +98,8 @@ struct Measure {
   std::pair<double, double> range;
 };
 
-// The usual range, or more where rows lie beyond it. 0 has no place on a logarithmic axis and is drawn at its end.
+// Extends the usual range so that it contains all rows. The value 0 is drawn at the end of the axis, because the axis is
+// logarithmic.
 std::pair<double, double> with_all(std::pair<double, double> usual, const std::vector<Row>& rows,
                                    double (*of)(const Row&)) {
   for (const Row& row : rows) {
@@ -116,7 +117,7 @@ std::vector<std::string> codecs_of(const std::vector<Row>& rows) {
   return names;
 }
 
-// Samples of the UV plane as a 256x256 picture: how often each pair occurs, logarithmic.
+// A 256x256 histogram of the chroma samples. Darkness is the logarithm of the count, redness the distance from `before`.
 cv::Mat uv_plane(const Picture& picture, const Picture& before) {
   cv::Mat count = cv::Mat::zeros(256, 256, CV_32F), moved = cv::Mat::zeros(256, 256, CV_32F);
   const auto u = picture.plane8(1), v = picture.plane8(2), u0 = before.plane8(1), v0 = before.plane8(2);
@@ -146,7 +147,7 @@ Result<void> plot_curves(const std::vector<Row>& rows, const std::string& path) 
   const auto names = codecs_of(rows);
   const std::array<Measure, 2> measures{
       Measure{"RMSE, mm", [](const Row& row) { return row.rmse_mm; }, {1, 1000}},
-      Measure{"beyond 3 sensor steps, %",
+      Measure{"beyond 3 disparity steps, %",
               [](const Row& row) { return row.percent_beyond_3_steps; },
               {0.001, 100}}};
   for (std::size_t panel = 0; panel < measures.size(); ++panel) {

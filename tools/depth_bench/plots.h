@@ -1,6 +1,6 @@
 #pragma once
 
-// Pictures of the bench's results, as PNG.
+// Plots of the results as PNG.
 
 #include <string>
 #include <utility>
@@ -12,18 +12,18 @@
 
 namespace copresence::depth_bench {
 
-/// Rate against RMSE and rate against the share beyond 3 sensor steps, both logarithmic, a curve per codec.
-/// Each fails with kUnavailable where the file cannot be written.
+/// Plots RMSE and the share of errors above 3 disparity steps against the bitrate, with one curve per codec and logarithmic
+/// axes. All three functions fail with kUnavailable if the file cannot be written.
 Result<void> plot_curves(const std::vector<Row>& rows, const std::string& path);
 
-/// A codec's middle frame with its name and setting.
+/// Codec and setting, and a snapshot of the coded frame.
 using Shot = std::pair<std::string, Snapshot>;
 
-/// The UV plane of every shot that has one, before video coding and after: brighter where more samples lie; after coding red the
-/// farther a sample moved. Thesis figures 3.9 to 3.13. Nothing is written where no shot has chroma.
+/// Plots the distribution of chroma samples in the UV plane before and after video coding, as thesis figures 3.9 to 3.13.
+/// Darker means more samples; after coding, red means that samples moved far. Writes no file if no shot has chroma.
 Result<void> plot_uv(const std::vector<Shot>& shots, const std::string& path);
 
-/// Every shot's error, black for none, white for 10 sensor steps and more, blue for holes.
+/// Plots the error of every shot: black is no error, white 10 disparity steps or more, blue a hole.
 Result<void> plot_errors(const std::vector<Shot>& shots, DepthUnit unit, const std::string& path);
 
 }  // namespace copresence::depth_bench

@@ -68,7 +68,7 @@ Result<void> write_json(const std::vector<Row>& rows, const std::string& path) {
   std::ofstream file(path);
   file << list.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
   file.close();
-  if (!file) return fail(ErrorCode::kUnavailable, fmt::format("{}: the rows cannot be written there", path));
+  if (!file) return fail(ErrorCode::kUnavailable, fmt::format("{}: the results cannot be written", path));
   return {};
 }
 

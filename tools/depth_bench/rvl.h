@@ -1,10 +1,11 @@
 #pragma once
 
-// RVL: Andrew D. Wilson, "Fast Lossless Depth Image Compression", ISS 2017, from the paper's description.
+// RVL, a lossless depth codec, implemented from the description in the paper.
+// Source: Andrew D. Wilson, Fast Lossless Depth Image Compression, ISS 2017.
 //
-// Runs of holes and of depth alternate: a number of zeros, a number of non-zeros, then for each of these the difference to the
-// depth before, zigzag. Numbers are written in nibbles, three bits of value and one that says whether more follow, lowest
-// first, eight nibbles to a 32-bit word, first nibble highest.
+// Runs of holes and runs of depth alternate. Each pair is coded as the number of zeros, the number of non-zeros, and for each
+// non-zero its difference to the depth before, zigzag-coded. Numbers consist of nibbles, the lowest first: three bits of value and
+// one bit that is set if another nibble follows. Eight nibbles form a 32-bit word, the first one in the highest bits.
 
 #include <cstdint>
 #include <span>
@@ -15,7 +16,7 @@
 namespace copresence::depth_bench {
 
 std::vector<std::uint8_t> encode_rvl(std::span<const std::uint16_t> depth);
-/// Requires what encode_rvl made of as many pixels.
+/// Requires the output of encode_rvl() for the same number of pixels.
 void decode_rvl(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> depth);
 
 }  // namespace copresence::depth_bench

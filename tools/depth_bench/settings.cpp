@@ -5,8 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
-#include <filesystem>
 
 #include "common/command_line/mistakes.h"
 #include "common/command_line/values.h"
@@ -24,14 +22,6 @@ std::vector<std::string> all_codecs() {
   return names;
 }
 
-// Known before a long run rather than after it.
-std::string can_be_written(const std::string& path) {
-  if (path.empty()) return "\"\" is not a file's name";
-  const auto folder = std::filesystem::path(path).parent_path();
-  if (folder.empty() || std::filesystem::is_directory(folder)) return {};
-  return fmt::format("there is no folder {} for {}", folder.string(), path);
-}
-
 }  // namespace
 
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv) {
@@ -39,15 +29,16 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   Settings settings;
   const auto known = all_codecs();
   CLI::App app{
-      "Codes the depth of a recording with the codecs and settings asked for, decodes it again and reports "
-      "rate, "
-      "error and time of each: a table on standard output, --json and --plot for more.",
+      "Measures depth codecs on a recording: codes and decodes all frames with each codec and setting, and "
+      "prints a "
+      "table of bitrates, errors and times. --json and --plot write more.",
       "depth_bench"};
   app.set_version_flag("--version", std::string("depth_bench ") + COPRESENCE_VERSION);
   app.add_option("RECORDING", settings.recording, "an .oni recording")->required()->check(existing_file());
   app.add_option(
          "--codec", settings.codecs,
-         fmt::format("codecs, or all (default quantized); triangle and direct also as NAME:period=METRES: {}",
+         fmt::format("codecs, separated by commas, or all (default quantized); triangle and direct also as "
+                     "NAME:period=METRES: {}",
                      fmt::join(known, ", ")))
       ->delimiter(',')
       ->check([&](const std::string& name) {
@@ -57,36 +48,35 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
                         : fmt::format("there is no codec \"{}\"; choose from all, {}", name,
                                       fmt::join(known, ", "));
       });
-  app.add_option("--qp", settings.qps,
-                 "constant quantisers, 0 (lossless) to 51 (default 0,12 without --kbps)")
+  app.add_option("--qp", settings.qps, "constant QPs, 0 (lossless) to 51 (default 0,12 without --kbps)")
       ->delimiter(',')
       ->check(whole_number(0, video::kMaxDepthQp));
   app.add_option("--kbps", settings.rates_kbps,
-                 "rates of everything that depth costs, kbit/s at 30 frames a second")
+                 "bitrates of depth including its mask, kbit/s at 30 frames per second")
       ->delimiter(',')
       ->check(whole_number(video::kMinKbps, video::kMaxKbps));
-  app.add_option("--frames", settings.frames, "how many of the recording's frames (default all)")
+  app.add_option("--frames", settings.frames, "number of frames to use (default all)")
       ->check(whole_number(1, 1'000'000));
   std::string effort = "live";
   app.add_option("--effort", effort,
-                 "live (default): H.264 as capture_server codes it; dense: about a sixth fewer bits for half "
-                 "more time")
+                 "live (default): the H.264 preset of capture_server; dense: a sixth fewer bits in one and a "
+                 "half times the time")
       ->check(one_of({"live", "dense"}));
   add_depth_range(app, "--range", settings.range,
-                  "depth in metres that counts, NEAR:FAR; the rest are holes");
-  app.add_option("--json", settings.json, "file for the rows as JSON")->check(can_be_written);
-  app.add_option("--plot", settings.plot,
-                 "PNG of rate against RMSE and against the share beyond 3 sensor steps; beside it, with _uv "
-                 "and _error in "
-                 "the name, the UV plane before and after coding and a frame's error")
-      ->check(can_be_written);
+                  "depth range in metres, NEAR:FAR; other depth becomes holes");
+  app.add_option("--json", settings.json, "file for the results as JSON")->check(writable_file());
+  app.add_option(
+         "--plot", settings.plot,
+         "PNG with RMSE and the share of errors above 3 disparity steps against the bitrate; two more "
+         "files with _uv and _error in the name show the UV plane before and after coding and the error "
+         "of a frame")
+      ->check(writable_file());
   app.add_flag("--tune", settings.tune,
-               "searches codec and parameters for the best RMSE in sensor steps at each --kbps and prints "
-               "the setting");
+               "find the codec and parameters with the lowest RMSE in disparity steps at each --kbps");
   try {
     app.parse(argc, argv);
     if (settings.tune && settings.rates_kbps.empty()) {
-      throw CLI::ValidationError("--tune", "needs a rate to tune for: give --kbps N");
+      throw CLI::ValidationError("--tune", "needs a bitrate: give --kbps N");
     }
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(explain(app, error));

@@ -1,6 +1,6 @@
 #pragma once
 
-// The command line of depth_bench, checked.
+// The validated command line of depth_bench.
 
 #include <filesystem>
 #include <optional>
@@ -15,18 +15,18 @@ namespace copresence::depth_bench {
 
 struct Settings {
   std::filesystem::path recording;
-  std::vector<std::string> codecs;  ///< of common/depth and baselines; each is known
+  std::vector<std::string> codecs;  ///< names of codecs and baselines; all are known
   std::vector<int> qps;
   std::vector<int> rates_kbps;
   int frames = 0;  ///< 0: all
   video::Preset preset = video::Preset::kLive;
   DepthRange range;
   std::optional<std::filesystem::path> json, plot;
-  bool tune = false;  ///< needs rates_kbps
+  bool tune = false;  ///< requires rates_kbps
 };
 
-/// The settings, or the exit code to leave with: 0 after --help and --version, 2 after a wrong command line
-/// (said on standard error).
+/// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command line, which is reported on
+/// standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::depth_bench

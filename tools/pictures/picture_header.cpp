@@ -12,9 +12,9 @@
 namespace copresence::pictures {
 namespace {
 
-constexpr std::size_t kBeginning = 512;  // bytes that tell every format
+constexpr std::size_t kBeginning = 512;  // enough bytes to recognise every format
 
-// Beyond this a file cannot be an image of kMostPixels: 8 bytes a pixel, and its metadata.
+// Limits of the size of a file: bytes per pixel, and bytes of metadata.
 constexpr std::uint64_t kBytesPerPixel = 8, kMetadataBytes = 64 << 20;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -32,14 +32,14 @@ std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t count) {
 }
 
 tl::unexpected<Error> broken() {
-  return fail(ErrorCode::kCorrupt, "a damaged image; take another copy of it");
+  return fail(ErrorCode::kCorrupt, "the image is damaged; use another copy");
 }
 
 struct ForeignFormat {
   std::string_view begin;
   std::size_t at;
   const char* name;
-  const char* mend;
+  const char* remedy;
 };
 
 constexpr const char* kConvert = "convert it to PNG, for example with ImageMagick: magick IMAGE IMAGE.png";
@@ -47,7 +47,7 @@ constexpr const char* kConvert = "convert it to PNG, for example with ImageMagic
 using std::string_view_literals::operator""sv;
 
 constexpr ForeignFormat kForeignFormats[] = {
-    {"\x00\x05\x16\x07"sv, 0, "a macOS resource file", "delete it; the image lies beside it without ._"},
+    {"\x00\x05\x16\x07"sv, 0, "a macOS resource file", "delete it; the image has the same name without ._"},
     {"GIF8"sv, 0, "a GIF image", kConvert},
     {"BM"sv, 0, "a BMP image", kConvert},
     {"WEBP"sv, 8, "a WebP image", kConvert},
@@ -55,7 +55,7 @@ constexpr ForeignFormat kForeignFormats[] = {
     {"\x93NUMPY"sv, 0, "a NumPy array",
      "write depth as 16-bit PNG in millimetres, for example with cv2.imwrite"},
     {"ftyp"sv, 4, "a HEIC, AVIF or video file",
-     "convert it to PNG or JPEG first; of a video extract the frames"},
+     "convert it to PNG or JPEG first; extract the frames of a video"},
     {"\x00\x00\x00\x0cjP"sv, 0, "a JPEG 2000 image", kConvert},
     {"\xff\x0a"sv, 0, "a JPEG XL image", kConvert},
     {"P7\n"sv, 0, "a PAM image", kConvert},
@@ -85,7 +85,7 @@ Result<PictureHeader> png_header(Bytes bytes) {
   return header;
 }
 
-// `count` bytes at `at` in the byte order of a TIFF file; 0 beyond the end.
+// Reads a number of `count` bytes at `at` in the byte order of a TIFF file. Returns 0 beyond the end.
 std::uint32_t tiff_number(Bytes tiff, std::size_t at, std::size_t count, bool is_big_endian) {
   if (at > tiff.size() || tiff.size() - at < count) return 0;
   std::uint32_t value = 0;
@@ -95,7 +95,7 @@ std::uint32_t tiff_number(Bytes tiff, std::size_t at, std::size_t count, bool is
   return value;
 }
 
-// The orientation in the first directory of an EXIF block, which is a TIFF file.
+// Reads the orientation from the first directory of an EXIF block, which has the format of a TIFF file.
 int exif_orientation(Bytes segment) {
   if (segment.size() < 14 || !begins_with(segment, "Exif\0\0"sv)) return 1;
   const Bytes tiff = segment.subspan(6);
@@ -120,11 +120,11 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
     std::array<std::uint8_t, 10> bytes{};
     if (read_at(at, std::span(bytes).first(4)) < 4 || bytes[0] != 0xFF) return broken();
     const std::uint8_t marker = bytes[1];
-    if (marker == 0xFF) {  // filling
+    if (marker == 0xFF) {  // fill byte
       ++at;
       continue;
     }
-    if (marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8)) {  // without a length
+    if (marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8)) {  // a marker without length
       at += 2;
       continue;
     }
@@ -154,7 +154,7 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
   return broken();
 }
 
-// The numbers of a Netpbm or PFM header: separated by white space, comments from # to the end of the line.
+// Reads the next number of a Netpbm or PFM header. White space separates numbers; comments go from # to the end of the line.
 std::optional<double> next_number(Bytes bytes, std::size_t& at) {
   while (at < bytes.size() && (std::isspace(bytes[at]) || bytes[at] == '#')) {
     if (bytes[at] == '#') {
@@ -210,7 +210,7 @@ Result<PictureHeader> tiff_header(const ReadAt& read_at, Bytes bytes) {
     if (read_at(directory + 2 + 12ull * i, entry) < entry.size()) return broken();
     const std::uint32_t tag = number(entry, 0, 2), type = number(entry, 2, 2), count = number(entry, 4, 4);
     std::uint32_t value = number(entry, 8, type == 3 ? 2 : 4);
-    if (type == 3 && count > 2) {  // the values lie elsewhere
+    if (type == 3 && count > 2) {  // the entry contains the offset of the values
       std::array<std::uint8_t, 2> there{};
       if (read_at(number(entry, 8, 4), there) < 2) return broken();
       value = number(there, 0, 2);
@@ -229,7 +229,7 @@ Result<PictureHeader> tiff_header(const ReadAt& read_at, Bytes bytes) {
 Result<PictureHeader> header_of(const ReadAt& read_at) {
   std::array<std::uint8_t, kBeginning> beginning{};
   const Bytes bytes = Bytes(beginning).first(read_at(0, beginning));
-  if (bytes.empty()) return fail(ErrorCode::kCorrupt, "empty; take another copy of it");
+  if (bytes.empty()) return fail(ErrorCode::kCorrupt, "the file is empty; use another copy");
   if (begins_with(bytes, "\x89PNG\r\n\x1a\n")) return png_header(bytes);
   if (begins_with(bytes, "\xff\xd8")) return jpeg_header(read_at);
   if (begins_with(bytes, "II*\0"sv) || begins_with(bytes, "MM\0*"sv)) {
@@ -242,12 +242,12 @@ Result<PictureHeader> header_of(const ReadAt& read_at) {
   for (const ForeignFormat& format : kForeignFormats) {
     if (begins_with(bytes, format.begin, format.at)) {
       return fail(ErrorCode::kUnsupported,
-                  fmt::format("{}, which is not read here; {}", format.name, format.mend));
+                  fmt::format("{}, which is not supported; {}", format.name, format.remedy));
     }
   }
   return fail(
       ErrorCode::kCorrupt,
-      "not an image that is read here (PNG, JPEG, PGM, PPM, TIFF, PFM), or damaged; take another copy of it");
+      "not an image that is read here (PNG, JPEG, PGM, PPM, TIFF, PFM), or damaged; use another copy");
 }
 
 tl::unexpected<Error> named(const std::filesystem::path& path, const Error& error) {
@@ -289,13 +289,14 @@ Result<std::vector<std::uint8_t>> load(const std::filesystem::path& path, std::u
   if (!header) return fail(header.error());
   if (header->pixels() > most_pixels) {
     return fail(ErrorCode::kInvalid,
-                fmt::format("{}: {}x{} pixels, more than the {} million that are read here; scale it down",
+                fmt::format("{}: {}x{} pixels, more than the supported {} million; scale the image down",
                             path.string(), header->width, header->height, most_pixels / 1'000'000));
   }
   std::error_code problem;
   const std::uint64_t size = std::filesystem::file_size(path, problem);
   if (problem || size > kBytesPerPixel * most_pixels + kMetadataBytes) {
-    return fail(ErrorCode::kInvalid, fmt::format("{}: too large for an image; is it one?", path.string()));
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: the file is too large for an image; check that it is one", path.string()));
   }
   std::vector<std::uint8_t> bytes(size);
   std::ifstream file(path, std::ios::binary);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Format and size of an image file, read from its first bytes. A file of a few kilobytes can unpack to gigabytes, so
-// its size is checked before anything decodes it.
+// Reads format and size from the header of an image file. A file of a few kilobytes can decode to gigabytes, so the size
+// has to be checked before decoding.
 //
 // Thread: free functions; concurrent calls are safe.
 
@@ -21,32 +21,33 @@ enum class Format { kPng, kJpeg, kNetpbm, kTiff, kPfm };
 struct PictureHeader {
   Format format = Format::kPng;
   int width = 0, height = 0;  ///< pixels as stored
-  int orientation = 1;  ///< JPEG: how a viewer should turn the picture, EXIF's 1 to 8; 1 where none is named
-  int channels = 0;     ///< 1 to 4; a palette counts as 3
-  int bits = 0;         ///< per channel
-  bool is_float = false;    ///< TIFF and PFM
-  bool is_palette = false;  ///< PNG: colours by number, as label images have them
+  int orientation = 1;        ///< JPEG: EXIF orientation, 1 to 8; 1 if there is none
+  int channels = 0;           ///< 1 to 4; a palette counts as 3
+  int bits = 0;               ///< per channel
+  bool is_float = false;      ///< TIFF and PFM
+  bool is_palette = false;    ///< PNG: pixels are palette indices, as in label images
 
   std::uint64_t pixels() const {
     return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   }
 };
 
-/// The largest picture that load() takes, pixels.
+/// Default limit of load(), pixels.
 inline constexpr std::uint64_t kMostPixels = 100'000'000;
 
-/// Copies bytes from `offset` on into `into`; returns how many there were.
+/// Reads bytes from `offset` into `into` and returns their number.
 using ReadAt = std::function<std::size_t(std::uint64_t offset, std::span<std::uint8_t> into)>;
 
-/// Fails  kUnsupported for a known format that is not read here: the sentence names it and says what to do;
-///        kCorrupt for anything else that is no image, and for one without a size. Sentences have no file's name.
+/// Reads a header. Messages do not contain a file name.
+/// Fails  kUnsupported for a known but unsupported format, with a message that names it and a remedy; kCorrupt for a damaged or
+///        unknown format and for an image without a size.
 Result<PictureHeader> read_header(const ReadAt& read_at);
 
-/// The same for a file; sentences begin with its name. Fails also with kNotFound where it cannot be read.
+/// The same for a file. Messages begin with its name. Also fails with kNotFound if the file cannot be read.
 Result<PictureHeader> read_header(const std::filesystem::path& path);
 
-/// All bytes of an image file whose header is sound and that has at most `most_pixels`.
-/// Fails  as read_header(); kInvalid for a larger image or a file that is larger than such an image can be.
+/// Reads a whole image file after checking its header.
+/// Fails  as read_header(); kInvalid for more than `most_pixels`, or a file that is too large for that many.
 Result<std::vector<std::uint8_t>> load(const std::filesystem::path& path,
                                        std::uint64_t most_pixels = kMostPixels);
 

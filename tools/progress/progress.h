@@ -1,6 +1,6 @@
 #pragma once
 
-// A bar on standard error that says how far a long run has come; nothing where no person watches.
+// A progress bar on standard error. It is shown only on a terminal.
 
 #include <string>
 
@@ -8,17 +8,20 @@ namespace copresence::tools {
 
 class Progress {
  public:
+  /// `runs` is the number of begin() calls of the whole run.
   explicit Progress(int runs);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void begin(const std::string& what);  ///< the next run
-  void clear();                         ///< makes room for a line of output
+  /// Begins the next step; `what` is shown next to the bar.
+  void begin(const std::string& what);
+  /// Removes the bar before other output.
+  void clear();
 
  private:
   int runs_, begun_ = 0;
-  bool watched_;
+  bool is_terminal_;
 };
 
 }  // namespace copresence::tools

@@ -21,9 +21,9 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr double kTumPerMetre = 5000, kUsualPerMetre = 1000, kFloatPerMetre = 1;
-// Floating-point depth with a larger middle is in millimetres.
-constexpr double kFarthestMiddle = 100;
-// The middle depth of a room, metres. Outside it the scale is probably another.
+// Floating-point depth with a larger median is in millimetres.
+constexpr double kFarthestMedian = 100;
+// Plausible medians of the depth in a room, metres. Outside this range the scale is probably wrong.
 constexpr double kNearestRoom = 0.35, kFarthestRoom = 12;
 
 struct Size {
@@ -39,11 +39,12 @@ Result<void> check_size(const std::filesystem::path& path, const cv::Mat& image,
   if (size_of(image) == size) return {};
   return fail(
       ErrorCode::kInvalid,
-      fmt::format("{}: {}x{} pixels, but the first image has {}x{}; take them out or into a set of their own",
-                  path.string(), image.cols, image.rows, size.width, size.height));
+      fmt::format(
+          "{}: {}x{} pixels, but the first image has {}x{}; move images of other sizes to another folder",
+          path.string(), image.cols, image.rows, size.width, size.height));
 }
 
-// The same view in another size, with the same shape of its pixels; of another aspect about the same middle.
+// The same view at another size. Pixels keep their shape; if the aspect ratio differs, the centre stays the centre.
 CameraModel scaled(const CameraModel& model, const Size& size) {
   const double scale = static_cast<double>(size.width) / model.width;
   CameraModel other = model;
@@ -56,12 +57,12 @@ CameraModel scaled(const CameraModel& model, const Size& size) {
   return other;
 }
 
-class Making {
+class ImageImport {
  public:
-  Making(const FromImagesSettings& settings, ImageFolder images)
+  ImageImport(const FromImagesSettings& settings, ImageFolder images)
       : settings_(settings), images_(std::move(images)) {
     report_.remarks = images_.remarks;
-    // Times before zero, which nothing forbids in a list, begin at zero.
+    // Lists may contain negative times. The first of them becomes the zero of the recording.
     zero_ = std::min(images_.depth.front().time, microseconds(0));
     if (!images_.color.empty()) zero_ = std::min(images_.color.front().time, zero_);
   }
@@ -88,7 +89,7 @@ class Making {
  private:
   microseconds time_of(const TimedImage& image) const { return image.time - zero_; }
 
-  // What the recording's depth stream will say about its times.
+  // The times of the depth stream that will be written.
   recording::RecordedStream times_of_depth() const {
     recording::RecordedStream stream;
     stream.frames_per_second = static_cast<int>(std::lround(settings_.frames_per_second));
@@ -101,7 +102,7 @@ class Making {
   void remark_on_times(const recording::RecordedStream& times) {
     const double seconds =
         static_cast<double>((images_.depth.back().time - images_.depth.front().time).count()) * 1e-6;
-    std::string text = fmt::format("times are taken for {}", name(images_.unit));
+    std::string text = fmt::format("times are {}", name(images_.unit));
     if (images_.unit == TimeUnit::kFrames)
       text += fmt::format(" at {:g} frames/s", settings_.frames_per_second);
     text += fmt::format(": {:.2f} s, {:.1f} frames/s", seconds, 1e6 / recording::usual_period_us(times));
@@ -109,9 +110,9 @@ class Making {
     report_.remarks.push_back(std::move(text));
     const std::size_t standing = recording::steps_without_time(times);
     if (standing) {
-      report_.remarks.push_back(
-          fmt::format("{} depth images have the time of the one before; they are played at {} frames/s",
-                      standing, times.frames_per_second));
+      report_.remarks.push_back(fmt::format(
+          "{} depth images have the same time as the image before; they are played at {} frames/s", standing,
+          times.frames_per_second));
     }
   }
 
@@ -142,7 +143,8 @@ class Making {
     }
     if (!settings_.intrinsics) {
       report_.remarks.emplace_back(
-          fmt::format("no --fx, so square pixels and a Kinect's nominal field of view: fx = fy = {:.1f}",
+          fmt::format("no --fx given: square pixels and the nominal field of view of a Kinect are assumed, "
+                      "fx = fy = {:.1f}",
                       content.camera.model.fx));
     }
     return content;
@@ -178,42 +180,42 @@ class Making {
 
   void remark_on_odd_size(const char* what, const Size& even) {
     report_.remarks.emplace_back(
-        fmt::format("{} has an odd width or height: its last column or row is left out, {}x{} remain", what,
+        fmt::format("{} has an odd width or height: the last column or row is left out, {}x{} remain", what,
                     even.width, even.height));
   }
 
   void choose_scale(const cv::Mat& first) {
-    const double middle = median_depth(first, coding_);
+    const double median = median_depth(first, coding_);
     switch (coding_) {
       case DepthCoding::kKinectDisparity:
       case DepthCoding::kSwappedDisparity:
         report_.remarks.emplace_back(
-            "depth is a Kinect's raw disparity of 11 bits: metres by 351.3 / (1092.5 - raw), colour not "
-            "registered");
+            "depth is the raw disparity of a Kinect with 11 bits: it is converted to metres by 351.3 / "
+            "(1092.5 - "
+            "raw), and colour is not registered");
         return;
       case DepthCoding::kSwapped:
-        report_.remarks.emplace_back(
-            "depth has the two bytes of each number exchanged: they are exchanged again");
+        report_.remarks.emplace_back("depth has the two bytes of each number exchanged; this is corrected");
         break;
       case DepthCoding::kFloat:
         report_.depth_per_metre =
-            settings_.depth_per_metre.value_or(middle > kFarthestMiddle ? kUsualPerMetre : kFloatPerMetre);
+            settings_.depth_per_metre.value_or(median > kFarthestMedian ? kUsualPerMetre : kFloatPerMetre);
         return;
       case DepthCoding::kWhole:
         break;
     }
     report_.depth_per_metre =
         settings_.depth_per_metre.value_or(images_.has_tum_depth ? kTumPerMetre : kUsualPerMetre);
-    if (settings_.depth_per_metre || middle == 0) return;
-    const auto is_a_room = [&](double per_metre) {
-      return middle / per_metre >= kNearestRoom && middle / per_metre <= kFarthestRoom;
+    if (settings_.depth_per_metre || median == 0) return;
+    const auto is_plausible = [&](double per_metre) {
+      return median / per_metre >= kNearestRoom && median / per_metre <= kFarthestRoom;
     };
     const double other = images_.has_tum_depth ? kUsualPerMetre : kTumPerMetre;
-    if (!is_a_room(report_.depth_per_metre) && is_a_room(other)) {
+    if (!is_plausible(report_.depth_per_metre) && is_plausible(other)) {
       report_.remarks.emplace_back(fmt::format(
-          "the middle depth of the first image is {:.2f} m at {:g} to a metre, but {:.2f} m at {:g}: if "
-          "that is right, give --depth-scale {:g}",
-          middle / report_.depth_per_metre, report_.depth_per_metre, middle / other, other, other));
+          "the median depth of the first image is {:.2f} m at {:g} per metre, but {:.2f} m at {:g}: if the "
+          "second is right, give --depth-scale {:g}",
+          median / report_.depth_per_metre, report_.depth_per_metre, median / other, other, other));
     }
   }
 
@@ -242,11 +244,10 @@ class Making {
     if (!image) return fail(image.error());
     if (auto fits = check_size(timed.path, *image, depth_size_); !fits) return fits;
     if ((image->type() == CV_32FC1) != (coding_ == DepthCoding::kFloat)) {
-      return fail(
-          ErrorCode::kInvalid,
-          fmt::format("{}: holds other numbers than the first depth image, 16 bits or floating-point; take "
-                      "it out of the set",
-                      timed.path.string()));
+      return fail(ErrorCode::kInvalid, fmt::format("{}: the first depth image has 16-bit integers and this "
+                                                   "one floating-point numbers, or the other "
+                                                   "way round; move it to another folder",
+                                                   timed.path.string()));
     }
     ++report_.depth_frames;
     return writer.write_depth(time_of(timed), convert_depth(*image, coding_, report_.depth_per_metre,
@@ -282,7 +283,7 @@ Result<FromImagesReport> make_from_images(const FromImagesSettings& settings,
                                               .depth = settings.depth,
                                               .color = settings.color});
   if (!images) return fail(images.error());
-  return Making(settings, std::move(*images)).run(progress);
+  return ImageImport(settings, std::move(*images)).run(progress);
 }
 
 }  // namespace copresence::record

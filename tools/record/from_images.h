@@ -1,6 +1,6 @@
 #pragma once
 
-// A recording made of a folder of images.
+// Creates a recording from a folder of images.
 
 #include <cstdint>
 #include <string>
@@ -15,15 +15,15 @@ namespace copresence::record {
 struct FromImagesReport {
   std::size_t depth_frames = 0, color_frames = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t too_far = 0;         ///< depth pixels beyond what the unit holds, which are holes now
-  double depth_per_metre = 0;        ///< 0 where the images hold a Kinect's raw disparities
-  std::vector<std::string> remarks;  ///< sentences for the user: what was taken, left out and assumed
+  std::uint64_t too_far = 0;         ///< depth pixels beyond the range of the unit; they became holes
+  double depth_per_metre = 0;        ///< pixel value of one metre; 0 for raw disparities
+  std::vector<std::string> remarks;  ///< for the user: what was used, left out and assumed
 };
 
-/// Reads the images in the order of their times and writes them. JPEGs go in unchanged. The written recording is checked
-/// as capture_server checks it; one that fails is removed.
-/// Fails  as find_images(); kCorrupt, kInvalid: an image that is not what it should be, a recording that could not be
-///        played, an existing file without `overwrite`; kUnavailable: disk.
+/// Reads the images in the order of their times and writes a recording. JPEG files are copied unchanged. The recording is
+/// then checked as capture_server checks it, and removed if it fails.
+/// Fails  as find_images(); kCorrupt or kInvalid for an unsuitable image, a recording that could not be played, or an existing
+///        file without `overwrite`; kUnavailable if writing fails.
 Result<FromImagesReport> make_from_images(const FromImagesSettings& settings,
                                           const recording::ProgressReport& progress);
 

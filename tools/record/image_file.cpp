@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 using pictures::Format;
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{kLargestSide} * kLargestSide;
-// 7-Scenes' value for a hole; elsewhere the largest value that the file can hold, and so no measurement either.
+// The value for a hole in 7-Scenes. In other data sets it is the largest possible value, which is no measurement either.
 constexpr std::uint16_t kNotMeasured = 65535;
 // A Kinect's raw disparity has 11 bits; the largest value stands for a hole. NYU Depth v2's toolbox converts it to
 // metres by kMetresTimesDisparity / (kDisparityAtInfinity - raw).
 constexpr int kNoDisparity = 2047;
 constexpr double kDisparityAtInfinity = 1092.5;
 constexpr double kMetresTimesDisparity = kKinectV1Noise.disparity_constant_m;
-// The right byte order must be smoother by this factor than the other.
+// The right byte order must be smoother than the other by this factor.
 constexpr double kSmoother = 3;
 
 struct Loaded {
@@ -36,9 +36,10 @@ Result<Loaded> load(const fs::path& path) {
   const auto header = pictures::read_header(path);
   if (!header) return fail(header.error());
   if (header->width > kLargestSide || header->height > kLargestSide) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}: {}x{} pixels, but width and height may be {} at most; scale the images down",
-                            path.string(), header->width, header->height, kLargestSide));
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("{}: {}x{} pixels, but width and height must not exceed {}; scale the images down",
+                    path.string(), header->width, header->height, kLargestSide));
   }
   auto bytes = pictures::load(path, kMostPixels);
   if (!bytes) return fail(bytes.error());
@@ -55,10 +56,10 @@ cv::Mat decode(const std::vector<std::uint8_t>& bytes, int how) {
 
 tl::unexpected<Error> does_not_decode(const fs::path& path) {
   return fail(ErrorCode::kCorrupt,
-              fmt::format("{}: a damaged image, it does not decode; take another copy of it", path.string()));
+              fmt::format("{}: the image is damaged and cannot be decoded; use another copy", path.string()));
 }
 
-// The numbers behind a Netpbm or PFM header, which ends with one white space behind its last number.
+// The offset of the pixels behind a Netpbm or PFM header of `numbers` numbers. One white space follows the last number.
 std::size_t end_of_header(const std::vector<std::uint8_t>& bytes, int numbers) {
   std::size_t at = 2;
   for (int i = 0; i < numbers; ++i) {
@@ -74,7 +75,7 @@ std::size_t end_of_header(const std::vector<std::uint8_t>& bytes, int numbers) {
   return at + 1;
 }
 
-// PFM: floats, the lowest row first; a negative scale means little-endian.
+// PFM has floats, the bottom row first. A negative scale means little-endian.
 cv::Mat decode_pfm(const Loaded& loaded) {
   const std::size_t begin = end_of_header(loaded.bytes, 3);
   const std::size_t row_bytes = 4u * static_cast<std::size_t>(loaded.header.width);
@@ -117,7 +118,7 @@ double roughness(const cv::Mat& image, Value value) {
   return count ? sum / static_cast<double>(count) : 0;
 }
 
-// Depth of 8 bits that was scaled to 16 is smooth in either order.
+// True for 8-bit depth that was scaled to 16 bits. It is smooth in either byte order.
 bool has_empty_low_bytes(const cv::Mat& image) {
   for (int y = 0; y < image.rows; ++y) {
     const auto* row = image.ptr<std::uint16_t>(y);
@@ -127,7 +128,7 @@ bool has_empty_low_bytes(const cv::Mat& image) {
   return true;
 }
 
-// Raw disparities are never 0, and the value for a hole is among them.
+// Raw disparities are never 0, and an image of them has holes.
 template <class Value>
 bool are_disparities(const cv::Mat& image, Value value) {
   bool has_hole = false;
@@ -150,7 +151,7 @@ bool is_disparity(DepthCoding coding) {
   return coding == DepthCoding::kKinectDisparity || coding == DepthCoding::kSwappedDisparity;
 }
 
-// The number at a pixel, 0 where nothing was measured; metres for disparities.
+// Pixel values in the right byte order: metres for disparities, 0 for holes.
 class Pixels {
  public:
   Pixels(const cv::Mat& image, DepthCoding coding) : image_(image), coding_(coding) {}
@@ -174,7 +175,7 @@ class Pixels {
   const DepthCoding coding_;
 };
 
-// OpenNI2's player takes three components only, and shows a picture as it is stored, not as its camera was held.
+// True if OpenNI2's player shows the JPEG correctly: it needs three components and ignores the EXIF orientation.
 bool is_playable(const cv::Mat& as_stored, const cv::Mat& as_meant) {
   return as_stored.type() == as_meant.type() && as_stored.size() == as_meant.size() &&
          cv::norm(as_stored, as_meant, cv::NORM_INF) == 0;
@@ -191,12 +192,12 @@ Result<cv::Mat> read_depth(const fs::path& path) {
   if (image.type() != CV_16UC1 && image.type() != CV_32FC1) {
     return fail(ErrorCode::kInvalid,
                 fmt::format("{}: {} channels of {} bits, but depth must have one channel of 16 bits or of "
-                            "floating-point numbers; it may be a picture for people, not the depth",
+                            "floating-point numbers; this may be a visualisation of depth",
                             path.string(), image.channels(), 8 * image.elemSize1()));
   }
   if (image.cols < 2 || image.rows < 2) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}: {}x{} pixels are no depth image", path.string(), image.cols, image.rows));
+    return fail(ErrorCode::kInvalid, fmt::format("{}: {}x{} pixels are too few for a depth image",
+                                                 path.string(), image.cols, image.rows));
   }
   return even(image);
 }
@@ -250,8 +251,8 @@ Result<ColorPicture> read_color(const fs::path& path) {
   const cv::Mat bgr = decode(loaded->bytes, cv::IMREAD_COLOR);
   if (bgr.empty()) return does_not_decode(path);
   if (bgr.cols < 2 || bgr.rows < 2) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}: {}x{} pixels are no picture", path.string(), bgr.cols, bgr.rows));
+    return fail(ErrorCode::kInvalid, fmt::format("{}: {}x{} pixels are too few for a colour image",
+                                                 path.string(), bgr.cols, bgr.rows));
   }
   ColorPicture picture;
   picture.bgr = even(bgr);

@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include "tools/pictures/picture_header.h"
@@ -19,126 +16,15 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::microseconds;
 
-constexpr const char* kAssociationNames[] = {"associations.txt", "association.txt", "associated.txt",
-                                             "associate.txt", "assoc.txt"};
-constexpr const char* kDepthLists[] = {"aligned_depth.txt", "depth.txt"};
-constexpr const char* kColorLists[] = {"rgb.txt", "color.txt", "colour.txt"};
-
-// Depth and colour farther apart than this were not taken together.
+// Depth and colour with a larger distance in time do not belong together.
 constexpr microseconds kFarthestApart = std::chrono::seconds(10);
 
-// Images with the numbers that stand for their times.
 using Listed = std::vector<ListedImage>;
 
 struct FoundImages {
-  Listed depth, color;
-  bool has_tum_depth = false;
-  std::optional<TimeScale> depth_scale, color_scale;  ///< where the way to find the numbers has decided it
+  ListedStreams streams;
+  std::optional<TimeScale> depth_scale, color_scale;  // if the names determine them
 };
-
-std::optional<std::string> read(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return std::nullopt;
-  return std::string(std::istreambuf_iterator<char>(file), {});
-}
-
-bool is_depth(const fs::path& relative, const fs::path& path) {
-  const NamedKind named = kind_by_name(relative);
-  return named.known ? named.kind == ImageKind::kDepth : holds_depth(path);
-}
-
-Result<FoundImages> from_associations(const fs::path& list, const std::string& text, const fs::path& folder) {
-  auto lines = parse_list(text, folder, list.string(), 2);
-  if (!lines) return fail(lines.error());
-  FoundImages found;
-  found.has_tum_depth = true;
-  for (ListLine& line : *lines) {
-    const auto relative = [&](const ListedImage& image) { return image.path.lexically_relative(folder); };
-    const bool depth_first = is_depth(relative(line.images[0]), line.images[0].path);
-    if (depth_first == is_depth(relative(line.images[1]), line.images[1].path)) {
-      return fail(
-          ErrorCode::kInvalid,
-          fmt::format("{}:{}: not one depth image and one colour image: by neither their names nor their "
-                      "contents is one depth and the other not",
-                      list.string(), line.number));
-    }
-    ListedImage& color = line.images[depth_first ? 1 : 0];
-    if (relative(color).string().find("rgb") == std::string::npos &&
-        relative(color).string().find("colo") != std::string::npos) {
-      found.has_tum_depth = false;  // OpenLORIS and others that write "color" have millimetres
-    }
-    found.depth.push_back(std::move(line.images[depth_first ? 0 : 1]));
-    found.color.push_back(std::move(color));
-  }
-  return found;
-}
-
-Result<Listed> from_list(const fs::path& list, const std::string& text, const fs::path& folder) {
-  auto lines = parse_list(text, folder, list.string(), 1);
-  if (!lines) return fail(lines.error());
-  Listed images;
-  for (ListLine& line : *lines) images.push_back(std::move(line.images[0]));
-  return images;
-}
-
-Result<void> check_there(const Listed& images) {
-  for (const ListedImage& image : images) {
-    std::error_code ignored;
-    if (!fs::is_regular_file(image.path, ignored)) {
-      return fail(ErrorCode::kNotFound,
-                  fmt::format("{}: a list names this image, but it is not there; unpack the whole set",
-                              image.path.string()));
-    }
-  }
-  return {};
-}
-
-// Nothing where the folder has no list.
-Result<std::optional<FoundImages>> from_lists(const fs::path& folder, std::vector<std::string>& remarks) {
-  for (const char* name : kAssociationNames) {
-    const auto text = read(folder / name);
-    if (!text) continue;
-    auto found = from_associations(folder / name, *text, folder);
-    if (!found) return fail(found.error());
-    remarks.push_back(fmt::format("times and pairs from {}", name));
-    return std::optional(std::move(*found));
-  }
-  std::optional<FoundImages> found;
-  std::error_code ignored;
-  for (const char* name : kDepthLists) {
-    const auto text = read(folder / name);
-    if (!text) continue;
-    if (found) {
-      remarks.push_back(fmt::format("left: {}", name));
-      continue;
-    }
-    auto depth = from_list(folder / name, *text, folder);
-    if (!depth) return fail(depth.error());
-    found.emplace().depth = std::move(*depth);
-    found->has_tum_depth = true;
-    remarks.push_back(fmt::format("depth from {}", name));
-  }
-  for (const char* name : kColorLists) {
-    const auto text = read(folder / name);
-    if (!text) continue;
-    if (!found) {
-      return fail(
-          ErrorCode::kNotFound,
-          fmt::format("{}: it lists colour, but there is no depth.txt beside it; unpack the whole set",
-                      (folder / name).string()));
-    }
-    if (!found->color.empty()) {
-      remarks.push_back(fmt::format("left: {}", name));
-      continue;
-    }
-    auto color = from_list(folder / name, *text, folder);
-    if (!color) return fail(color.error());
-    found->color = std::move(*color);
-    found->has_tum_depth = std::string_view(name) == "rgb.txt";
-    remarks.push_back(fmt::format("colour from {}", name));
-  }
-  return found;
-}
 
 std::string counted(const ImageGroup& group) {
   return fmt::format("{} ({} images)", group.label, group.paths.size());
@@ -157,7 +43,7 @@ void remark_on_rest(const FolderContent& content, const std::set<fs::path>& take
       add(fmt::format("{} of the {} images of {}", rest, group.paths.size(), group.label));
     }
   }
-  if (content.hidden) add(fmt::format("{} hidden files of another system", content.hidden));
+  if (content.hidden) add(fmt::format("{} hidden files of an operating system", content.hidden));
   if (!left.empty()) remarks.push_back("left: " + left);
 }
 
@@ -180,10 +66,11 @@ Result<FoundImages> by_names(const fs::path& folder, const FolderContent& conten
     return {};
   };
   remarks.push_back("depth: " + counted(**depth));
-  if (auto taken = take(**depth, found.depth, found.depth_scale); !taken) return fail(taken.error());
+  if (auto taken = take(**depth, found.streams.depth, found.depth_scale); !taken) return fail(taken.error());
   if (*color && *color != *depth) {
     remarks.push_back("colour: " + counted(**color));
-    if (auto taken = take(**color, found.color, found.color_scale); !taken) return fail(taken.error());
+    if (auto taken = take(**color, found.streams.color, found.color_scale); !taken)
+      return fail(taken.error());
   }
   return found;
 }
@@ -211,7 +98,7 @@ Result<std::vector<TimedImage>> timed(const Listed& listed, TimeUnit unit, doubl
   }
   std::stable_sort(images.begin(), images.end(),
                    [](const TimedImage& a, const TimedImage& b) { return a.time < b.time; });
-  // One picture may be in several pairs.
+  // An image may be in several pairs.
   images.erase(std::unique(images.begin(), images.end()), images.end());
   return images;
 }
@@ -224,11 +111,10 @@ Result<void> check_together(const ImageFolder& images, const fs::path& folder) {
   const auto seconds = [](microseconds time) { return static_cast<double>(time.count()) * 1e-6; };
   return fail(
       ErrorCode::kInvalid,
-      fmt::format(
-          "{}: depth lies from {:.3f} to {:.3f} s and colour from {:.3f} to {:.3f} s, so they were not "
-          "taken together or their times differ in unit; give --times, or lists of pairs",
-          folder.string(), seconds(images.depth.front().time), seconds(images.depth.back().time),
-          seconds(images.color.front().time), seconds(images.color.back().time)));
+      fmt::format("{}: depth is from {:.3f} to {:.3f} s and colour from {:.3f} to {:.3f} s, so they were not "
+                  "taken together or their times have different units; give --times, or lists of pairs",
+                  folder.string(), seconds(images.depth.front().time), seconds(images.depth.back().time),
+                  seconds(images.color.front().time), seconds(images.color.back().time)));
 }
 
 tl::unexpected<Error> no_depth(const fs::path& folder, const FolderContent& content) {
@@ -242,16 +128,18 @@ tl::unexpected<Error> no_depth(const fs::path& folder, const FolderContent& cont
     if (inner.depth() >= 2 && content.groups.empty() && has_image_ending(inner->path())) {
       return fail(
           ErrorCode::kNotFound,
-          fmt::format("{}: its images lie deeper, in {}; give the folder that holds the depth and the colour "
-                      "images or their two folders",
-                      folder.string(), inner->path().parent_path().string()));
+          fmt::format(
+              "{}: the images are in deeper folders, such as {}; give the folder that contains the depth and "
+              "colour images, or one folder of each",
+              folder.string(), inner->path().parent_path().string()));
     }
   }
   return fail(
       ErrorCode::kNotFound,
-      fmt::format("{}: no depth image is in it: none of its lists names one, and no image of one channel and "
-                  "16 bits lies in it or in its folders",
-                  folder.string()));
+      fmt::format(
+          "{}: there is no depth image: no list names one, and neither the folder nor its subfolders contain "
+          "an image with one channel of 16 bits",
+          folder.string()));
 }
 
 }  // namespace
@@ -260,48 +148,46 @@ Result<ImageFolder> find_images(const fs::path& given, const FolderChoice& choic
   std::error_code ignored;
   if (!fs::is_directory(given, ignored)) {
     return fail(ErrorCode::kNotFound,
-                fmt::format("{}: no such folder; give a folder of images", given.string()));
+                fmt::format("{}: there is no such folder; give a folder of images", given.string()));
   }
   const fs::path folder = given.has_filename() ? given : given.parent_path();
   ImageFolder images;
   const FolderContent content = list_images(folder);
   const bool asked_for_names = !choice.depth.empty() || !choice.color.empty();
-  Result<std::optional<FoundImages>> listed = std::optional<FoundImages>();
-  if (!asked_for_names) listed = from_lists(folder, images.remarks);
+  Result<std::optional<ListedStreams>> listed = std::optional<ListedStreams>();
+  if (!asked_for_names) listed = read_lists(folder, images.remarks);
   if (!listed) return fail(listed.error());
   FoundImages found;
   if (*listed) {
-    found = std::move(**listed);
-    for (const auto* list : {&found.depth, &found.color}) {
-      if (auto there = check_there(*list); !there) return fail(there.error());
-    }
+    found.streams = std::move(**listed);
   } else {
     auto named = by_names(folder, content, choice, images.remarks);
     if (!named) return fail(named.error());
     found = std::move(*named);
   }
-  if (found.depth.empty()) return no_depth(folder, content);
+  if (found.streams.depth.empty()) return no_depth(folder, content);
 
   if (!found.depth_scale) {
-    auto scale = scale_of(found.depth, choice, folder);
+    auto scale = scale_of(found.streams.depth, choice, folder);
     if (!scale) return fail(scale.error());
     found.depth_scale = *scale;
   }
   const TimeScale scale = *found.depth_scale;
-  if (found.color_scale && found.color_scale->unit != scale.unit && found.color.size() > 1 &&
-      found.depth.size() > 1) {
+  if (found.color_scale && found.color_scale->unit != scale.unit && found.streams.color.size() > 1 &&
+      found.streams.depth.size() > 1) {
     return fail(
         ErrorCode::kInvalid,
-        fmt::format("{}: depth has {} in its names and colour {}, so that it is not known which were taken "
-                    "together; give lists of pairs (associations.txt), or --times",
-                    folder.string(), name(scale.unit), name(found.color_scale->unit)));
+        fmt::format(
+            "{}: the names of depth images have {} and those of colour images {}, so they cannot be paired; "
+            "give a list of pairs (associations.txt), or --times",
+            folder.string(), name(scale.unit), name(found.color_scale->unit)));
   }
-  images.has_tum_depth = found.has_tum_depth;
+  images.has_tum_depth = found.streams.has_tum_depth;
   images.unit = scale.unit;
   images.since_1970 = scale.since_1970;
-  auto depth = timed(found.depth, scale.unit, choice.frames_per_second);
+  auto depth = timed(found.streams.depth, scale.unit, choice.frames_per_second);
   if (!depth) return fail(depth.error());
-  auto color = timed(found.color, scale.unit, choice.frames_per_second);
+  auto color = timed(found.streams.color, scale.unit, choice.frames_per_second);
   if (!color) return fail(color.error());
   images.depth = std::move(*depth);
   images.color = std::move(*color);

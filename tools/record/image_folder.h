@@ -1,6 +1,6 @@
 #pragma once
 
-// Which images of a folder are depth, which are colour, and when each was taken: public RGB-D sets are folders.
+// Finds the depth and colour images of a folder and their times. Public RGB-D data sets are such folders.
 
 #include <chrono>
 #include <cstddef>
@@ -16,32 +16,31 @@ namespace copresence::record {
 
 struct TimedImage {
   std::filesystem::path path;
-  std::chrono::microseconds
-      time{};  ///< since 1970 where ImageFolder::since_1970, else from the set's own zero
+  std::chrono::microseconds time{};  ///< since 1970 if ImageFolder::since_1970, otherwise since any zero
   friend bool operator==(const TimedImage&, const TimedImage&) = default;
 };
 
-/// Each stream by rising time.
+/// The images of each stream, in ascending order of time.
 struct ImageFolder {
   std::vector<TimedImage> depth, color;
-  bool has_tum_depth = false;  ///< by TUM's lists, whose depth is 5000 to a metre
+  bool has_tum_depth = false;  ///< found by a list as in TUM's data sets, whose depth is 5000 per metre
   TimeUnit unit = TimeUnit::kFrames;
   bool since_1970 = false;
-  /// Sentences for the user: what was taken, what was left, and what the times were taken for.
+  /// For the user: which images are used, which are not, and the unit of the times.
   std::vector<std::string> remarks;
 };
 
-/// What decides where a folder leaves a choice.
+/// The choices of the user.
 struct FolderChoice {
-  double frames_per_second = 30;       ///< of frame numbers
-  std::optional<TimeUnit> times = {};  ///< recognised where not given
-  std::string depth = {}, color = {};  ///< a folder or a label of ImageGroup; the likeliest where empty
+  double frames_per_second = 30;       ///< converts frame numbers to times
+  std::optional<TimeUnit> times = {};  ///< recognised if not given
+  std::string depth = {}, color = {};  ///< folder or label of an ImageGroup; chosen automatically if empty
 };
 
-/// The folder's images. Their times and pairs come from associations.txt or the like, else from depth.txt and rgb.txt or
-/// color.txt, else from names: a date, a time in some unit (recognise_times()), or a frame's number.
-/// Fails  kNotFound (no such folder, an image that a list names, no depth), kInvalid (a line that is none, times or
-///        groups of images that can be read in two ways).
+/// Finds the images. Times and pairs are read from associations.txt or a similar name, from depth.txt and rgb.txt or
+/// color.txt, or from file names: a date, a time (recognise_times()) or a frame number.
+/// Fails  kNotFound if the folder, an image in a list, or all depth is missing; kInvalid for a list that cannot be read, and for
+///        ambiguous times or groups of images.
 Result<ImageFolder> find_images(const std::filesystem::path& folder, const FolderChoice& choice);
 
 }  // namespace copresence::record

@@ -11,14 +11,16 @@
 #include <tuple>
 
 #include "tools/pictures/picture_header.h"
-#include "tools/record/image_list.h"
 
 namespace copresence::record {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Words of names, in lower case. What a word means as a whole, since "ir" and "d" are parts of many others.
+constexpr std::string_view kEndings[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm",  ".pfm", ".tif",
+                                         ".tiff", ".bmp", ".webp", ".exr", ".npy", ".heic", ".jp2", ".gif"};
+
+// Words in names, in lower case. Whole words are compared, because "ir" is part of many others.
 constexpr std::string_view kOtherWords[] = {
     "mask",      "masks",      "label",     "labels",      "seg",       "segmentation", "semantic",
     "semantics", "instance",   "instances", "normal",      "normals",   "ir",           "infrared",
@@ -29,22 +31,22 @@ constexpr std::string_view kOtherWords[] = {
 constexpr std::string_view kDepthWords[] = {"depth", "depths", "dpt", "depthmap", "depthmaps", "dep"};
 constexpr std::string_view kColorWords[] = {"color",  "colors", "colour", "rgb",   "bgr",   "image",
                                             "images", "img",    "imgs",   "photo", "photos"};
-// Names of the sensor's own pictures, brought to the other camera's view; and what was computed from them.
+// Words for depth that was registered to the colour camera, and for images that were computed from measurements.
 constexpr std::string_view kAlignedWords[] = {"aligned", "registered", "reg"};
-constexpr std::string_view kMadeWords[] = {
+constexpr std::string_view kComputedWords[] = {
     "filled",  "inpaint",   "inpainted", "completed",    "completion", "dense",
     "pred",    "predicted", "estimated", "rendered",     "render",     "gt",
     "refined", "smooth",    "smoothed",  "filtered",     "denoised",   "raw",
     "noisy",   "mono",      "fill",      "interpolated", "undistorted"};
 
-constexpr int kRankAligned = 0, kRankPlain = 1, kRankLoose = 2, kRankMade = 3, kRankByContent = 4;
+constexpr int kRankAligned = 0, kRankPlain = 1, kRankLoose = 2, kRankComputed = 3, kRankByContent = 4;
 
 template <std::size_t N>
 bool is_in(const std::string_view (&words)[N], const std::string& word) {
   return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
-// "alignedDepth_0012.left" is aligned, depth, left.
+// "alignedDepth_0012.left" has the words aligned, depth and left.
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
   bool begins = true, was_lower = false;
@@ -79,7 +81,7 @@ Content content_of(const fs::path& path) {
   return header->bits >= 16 ? Content::kDepth : Content::kGrey;
 }
 
-// What a group is, by its names and the content of its first image that can be read.
+// The kind of a group. `content` is that of its first readable image.
 ImageKind kind_of(const NamedKind& named, Content content) {
   if (!named.known) {
     return content == Content::kDepth   ? ImageKind::kDepth
@@ -96,11 +98,12 @@ int rank_of(const fs::path& relative, const NamedKind& named, Content content) {
   for (const std::string& part : {relative.parent_path().string(), relative.stem().string()}) {
     for (const std::string& word : words_of(part)) {
       if (is_in(kAlignedWords, word)) rank = std::min(rank, kRankAligned);
-      if (is_in(kMadeWords, word)) rank = kRankMade;
+      if (is_in(kComputedWords, word)) rank = kRankComputed;
       if ((word.starts_with("image") || word.starts_with("img")) && rank == kRankPlain) rank = kRankLoose;
     }
   }
-  // A picture of depth for people: only where there is nothing else, to say so.
+  // Content that contradicts the name, such as a visualisation of depth. It is chosen only if there is nothing else, and then
+  // reported.
   if (named.kind == ImageKind::kDepth && content != Content::kDepth) return kRankByContent + 1;
   if (named.kind == ImageKind::kColor && content != Content::kColor) return kRankByContent + 1;
   return rank;
@@ -121,7 +124,7 @@ bool is_hidden(const fs::path& path) {
   return name.starts_with('.') || name == "__MACOSX" || name == "Thumbs.db" || name == "desktop.ini";
 }
 
-// Images, and the number of hidden files, of a folder without those in it.
+// Adds the images in a folder to `images` and the number of its hidden files to `hidden`. Subfolders are ignored.
 void list(const fs::path& folder, std::vector<fs::path>& images, std::size_t& hidden) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -134,16 +137,17 @@ void list(const fs::path& folder, std::vector<fs::path>& images, std::size_t& hi
   }
 }
 
-// The words of a file's name that say what it is, so that "depth_left_1" and "depth_right_1" are two groups but
-// names that differ by chance are one.
-std::string telling_words(const fs::path& relative) {
-  std::string telling;
+// The words in a file name that distinguish groups: "depth_left_1" and "depth_right_1" belong to different groups. Names that
+// differ in other words belong to the same group.
+std::string distinguishing_words(const fs::path& relative) {
+  std::string words;
   for (const std::string& word : words_of(relative.stem().string())) {
-    const bool tells = word == "d" || word == "r" || kind_of_word(word) || is_in(kAlignedWords, word) ||
-                       is_in(kMadeWords, word) || word == "left" || word == "right";
-    if (tells) telling += word + ' ';
+    const bool distinguishes = word == "d" || word == "r" || kind_of_word(word) ||
+                               is_in(kAlignedWords, word) || is_in(kComputedWords, word) || word == "left" ||
+                               word == "right";
+    if (distinguishes) words += word + ' ';
   }
-  return telling;
+  return words;
 }
 
 }  // namespace
@@ -154,7 +158,7 @@ NamedKind kind_by_name(const fs::path& relative) {
     parts.push_back(parent.filename().string());
     if (parent == parent.parent_path()) break;
   }
-  // What is neither depth nor colour may be said anywhere.
+  // A word for neither depth nor colour decides, wherever it is.
   for (const std::string& part : parts) {
     for (const std::string& word : words_of(part)) {
       if (kind_of_word(word) == ImageKind::kOther) return {ImageKind::kOther, true};
@@ -165,13 +169,20 @@ NamedKind kind_by_name(const fs::path& relative) {
       if (const auto kind = kind_of_word(word)) return {*kind, true};
     }
   }
-  // NYU's and fakenect's "d-1294886362.665769-...pgm" and "r-...ppm".
+  // Names of NYU and fakenect: "d-1294886362.665769-...pgm" and "r-...ppm".
   const std::string& stem = parts.front();
   const bool is_letter_and_number =
       stem.size() > 1 && stem.find_first_of("0123456789") == stem.find_first_not_of("-_", 1);
   if (is_letter_and_number && (stem[0] == 'd' || stem[0] == 'D')) return {ImageKind::kDepth, true};
   if (is_letter_and_number && (stem[0] == 'r' || stem[0] == 'R')) return {ImageKind::kColor, true};
   return {};
+}
+
+bool has_image_ending(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings);
 }
 
 bool holds_depth(const fs::path& path) {
@@ -201,9 +212,9 @@ FolderContent list_images(const fs::path& folder) {
   for (const fs::path& path : images) {
     const fs::path relative = path.lexically_relative(folder);
     const bool is_named = kind_by_name(relative).known;
-    // Where no word says what an image is, its content does; elsewhere one of another content is a mistake to report.
+    // If no word is known, groups are divided by content. Otherwise, an image with other content is an error and reported.
     const Content kind = is_named ? Content::kUnreadable : content_of(path);
-    auto& paths = by_key[{relative.parent_path().string(), telling_words(relative), kind}];
+    auto& paths = by_key[{relative.parent_path().string(), distinguishing_words(relative), kind}];
     if (paths.empty()) ++groups_in[relative.parent_path().string()];
     paths.push_back(path);
   }
@@ -233,9 +244,9 @@ Result<const ImageGroup*> choose(const FolderContent& content, ImageKind kind, c
   std::vector<const ImageGroup*> best;
   for (const ImageGroup& group : content.groups) {
     if (!wanted.empty()) {
-      const bool is_meant = group.label == wanted || group.folder == wanted || group.label == wanted + '/' ||
-                            group.folder + '/' == wanted;
-      if (is_meant && (group.label == wanted || group.kind == kind || best.empty())) {
+      const bool matches = group.label == wanted || group.folder == wanted || group.label == wanted + '/' ||
+                           group.folder + '/' == wanted;
+      if (matches && (group.label == wanted || group.kind == kind || best.empty())) {
         if (!best.empty() && best.front()->kind != kind) best.clear();
         best.push_back(&group);
       }
@@ -246,16 +257,18 @@ Result<const ImageGroup*> choose(const FolderContent& content, ImageKind kind, c
     best.push_back(&group);
   }
   if (best.empty() && !wanted.empty()) {
-    return fail(ErrorCode::kNotFound,
-                fmt::format("{}: {} names \"{}\", but no images are called so; give a folder in it", folder,
-                            flag, wanted));
+    return fail(
+        ErrorCode::kNotFound,
+        fmt::format(
+            "{0}: there are no images called \"{2}\", which {1} names; give the name of a folder in it",
+            folder, flag, wanted));
   }
   if (best.size() > 1) {
     std::string labels;
     for (const ImageGroup* group : best) labels += (labels.empty() ? "" : ", ") + group->label;
     return fail(ErrorCode::kInvalid,
-                fmt::format("{}: several groups of images may be {}: {}; choose one with {} {}", folder, what,
-                            labels, flag, best.front()->label));
+                fmt::format("{}: several groups of images could be {}: {}; choose one with {} {}", folder,
+                            what, labels, flag, best.front()->label));
   }
   return best.empty() ? nullptr : best.front();
 }

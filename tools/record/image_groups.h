@@ -1,8 +1,7 @@
 #pragma once
 
-// Which images of a folder belong together, and whether they are depth, colour or something else: by the words of their
-// names and by what their headers say. Masks, labels, infrared and coloured pictures of depth lie beside both in public
-// data sets.
+// Sorts the images of a folder into groups of depth, colour and others, by the words in their names and by their headers.
+// Public data sets also contain masks, labels, infrared images and visualisations of depth.
 //
 // Thread: free functions; concurrent calls are safe.
 
@@ -17,38 +16,41 @@ namespace copresence::record {
 
 enum class ImageKind { kDepth, kColor, kOther };
 
-/// What the words of a path, relative to the images' folder, say: those of the file's name before those of its folder.
-/// kOther where they name what is neither (mask, label, infrared, ...).
-/// `known` is false where no word says anything.
+/// The kind of an image according to the words in its path. Words of the file name have precedence over those of folders.
+/// Words such as mask, label or infrared mean kOther. `known` is false if no word has a meaning.
 struct NamedKind {
   ImageKind kind = ImageKind::kOther;
   bool known = false;
 };
+/// Requires a path relative to the folder of images.
 NamedKind kind_by_name(const std::filesystem::path& relative);
 
-/// Whether a file holds one channel of 16 bits or of floating-point numbers, as depth does.
+/// True if a file name has an image extension, including those of unsupported formats.
+bool has_image_ending(const std::filesystem::path& path);
+
+/// True if an image has one channel of 16 bits or of floating-point numbers, as depth has.
 bool holds_depth(const std::filesystem::path& path);
 
-/// Images of one folder and of one kind of name.
+/// Images in one folder with similar names.
 struct ImageGroup {
-  std::string label;   ///< for people: "depth/", "ir*.png"
-  std::string folder;  ///< relative; empty for the images' folder itself
+  std::string label;   ///< for messages: "depth/", "ir*.png"
+  std::string folder;  ///< relative to the folder of images; may be empty
   ImageKind kind = ImageKind::kOther;
-  int rank = 0;  ///< among groups of one kind: the lower, the likelier it is meant
+  int rank = 0;  ///< of groups of the same kind, the lowest rank is the most likely one
   std::vector<std::filesystem::path> paths;  ///< sorted by name
 };
 
 struct FolderContent {
   std::vector<ImageGroup> groups;
-  std::size_t hidden = 0;  ///< files that systems leave: ._0.png, .DS_Store, __MACOSX
+  std::size_t hidden = 0;  ///< files of operating systems: ._0.png, .DS_Store, __MACOSX
 };
 
-/// All images of a folder and of the folders in it.
+/// Lists all images in a folder and in its direct subfolders.
 FolderContent list_images(const std::filesystem::path& folder);
 
-/// The group of this kind that is meant: the one that `wanted` names by label or folder, else that of the lowest rank.
-/// Null where there is none.
-/// Fails  kNotFound: none is called `wanted`; kInvalid: several are equally likely.
+/// Chooses a group of this kind: the one with the label or folder `wanted`, or if `wanted` is empty the one with the lowest
+/// rank. Returns null if there is none. `folder` is for messages.
+/// Fails  kNotFound if no group is called `wanted`; kInvalid if several groups have the lowest rank.
 Result<const ImageGroup*> choose(const FolderContent& content, ImageKind kind, const std::string& wanted,
                                  const std::string& folder);
 

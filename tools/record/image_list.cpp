@@ -4,20 +4,26 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <iterator>
-#include <optional>
+#include <string_view>
 #include <utility>
+
+#include "tools/record/image_groups.h"
 
 namespace copresence::record {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr std::string_view kEndings[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm",  ".pfm", ".tif",
-                                         ".tiff", ".bmp", ".webp", ".exr", ".npy", ".heic", ".jp2", ".gif"};
+constexpr const char* kAssociationNames[] = {"associations.txt", "association.txt", "associated.txt",
+                                             "associate.txt", "assoc.txt"};
+constexpr const char* kDepthLists[] = {"aligned_depth.txt", "depth.txt"};
+constexpr const char* kColorLists[] = {"rgb.txt", "color.txt", "colour.txt"};
 
-// A word of a line, and whether a comma, a semicolon or a tab follows it.
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+// A word of a line. `ends_field` means that a comma, a semicolon, a tab or the end of the line follows.
 struct Word {
   std::string text;
   bool is_quoted = false, ends_field = false;
@@ -53,7 +59,7 @@ std::vector<Word> words_of(std::string_view line) {
   return words;
 }
 
-// Windows writes folders with backslashes.
+// Lists written on Windows have backslashes in paths.
 fs::path path_of(const fs::path& folder, std::string text) {
   std::error_code ignored;
   if (text.find('\\') != std::string::npos && !fs::exists(folder / text, ignored)) {
@@ -70,7 +76,7 @@ std::optional<std::vector<ListedImage>> images_of(const std::vector<Word>& words
     if (word == words.end()) return std::nullopt;
     const auto time = parse_number(word->text);
     if (!time || ++word == words.end()) return std::nullopt;
-    // A name goes on over spaces until it ends like an image's, or its field ends.
+    // A name continues across spaces until it has an image extension or the field ends.
     std::string name = word->text;
     while (!word->is_quoted && !word->ends_field && !has_image_ending(name)) name += ' ' + (++word)->text;
     ++word;
@@ -85,20 +91,20 @@ bool is_header(const std::vector<Word>& words) {
   });
 }
 
-}  // namespace
+// One line of a list.
+struct ListLine {
+  int number = 0;  // from 1
+  std::vector<ListedImage> images;
+};
 
-bool has_image_ending(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings);
-}
-
+// Reads lines of `images_per_line` pairs of a time and a file name relative to `folder`. `name` is the name of the list in
+// messages.
 Result<std::vector<ListLine>> parse_list(std::string_view text, const fs::path& folder,
                                          const std::string& name, std::size_t images_per_line) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
-    return fail(ErrorCode::kInvalid, fmt::format("{}: a UTF-16 text; save it as UTF-8", name));
+    return fail(ErrorCode::kInvalid,
+                fmt::format("{}: the list is encoded in UTF-16; save it as UTF-8", name));
   }
   std::vector<ListLine> lines;
   bool may_be_header = true;
@@ -111,13 +117,127 @@ Result<std::vector<ListLine>> parse_list(std::string_view text, const fs::path& 
     auto images = images_of(words, folder, images_per_line);
     if (!images) {
       return fail(ErrorCode::kInvalid,
-                  fmt::format("{}:{}: not {}; give lists as TUM's RGB-D sets have them", name, number,
-                              images_per_line == 1 ? "a time and a file's name"
-                                                   : "a time, a file's name, a time and a file's name"));
+                  fmt::format("{}:{}: the line must have {}, as in TUM's RGB-D data sets", name, number,
+                              images_per_line == 1 ? "a time and a file name"
+                                                   : "a time, a file name, a time and a file name"));
     }
     lines.push_back({number, std::move(*images)});
   }
   return lines;
+}
+
+bool is_depth(const fs::path& relative, const fs::path& path) {
+  const NamedKind named = kind_by_name(relative);
+  return named.known ? named.kind == ImageKind::kDepth : holds_depth(path);
+}
+
+std::optional<std::string> read(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+Result<ListedStreams> from_associations(const fs::path& list, const std::string& text,
+                                        const fs::path& folder) {
+  auto lines = parse_list(text, folder, list.string(), 2);
+  if (!lines) return fail(lines.error());
+  ListedStreams found;
+  found.has_tum_depth = true;
+  for (ListLine& line : *lines) {
+    const auto relative = [&](const ListedImage& image) { return image.path.lexically_relative(folder); };
+    const bool depth_first = is_depth(relative(line.images[0]), line.images[0].path);
+    if (depth_first == is_depth(relative(line.images[1]), line.images[1].path)) {
+      return fail(
+          ErrorCode::kInvalid,
+          fmt::format(
+              "{}:{}: the line must have one depth and one colour image, but neither names nor contents "
+              "show which is which",
+              list.string(), line.number));
+    }
+    ListedImage& color = line.images[depth_first ? 1 : 0];
+    if (relative(color).string().find("rgb") == std::string::npos &&
+        relative(color).string().find("colo") != std::string::npos) {
+      found.has_tum_depth = false;  // data sets with "color", such as OpenLORIS, have millimetres
+    }
+    found.depth.push_back(std::move(line.images[depth_first ? 0 : 1]));
+    found.color.push_back(std::move(color));
+  }
+  return found;
+}
+
+Result<std::vector<ListedImage>> from_list(const fs::path& list, const std::string& text,
+                                           const fs::path& folder) {
+  auto lines = parse_list(text, folder, list.string(), 1);
+  if (!lines) return fail(lines.error());
+  std::vector<ListedImage> images;
+  for (ListLine& line : *lines) images.push_back(std::move(line.images[0]));
+  return images;
+}
+
+Result<void> check_files(const ListedStreams& streams) {
+  for (const auto* images : {&streams.depth, &streams.color}) {
+    for (const ListedImage& image : *images) {
+      std::error_code ignored;
+      if (fs::is_regular_file(image.path, ignored)) continue;
+      return fail(
+          ErrorCode::kNotFound,
+          fmt::format("{}: this image is in a list, but it does not exist; unpack the complete data set",
+                      image.path.string()));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::optional<ListedStreams>> read_lists(const fs::path& folder, std::vector<std::string>& remarks) {
+  for (const char* name : kAssociationNames) {
+    const auto text = read(folder / name);
+    if (!text) continue;
+    auto found = from_associations(folder / name, *text, folder);
+    if (!found) return fail(found.error());
+    if (auto there = check_files(*found); !there) return fail(there.error());
+    remarks.push_back(fmt::format("times and pairs from {}", name));
+    return std::optional(std::move(*found));
+  }
+  std::optional<ListedStreams> found;
+  for (const char* name : kDepthLists) {
+    const auto text = read(folder / name);
+    if (!text) continue;
+    if (found) {
+      remarks.push_back(fmt::format("left: {}", name));
+      continue;
+    }
+    auto depth = from_list(folder / name, *text, folder);
+    if (!depth) return fail(depth.error());
+    found.emplace().depth = std::move(*depth);
+    found->has_tum_depth = true;
+    remarks.push_back(fmt::format("depth from {}", name));
+  }
+  for (const char* name : kColorLists) {
+    const auto text = read(folder / name);
+    if (!text) continue;
+    if (!found) {
+      return fail(
+          ErrorCode::kNotFound,
+          fmt::format(
+              "{}: it lists colour, but there is no depth.txt next to it; unpack the complete data set",
+              (folder / name).string()));
+    }
+    if (!found->color.empty()) {
+      remarks.push_back(fmt::format("left: {}", name));
+      continue;
+    }
+    auto color = from_list(folder / name, *text, folder);
+    if (!color) return fail(color.error());
+    found->color = std::move(*color);
+    found->has_tum_depth = std::string_view(name) == "rgb.txt";
+    remarks.push_back(fmt::format("colour from {}", name));
+  }
+  if (found) {
+    if (auto there = check_files(*found); !there) return fail(there.error());
+  }
+  return found;
 }
 
 }  // namespace copresence::record

@@ -1,12 +1,13 @@
 #pragma once
 
-// Lists of images: TUM's "time file" and pairs "time file time file", as people's tools and editors write them.
+// Reads lists of images with their times, as in TUM's RGB-D data sets: "time file", or pairs "time file time file". Variants
+// that other tools and editors write are accepted.
 //
-// Thread: free functions on values, safe anywhere.
+// Thread: free functions; concurrent calls are safe.
 
 #include <filesystem>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/result.h"
@@ -14,27 +15,26 @@
 
 namespace copresence::record {
 
-/// An image that a list names.
+/// An image in a list.
 struct ListedImage {
   TimeNumber time;
   std::filesystem::path path;
 };
 
-/// One line of a list.
-struct ListLine {
-  int number = 0;  ///< from 1
-  std::vector<ListedImage> images;
+/// The images of both streams in the order of the lists.
+struct ListedStreams {
+  std::vector<ListedImage> depth, color;
+  bool has_tum_depth = false;  ///< depth is 5000 per metre, as in TUM's data sets
 };
 
-/// Reads lines of `images_per_line` pairs of a time and a file's name, relative to `folder`. Fields are separated by
-/// white space, commas or semicolons. A name may be in quotes, and may have spaces where it ends like an image's.
-/// Lines that begin with # are comments; a byte order mark, a first line of column names, Windows line ends and fields
-/// behind the last name are passed over. `name` stands for the list in sentences.
-/// Fails  kInvalid: a line that is none, with its number.
-Result<std::vector<ListLine>> parse_list(std::string_view text, const std::filesystem::path& folder,
-                                         const std::string& name, std::size_t images_per_line);
-
-/// Whether a file's name ends like an image's, of a format that is read here or not.
-bool has_image_ending(const std::filesystem::path& path);
+/// Reads the lists of a folder: associations.txt or a similar name, otherwise depth.txt and rgb.txt or color.txt. Returns
+/// nothing if there are none. Adds to `remarks` which lists are used.
+///
+/// Fields are separated by white space, commas or semicolons. A name is relative to the folder. It may be quoted, and may
+/// contain spaces if it ends with an image extension. Ignored are comment lines with #, a byte order mark, a header line,
+/// Windows line ends and additional fields.
+/// Fails  kInvalid for a line that cannot be read, with its number; kNotFound if an image or a list of depth is missing.
+Result<std::optional<ListedStreams>> read_lists(const std::filesystem::path& folder,
+                                                std::vector<std::string>& remarks);
 
 }  // namespace copresence::record

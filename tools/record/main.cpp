@@ -1,4 +1,4 @@
-// record: looks into recordings, repairs, cuts and makes them. See settings.cpp for its command line.
+// record: describes, repairs, cuts and creates recordings. settings.cpp has its command line.
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ namespace {
 constexpr int kSteps = 100;
 constexpr double kNoEnd = 1e18;  // seconds
 
-/// A bar in hundredths.
+/// A progress bar in steps of one percent.
 class Bar {
  public:
   explicit Bar(std::string what) : what_(std::move(what)), progress_(kSteps) {}
@@ -36,7 +36,7 @@ class Bar {
 
 Result<std::string> run(const InfoSettings& settings) {
   std::optional<Bar> bar(std::in_place, settings.recording);
-  const auto info = look_into(settings.recording, bar->report());
+  const auto info = read_info(settings.recording, bar->report());
   bar.reset();
   if (!info) return fail(info.error());
   return settings.json ? to_json(*info) : to_table(*info);
@@ -59,11 +59,11 @@ Result<std::string> run(const RepairSettings& settings) {
       recording::repair(settings.recording, settings.out, existing(settings.overwrite), bar.report());
   if (!done) return fail(done.error());
   const std::string& file = settings.out.empty() ? settings.recording : settings.out;
-  if (done->was_whole) return fmt::format("{}: whole, with {}; nothing to repair\n", file, frames(*done));
+  if (done->was_whole) return fmt::format("{}: complete, with {}; nothing to repair\n", file, frames(*done));
   std::string text = fmt::format("{}: finished with {}", file, frames(*done));
   if (done->dropped_bytes)
-    text += fmt::format("; {} bytes of an incomplete one dropped", done->dropped_bytes);
-  if (done->gaps) text += fmt::format("; damage in {} places passed over", done->gaps);
+    text += fmt::format("; {} bytes of an incomplete frame were dropped", done->dropped_bytes);
+  if (done->gaps) text += fmt::format("; {} damaged places were skipped", done->gaps);
   return text + '\n';
 }
 
@@ -75,7 +75,7 @@ Result<std::string> run(const CutSettings& settings) {
   std::string text = fmt::format("{}: {} frames of depth, {} of colour\n", settings.out, done->depth_frames,
                                  done->color_frames);
   if (settings.to_s && *settings.to_s > done->whole_s) {
-    text += fmt::format("{} is only {:.1f} s long, so the part ends there and not at {:g} s\n",
+    text += fmt::format("{} is only {:.1f} s long, so the copy ends there and not at {:g} s\n",
                         settings.recording, done->whole_s, *settings.to_s);
   }
   return text;
@@ -89,12 +89,12 @@ Result<std::string> run(const FromImagesSettings& settings) {
   for (const std::string& remark : done->remarks) text += remark + '\n';
   text += fmt::format("{}: {} frames of depth{}, {} of colour, {:.1f} MB\n", settings.out, done->depth_frames,
                       done->depth_per_metre
-                          ? fmt::format(" ({:g} to a metre in the images)", done->depth_per_metre)
+                          ? fmt::format(" ({:g} per metre in the images)", done->depth_per_metre)
                           : std::string(),
                       done->color_frames, static_cast<double>(done->bytes) * 1e-6);
   if (done->too_far) {
     text += fmt::format(
-        "{} depth pixels lie beyond what the unit holds and are holes now; --unit mm holds more\n",
+        "{} depth pixels are too far for the unit and became holes; --unit mm has a larger range\n",
         done->too_far);
   }
   return text;
@@ -103,12 +103,13 @@ Result<std::string> run(const FromImagesSettings& settings) {
 }  // namespace
 }  // namespace copresence::record
 
-// Nothing throws but for want of memory, and then there is nothing better than to end.
+// Only a lack of memory throws, and then the program has to end.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
-  std::signal(SIGXFSZ, SIG_IGN);   // a file that grows beyond a limit is a sentence, not a crash
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond a file size limit, writing fails with an error instead of a signal
   const auto settings = copresence::record::read_command_line(argc, argv);
   if (!settings) return settings.error();
-  const auto done = std::visit([](const auto& asked) { return copresence::record::run(asked); }, *settings);
+  const auto done =
+      std::visit([](const auto& command) { return copresence::record::run(command); }, *settings);
   if (!done) {
     fmt::print(stderr, "record: {}\n", done.error().what);
     return 1;

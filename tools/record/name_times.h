@@ -1,6 +1,6 @@
 #pragma once
 
-// The times of images from their names, where no list tells them.
+// The times of images from their file names, for folders without lists.
 //
 // Thread: free functions; concurrent calls are safe.
 
@@ -19,10 +19,10 @@ struct NamedTimes {
   TimeScale scale;
 };
 
-/// One stream's images with their times. A name may hold several numbers, as "0000012-000000366000" does: the one that
-/// is a time is taken before one that counts frames, and of several that count the last. Dates are read as UTC. Where
-/// no number changes from name to name, images count by their order.
-/// Fails  kInvalid: recognise_times() cannot decide.
+/// Finds the times of the images of one stream. A name may contain several numbers, such as "0000012-000000366000". A time has
+/// precedence over a frame number, and the last of several frame numbers is used. Dates are UTC. If no number changes from
+/// name to name, the order of the names gives frame numbers. `unit` is recognised if not given.
+/// Fails  kInvalid if recognise_times() cannot decide.
 Result<NamedTimes> times_of_names(const std::vector<std::filesystem::path>& paths,
                                   std::optional<TimeUnit> unit, double frames_per_second);
 

@@ -19,7 +19,7 @@ using recording::OniReader;
 using recording::RecordedStream;
 using Kind = RecordedStream::Kind;
 
-constexpr double kPause = 1.5;  // of the usual period
+constexpr double kPause = 1.5;  // times the usual period
 constexpr std::size_t kPausesShown = 10;
 
 const char* name(Kind kind) {
@@ -50,7 +50,7 @@ StreamInfo describe(const RecordedStream& stream) {
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   info.seconds = (static_cast<double>(*last - *first) + period_us) * 1e-6;
   info.without_time = recording::steps_without_time(stream);
-  // As long as it plays: where times stand still, frames follow each other by the period.
+  // The duration of playback. If times do not advance, the player uses the period.
   const bool has_times = 4 * info.without_time < times.size();
   if (!has_times) info.seconds = static_cast<double>(times.size()) * period_us * 1e-6;
   double bytes = 0;
@@ -69,7 +69,8 @@ StreamInfo describe(const RecordedStream& stream) {
   return info;
 }
 
-std::optional<DepthInfo> look_at_depth(const OniReader& reader, const recording::ProgressReport& progress) {
+std::optional<DepthInfo> depth_statistics(const OniReader& reader,
+                                          const recording::ProgressReport& progress) {
   const RecordedStream& stream = *reader.summary().find(Kind::kDepth);
   DepthInfo info;
   info.unit_mm = static_cast<int>(stream.unit) * 1e-3;
@@ -127,7 +128,7 @@ std::optional<std::int64_t> start_of(const recording::RecordingSummary& summary)
 
 }  // namespace
 
-Result<RecordingInfo> look_into(const std::string& path, const recording::ProgressReport& progress) {
+Result<RecordingInfo> read_info(const std::string& path, const recording::ProgressReport& progress) {
   const auto reader = OniReader::open(path);
   if (!reader) return fail(reader.error());
   RecordingInfo info;
@@ -138,7 +139,7 @@ Result<RecordingInfo> look_into(const std::string& path, const recording::Progre
     info.streams.push_back(describe(stream));
     if (stream.kind == Kind::kDepth) info.seconds = info.streams.back().seconds;
   }
-  info.depth = look_at_depth(*reader, progress);
+  info.depth = depth_statistics(*reader, progress);
   info.color_after_depth_ms = color_after_depth(*summary.find(Kind::kDepth), summary.find(Kind::kColor));
   info.camera = summary.camera_note;
   info.started_unix_us = start_of(summary);
@@ -153,7 +154,7 @@ Result<RecordingInfo> look_into(const std::string& path, const recording::Progre
 std::string to_table(const RecordingInfo& info) {
   std::string text = fmt::format(
       "{}: {:.1f} s, {:.1f} MB{}\n{}", info.file, info.seconds, static_cast<double>(info.bytes) * 1e-6,
-      info.finished ? "" : ", unfinished: its recorder was stopped (record repair)",
+      info.finished ? "" : ", incomplete: its recorder was stopped (use record repair)",
       info.started_unix_us ? "" : "\n");
   if (info.started_unix_us)
     text += "began " + utc_text(std::chrono::microseconds(*info.started_unix_us)) + "\n\n";
@@ -174,10 +175,10 @@ std::string to_table(const RecordingInfo& info) {
                         info.depth->nearest_m, info.depth->farthest_m,
                         info.depth->damaged ? fmt::format(", {} damaged frames", info.depth->damaged) : "");
   } else {
-    text += "depth is coded in a way that only OpenNI2 decodes: holes and levels are not known\n";
+    text += "only OpenNI2 can decode this depth codec: holes and levels are not known\n";
   }
   if (info.color_after_depth_ms) {
-    text += fmt::format("colour lies {:.1f} ms after the nearest depth, at the median\n",
+    text += fmt::format("the nearest colour frame is {:.1f} ms after a depth frame (median)\n",
                         *info.color_after_depth_ms);
   }
   if (info.camera) {
@@ -195,7 +196,7 @@ std::string to_table(const RecordingInfo& info) {
     }
     for (std::size_t i = 0; i < std::min(stream.pauses.size(), kPausesShown); ++i) {
       const auto& pause = stream.pauses[i];
-      text += fmt::format("{}: {:.0f} ms without a frame after frame {}, at {:.2f} s\n", name(stream.kind),
+      text += fmt::format("{}: no frame for {:.0f} ms after frame {}, at {:.2f} s\n", name(stream.kind),
                           pause.ms, pause.after_frame, pause.at_s);
     }
     if (stream.pauses.size() > kPausesShown) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What there is to know of a recording: for people as a table, for programs as JSON.
+// Describes a recording: a table for people, JSON for programs.
 
 #include <cstdint>
 #include <optional>
@@ -14,10 +14,10 @@
 namespace copresence::record {
 
 struct StreamInfo {
-  /// Frames that are farther apart than one and a half of the usual period.
+  /// A gap of more than 1.5 times the usual period between two frames.
   struct Pause {
     std::size_t after_frame = 0;  ///< counted from 1
-    double at_s = 0;              ///< after the stream's first frame
+    double at_s = 0;              ///< after the first frame of the stream
     double ms = 0;
   };
 
@@ -25,21 +25,21 @@ struct StreamInfo {
   std::string name, codec;
   int width = 0, height = 0;
   std::size_t frames = 0;
-  std::uint64_t frames_missing = 0;  ///< by their numbers
-  double nominal_fps = 0, fps = 0;   ///< by the mean time between frames
+  std::uint64_t frames_missing = 0;  ///< according to frame numbers
+  double nominal_fps = 0, fps = 0;   ///< fps: from the mean time between frames
   double seconds = 0;                ///< from the first frame to one period after the last
   double mbps = 0;
   std::vector<Pause> pauses;
-  std::size_t without_time = 0;  ///< frames with the time of the one before, or an earlier one
+  std::size_t without_time = 0;  ///< frames whose time is not later than that of the frame before
 };
 
-/// What the depth pictures themselves say.
+/// Statistics of the depth pictures.
 struct DepthInfo {
   double unit_mm = 1;
   double holes_percent = 0;
-  std::size_t levels = 0;  ///< distinct depths
+  std::size_t levels = 0;  ///< distinct depth values
   double nearest_m = 0, farthest_m = 0;
-  std::size_t damaged = 0;  ///< frames that do not decode
+  std::size_t damaged = 0;  ///< frames that cannot be decoded
 };
 
 struct RecordingInfo {
@@ -48,16 +48,16 @@ struct RecordingInfo {
   bool finished = false;
   double seconds = 0;
   std::vector<StreamInfo> streams;
-  std::optional<DepthInfo> depth;  ///< nothing where its codec is only OpenNI2's
-  std::optional<double>
-      color_after_depth_ms;  ///< median distance of a depth frame to the nearest colour frame
+  std::optional<DepthInfo> depth;  ///< empty if only OpenNI2 can decode it
+  /// Median time from a depth frame to the nearest colour frame.
+  std::optional<double> color_after_depth_ms;
   std::optional<recording::CameraNote> camera;
-  /// When its first frame was taken, microseconds since 1970 (UTC), where the recorder noted it.
+  /// Capture time of the first frame in microseconds since 1970 (UTC), if the recorder stored it.
   std::optional<std::int64_t> started_unix_us;
 };
 
-/// Reads the whole file. Fails as OniReader::open().
-Result<RecordingInfo> look_into(const std::string& path, const recording::ProgressReport& progress);
+/// Reads the whole file. Fails  as OniReader::open().
+Result<RecordingInfo> read_info(const std::string& path, const recording::ProgressReport& progress);
 
 std::string to_table(const RecordingInfo& info);
 std::string to_json(const RecordingInfo& info);

@@ -11,44 +11,46 @@ namespace copresence::record {
 namespace {
 
 constexpr const char* kOverwrite =
-    "replace the file of --out where it exists; without it an existing file is kept";
+    "replace the file given by --out if it exists; by default existing files are kept";
 
 }  // namespace
 
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv) {
   using namespace command_line;
-  CLI::App app{"Looks into recordings of depth cameras (.oni), repairs, cuts and makes them.", "record"};
+  CLI::App app{"Describes, repairs, cuts and creates recordings of depth cameras (.oni).", "record"};
   app.set_version_flag("--version", std::string("record ") + COPRESENCE_VERSION);
   app.require_subcommand(1);
 
   InfoSettings info;
   auto* info_command =
-      app.add_subcommand("info", "what a recording holds: streams, rate, gaps, holes, levels");
+      app.add_subcommand("info", "describes a recording: streams, frame rate, gaps, holes, depth levels");
   info_command->add_option("FILE.oni", info.recording, "the recording")->required()->check(file_name());
-  info_command->add_flag("--json", info.json, "as JSON on standard output");
+  info_command->add_flag("--json", info.json, "print JSON");
 
   RepairSettings repair;
   auto* repair_command =
-      app.add_subcommand("repair", "finishes a recording that was cut off; every whole frame is kept");
-  repair_command->add_option("FILE.oni", repair.recording, "the recording, changed in place")
+      app.add_subcommand("repair", "completes a recording that was cut off; all complete frames are kept");
+  repair_command->add_option("FILE.oni", repair.recording, "the recording; it is changed in place")
       ->required()
       ->check(file_name());
   repair_command
       ->add_option("--out", repair.out,
-                   "write the whole recording here and leave FILE.oni as it is; needed where it is "
-                   "damaged in the middle")
+                   "write the repaired recording to this file and do not change FILE.oni; required if "
+                   "FILE.oni is damaged in the middle")
       ->check(file_name());
   repair_command->add_flag("--overwrite", repair.overwrite, kOverwrite);
 
   CutSettings cut;
-  auto* cut_command = app.add_subcommand("cut", "copies a part of a recording, pictures unchanged");
+  auto* cut_command =
+      app.add_subcommand("cut", "copies a part of a recording without coding its pictures again");
   cut_command->add_option("FILE.oni", cut.recording, "the recording")->required()->check(file_name());
-  cut_command->add_option("--from", cut.from_s, "seconds after the recording's first frame [0]")
+  cut_command->add_option("--from", cut.from_s, "start, in seconds after the first frame [0]")
       ->check(number(0, 1e6));
   cut_command
-      ->add_option("--to", cut.to_s, "seconds after the recording's first frame, not included [its end]")
+      ->add_option("--to", cut.to_s,
+                   "end (exclusive), in seconds after the first frame [end of the recording]")
       ->check(number(0, 1e6));
-  cut_command->add_option("--out", cut.out, "the part")->required()->check(file_name());
+  cut_command->add_option("--out", cut.out, "the file to write")->required()->check(file_name());
   cut_command->add_flag("--overwrite", cut.overwrite, kOverwrite);
 
   FromImagesSettings images;
@@ -56,24 +58,26 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   std::vector<double> distortion;
   auto* images_command = app.add_subcommand(
       "from-images",
-      "makes a recording of a folder of images: depth as 16-bit PNG, PGM or TIFF or as floating-point TIFF "
-      "or PFM, "
-      "colour as JPEG, PNG, PPM or TIFF. Times and pairs come from associations.txt, or depth.txt and "
-      "rgb.txt or "
-      "color.txt, else from the names. What is depth and what is colour is recognised by names and contents");
-  images_command->add_option("FOLDER", images.folder, "the images")
+      "creates a recording from a folder of images. Depth: 16-bit PNG, PGM or TIFF, or floating-point TIFF "
+      "or "
+      "PFM. Colour: JPEG, PNG, PPM or TIFF. Times and pairs are read from associations.txt, from depth.txt "
+      "and "
+      "rgb.txt or color.txt, or from file names. Names and contents of the images decide which are depth and "
+      "which are colour");
+  images_command->add_option("FOLDER", images.folder, "the folder with the images")
       ->required()
       ->check(some("a folder's name"));
-  images_command->add_option("--out", images.out, "the recording")->required()->check(file_name());
-  images_command->add_option("--name", images.name, "the camera's name [the folder's]")
+  images_command->add_option("--out", images.out, "the recording to write")->required()->check(file_name());
+  images_command->add_option("--name", images.name, "name of the camera [name of the folder]")
       ->check(some("a name"));
   images_command->add_flag("--overwrite", images.overwrite, kOverwrite);
-  images_command->add_option("--fps", images.frames_per_second, "frames a second, where images have no times")
+  images_command
+      ->add_option("--fps", images.frames_per_second, "frames per second if the images have no times")
       ->capture_default_str()
       ->check(number(1, 1000));
   images_command
       ->add_option("--times", images.times,
-                   "what the numbers in lists and names are: s, ms, us or ns, or frame for frames' numbers "
+                   "unit of the numbers in lists and file names: s, ms, us, ns, or frame for frame numbers "
                    "[recognised]")
       ->transform(one_of<TimeUnit>({{"s", TimeUnit::kSeconds},
                                     {"ms", TimeUnit::kMilliseconds},
@@ -82,18 +86,19 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
                                     {"frame", TimeUnit::kFrames}}));
   images_command
       ->add_option("--depth", images.depth,
-                   "take depth from this folder in FOLDER, and no lists [the likeliest]")
+                   "use depth from this folder in FOLDER and ignore lists [chosen automatically]")
       ->check(some("a folder's name"));
-  images_command->add_option("--color", images.color, "likewise colour")->check(some("a folder's name"));
+  images_command->add_option("--color", images.color, "the same for colour")->check(some("a folder's name"));
   images_command
-      ->add_option(
-          "--depth-scale", images.depth_per_metre,
-          "what a depth of 1 m is in the images [5000 with TUM's lists, 1 in floating-point images, else "
-          "1000]")
+      ->add_option("--depth-scale", images.depth_per_metre,
+                   "pixel value of 1 m in the depth images [5000 with lists as in TUM's data sets, 1 for "
+                   "floating-point images, otherwise 1000]")
       ->check(number_above_zero(65535));
   images_command->add_option("--unit", images.unit, "depth unit of the recording: mm or 0.1mm [mm]")
       ->transform(one_of<DepthUnit>({{"mm", DepthUnit::kMillimetre}, {"0.1mm", DepthUnit::k100Micrometres}}));
-  const char* together = "pixels; fx, fy, cx and cy go together [square pixels, a Kinect's field of view]";
+  const char* together =
+      "intrinsics in pixels; give --fx, --fy, --cx and --cy together [square pixels, field of view of a "
+      "Kinect]";
   std::vector<CLI::Option*> lens{
       images_command->add_option("--fx", intrinsics.fx, together)->check(number_above_zero(1e6)),
       images_command->add_option("--fy", intrinsics.fy, together)->check(number_above_zero(1e6)),
@@ -104,25 +109,28 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       if (one != other) one->needs(other);
     }
   }
-  images_command->add_option("--distortion", distortion, "k1 k2 p1 p2 k3 k4 k5 k6, OpenCV's order")
+  images_command
+      ->add_option("--distortion", distortion,
+                   "lens distortion k1 k2 p1 p2 k3 k4 k5 k6, in the order of OpenCV")
       ->expected(1, 8)
       ->check(number(-1e6, 1e6))
       ->needs(lens[0]);
   images_command->add_flag(
       "!--unregistered", images.registered,
-      "colour is not as the depth camera sees it (it is taken to be, but for raw disparities)");
+      "colour was taken from another viewpoint than depth [registered, except for raw disparities]");
   images_command
-      ->add_option("--jpeg-quality", images.jpeg_quality, "of colour that is not a JPEG already, 1 to 100")
+      ->add_option("--jpeg-quality", images.jpeg_quality,
+                   "JPEG quality for colour images in other formats, 1 to 100")
       ->check(whole_number(1, 100))
       ->capture_default_str();
 
   try {
     app.parse(argc, argv);
     if (*cut_command && cut.to_s && *cut.to_s <= cut.from_s)
-      throw CLI::ValidationError("--to", "must lie after --from");
+      throw CLI::ValidationError("--to", "must be after --from");
     if (repair.overwrite && repair.out.empty()) {
       throw CLI::ValidationError("--overwrite",
-                                 "without --out the recording itself is repaired: leave it out");
+                                 "needs --out; without --out the recording is repaired in place");
     }
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(explain(app, error));

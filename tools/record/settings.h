@@ -1,6 +1,6 @@
 #pragma once
 
-// The command line of record, checked.
+// The validated command line of record.
 
 #include <array>
 #include <optional>
@@ -21,41 +21,40 @@ struct InfoSettings {
 
 struct RepairSettings {
   std::string recording;
-  std::string out;  ///< empty: in place
+  std::string out;  ///< empty: repair in place
   bool overwrite = false;
 };
 
 struct CutSettings {
   std::string recording, out;
   double from_s = 0;           ///< seconds after the first frame
-  std::optional<double> to_s;  ///< likewise; the recording's end where not given
+  std::optional<double> to_s;  ///< exclusive; the end of the recording if not given
   bool overwrite = false;
 };
 
 struct Intrinsics {
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels of the depth images
-  std::array<double, 8> distortion{};     ///< OpenCV's order
+  std::array<double, 8> distortion{};     ///< k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV
 };
 
 struct FromImagesSettings {
   std::string folder, out;
-  std::string name;               ///< of the camera; the folder's by default
-  double frames_per_second = 30;  ///< where the images have no times
-  std::optional<TimeUnit> times;  ///< what numbers in lists and names are; recognised where not given
-  std::string depth, color;       ///< folders or groups of images to take; the likeliest where empty
-  std::optional<double>
-      depth_per_metre;  ///< what a depth of one metre is in the images; by the set where not given
+  std::string name;                       ///< of the camera; by default the name of the folder
+  double frames_per_second = 30;          ///< used if the images have no times
+  std::optional<TimeUnit> times;          ///< unit of numbers in lists and names; recognised if not given
+  std::string depth, color;               ///< folder or group of images to use; chosen automatically if empty
+  std::optional<double> depth_per_metre;  ///< pixel value of one metre; recognised if not given
   DepthUnit unit = DepthUnit::kMillimetre;
-  std::optional<Intrinsics> intrinsics;  ///< a Kinect's where not given
-  bool registered = true;                ///< colour is as the depth camera sees it
+  std::optional<Intrinsics> intrinsics;  ///< those of a Kinect if not given
+  bool registered = true;                ///< colour has the viewpoint of the depth camera
   int jpeg_quality = 95;
   bool overwrite = false;
 };
 
 using Settings = std::variant<InfoSettings, RepairSettings, CutSettings, FromImagesSettings>;
 
-/// What is asked for, or the exit code to leave with: 0 after --help and --version, 2 after a wrong command line
-/// (said on standard error).
+/// Returns the settings of one command, or an exit code: 0 after --help and --version, 2 after an invalid command line, which
+/// is reported on standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::record

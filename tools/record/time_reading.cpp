@@ -18,15 +18,15 @@ using std::chrono::microseconds;
 constexpr TimeUnit kTimes[] = {TimeUnit::kSeconds, TimeUnit::kMilliseconds, TimeUnit::kMicroseconds,
                                TimeUnit::kNanoseconds};
 
-// 2000-01-01 and 2100-01-01, seconds since 1970.
+// 2000-01-01 and 2100-01-01 in seconds since 1970.
 constexpr long double kEarliestDate = 946'684'800, kLatestDate = 4'102'444'800;
 
-// Frames a second: as cameras run, and as recordings may.
+// Frames per second: the usual range of cameras, and the range that recordings may have.
 constexpr double kSlowVideo = 4, kFastVideo = 200, kSlowest = 0.1, kFastest = 300;
-// A step between dates that no recording has: the numbers are no dates then.
+// Numbers with a longer step are not dates.
 constexpr double kLongestStepS = 600;
 constexpr long double kLargestFrameStep = 4;
-// Steps that differ from their median by less than this share are a clock's.
+// Time steps differ from their median by less than this share.
 constexpr long double kJitter = 0.25;
 constexpr long double kMostMicroseconds = 3.2e16L;  // a thousand years
 
@@ -66,11 +66,11 @@ bool are_dates(std::span<const TimeNumber> numbers, TimeUnit unit) {
          });
 }
 
-bool may_be_a_recordings(double rate) {
+bool is_plausible_rate(double rate) {
   return rate >= kSlowest && rate <= kFastest;
 }
 
-// Numbers of one stream, distinct and rising, and what can be made of them.
+// The distinct numbers of one stream in ascending order, and their possible interpretations.
 class Numbers {
  public:
   Numbers(std::span<const TimeNumber> numbers, double frames_per_second)
@@ -96,7 +96,7 @@ class Numbers {
       if (is_dated) return TimeScale{*date, true};
       return TimeScale{whole_ ? TimeUnit::kFrames : TimeUnit::kSeconds, false};
     }
-    if (is_dated && (!whole_ || may_be_a_recordings(rate(*date)))) return TimeScale{*date, true};
+    if (is_dated && (!whole_ || is_plausible_rate(rate(*date)))) return TimeScale{*date, true};
     if (is_dated && 1 / rate(*date) > kLongestStepS) is_dated = false;
     if (whole_ && usual_step_ <= kLargestFrameStep && !is_dated) return TimeScale{TimeUnit::kFrames, false};
 
@@ -109,18 +109,18 @@ class Numbers {
       possible.push_back(*video);
     } else {
       std::copy_if(std::begin(kTimes), std::end(kTimes), std::back_inserter(possible),
-                   [&](TimeUnit unit) { return may_be_a_recordings(rate(unit)); });
+                   [&](TimeUnit unit) { return is_plausible_rate(rate(unit)); });
     }
-    if (whole_ && !is_dated && rate(TimeUnit::kFrames) >= kSlowest && !steps_are_a_clocks()) {
+    if (whole_ && !is_dated && rate(TimeUnit::kFrames) >= kSlowest && !steps_are_times()) {
       if (padded_) return TimeScale{TimeUnit::kFrames, false};
       possible.push_back(TimeUnit::kFrames);
     }
-    // 0.25, 20.25, 40.25: a slow series in seconds, or fast milliseconds whose fraction never changes.
+    // Numbers such as 0.25, 20.25, 40.25 may be seconds of a slow series, or milliseconds with a constant fraction.
     if (!whole_ && video != std::end(kTimes) && *video != TimeUnit::kSeconds && steps_are_whole_and_equal()) {
       possible.insert(possible.begin(), TimeUnit::kSeconds);
     }
     if (possible.size() == 1) return TimeScale{possible.front(), is_dated};
-    return undecided(possible);
+    return ambiguous(possible);
   }
 
  private:
@@ -135,8 +135,9 @@ class Numbers {
                                                          : span / per_second(unit));
   }
 
-  // 33, 33, 34: rounded times of a camera. Frames that were left out make every step a multiple of one number.
-  bool steps_are_a_clocks() const {
+  // True for steps such as 33, 33, 34: rounded times of a camera. Steps of frame numbers with lost frames are multiples of one
+  // number.
+  bool steps_are_times() const {
     const bool multiples = std::all_of(steps_.begin(), steps_.end(),
                                        [&](long double step) { return std::fmod(step, usual_step_) == 0; });
     const auto near = std::count_if(steps_.begin(), steps_.end(), [&](long double step) {
@@ -151,7 +152,7 @@ class Numbers {
     });
   }
 
-  tl::unexpected<Error> undecided(std::vector<TimeUnit> units) const {
+  tl::unexpected<Error> ambiguous(std::vector<TimeUnit> units) const {
     const bool none = units.empty();
     if (none) {
       units.assign(std::begin(kTimes), std::end(kTimes));
@@ -164,7 +165,7 @@ class Numbers {
     }
     return fail(
         ErrorCode::kInvalid,
-        fmt::format("the times from {} to {} {} ({}); say what they are with --times s, ms, us, ns or frame",
+        fmt::format("the times from {} to {} {} ({}); give their unit with --times s, ms, us, ns or frame",
                     text(values_.front()), text(values_.back()),
                     none ? "fit no unit" : "can be read in more than one way", readings));
   }
@@ -225,8 +226,8 @@ Result<microseconds> to_time(const TimeNumber& number, TimeUnit unit, double fra
   if (!(std::abs(us) <= kMostMicroseconds)) {
     return fail(
         ErrorCode::kInvalid,
-        fmt::format("the time {:g}, taken as {}, lies more than a thousand years from zero; say what it is "
-                    "with --times s, ms, us, ns or frame",
+        fmt::format("the time {:g} in {} is more than a thousand years from zero; give its unit with --times "
+                    "s, ms, us, ns or frame",
                     number.value, name(unit)));
   }
   return microseconds(std::llround(us));
@@ -239,7 +240,7 @@ std::optional<TimeNumber> find_date(std::string_view text) {
   const std::string copy(text);
   std::smatch found;
   if (!std::regex_search(copy, found, kDate)) return std::nullopt;
-  // 2022-04-15_000123: a frame's number behind a date.
+  // In names such as 2022-04-15_000123, a frame number follows the date.
   const bool is_compact =
       found.position(5) == found.position(4) + 2 && found.position(6) == found.position(5) + 2;
   if (is_compact && !found[7].matched && found[4].str() == "00") return std::nullopt;

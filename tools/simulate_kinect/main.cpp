@@ -16,25 +16,25 @@
 namespace copresence::simulate_kinect {
 namespace {
 
-const Eigen::Vector3d kUp{0, -1, 0};  // the worlds' own
+const Eigen::Vector3d kUp{0, -1, 0};  // y is down in all simulated worlds
 
 Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
   if (problem) {
     return fail(ErrorCode::kUnavailable,
-                fmt::format("{}: the folder cannot be made: {}", folder.string(), problem.message()));
+                fmt::format("{}: the folder cannot be created: {}", folder.string(), problem.message()));
   }
   return folder;
 }
 
-// Microseconds at 30 frames a second, each rounded by itself so that no error adds up.
+// The time of a frame at 30 frames per second. Each time is rounded separately, so errors do not accumulate.
 std::chrono::microseconds time_of(int frame) {
   return std::chrono::microseconds((static_cast<std::int64_t>(frame) * 1'000'000 + 15) / 30);
 }
 
-// When the session is said to have begun: some second of the years from 2000 on, the same for all cameras and for the
-// same arguments, so that the same seed gives the same bytes and two sessions are not taken for one.
+// An artificial start time of the session from 2000 to 2010, derived from the arguments. All cameras of a session have the same
+// start, the same command gives the same bytes, and different sessions have different starts.
 std::chrono::microseconds invented_start(const Settings& settings) {
   constexpr std::uint32_t kSecondsOfTenYears = 10 * 365 * 24 * 3600;
   constexpr std::chrono::seconds kYear2000{946'684'800};
@@ -72,7 +72,7 @@ Result<void> record(const Settings& settings, const std::shared_ptr<const simula
   for (int frame = 0; frame < settings.frames; ++frame) {
     const auto number = static_cast<std::uint64_t>(frame);
     kinect->capture(simulation::phase_of_frame(number, static_cast<std::uint64_t>(settings.frames)), number,
-                   depth, color);
+                    depth, color);
     if (auto written = writer->write_depth(time_of(frame), depth); !written) return written;
     if (auto written = writer->write_color(time_of(frame), color); !written) return written;
     if (settings.truth) {
@@ -102,7 +102,7 @@ Result<void> show_truth(const Settings& settings, const std::shared_ptr<const si
   return {};
 }
 
-// Fails before anything is rendered where one of the files to be written exists.
+// Fails if a file to be written exists already, before anything is rendered.
 Result<void> keep_existing(const Settings& settings) {
   std::vector<std::filesystem::path> files{settings.folder / "scene.toml"};
   for (int i = 0; i < settings.cameras; ++i)

@@ -20,8 +20,9 @@ std::string scene_toml(const CameraModel& model, std::span<const Rigid3> poses, 
     camera.world_from_camera = poses[i];
     camera.source = camera.name + ".oni";
   }
-  return fmt::format("# Made by: {}\n# The world is x right, y down, z forward, its floor at y = 0.\n",
-                     made_by) +
+  return fmt::format(
+             "# Made by: {}\n# The world frame is x right, y down, z forward, with the floor at y = 0.\n",
+             made_by) +
          scene::to_toml(scene, "scene.toml");
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What simulate_kinect leaves beside the recordings: the scene file and pictures of the truth.
+// Writes the scene file and the ground truth of simulate_kinect.
 
 #include <filesystem>
 #include <span>
@@ -14,15 +14,15 @@
 
 namespace copresence::simulate_kinect {
 
-/// The scene file for cameras camera0, camera1, ... of one model, addresses from 127.0.0.1:7001 on, each with
-/// its recording beside the file as source.
+/// The scene file for cameras camera0, camera1, ... with the same intrinsics. Addresses begin at 127.0.0.1:7001. The source of
+/// each camera is its recording in the folder of the scene file.
 std::string scene_toml(const CameraModel& model, std::span<const Rigid3> poses, const std::string& made_by);
 
-/// Fails  kUnavailable when the file cannot be written whole.
+/// Fails  kUnavailable if the file cannot be written.
 Result<void> write_text(const std::filesystem::path& path, const std::string& text);
 
-/// depth_NNNN.png (16 bits, 0.1 mm) and color_NNNN.png in an existing folder.
-/// Fails  kUnavailable when they cannot be written.
+/// Writes depth_NNNN.png (16 bits, 0.1 mm) and color_NNNN.png to an existing folder.
+/// Fails  kUnavailable if a file cannot be written.
 Result<void> write_truth(const std::filesystem::path& folder, int frame, const simulation::TrueView& view);
 
 }  // namespace copresence::simulate_kinect

@@ -1,6 +1,6 @@
 #pragma once
 
-// The command line of simulate_kinect, checked.
+// The validated command line of simulate_kinect.
 
 #include <cstdint>
 #include <filesystem>
@@ -17,19 +17,19 @@ struct Settings {
   int cameras = 2;
   int frames = 60;
   std::filesystem::path folder;
-  bool overwrite = false;  ///< replace files of the names to be written
+  bool overwrite = false;  ///< replace existing files
   std::uint32_t seed = 1;
   int width = 640, height = 480;
   DepthUnit unit = DepthUnit::kMillimetre;
   int jpeg_quality = 85;
-  bool truth = false;                              ///< also write what perfect cameras see
-  std::vector<std::filesystem::path> truth_views;  ///< path files of further viewpoints
-  int truth_width = 1280, truth_height = 720;      ///< of those
+  bool truth = false;                              ///< also write the ground truth
+  std::vector<std::filesystem::path> truth_views;  ///< path files of additional viewpoints
+  int truth_width = 1280, truth_height = 720;      ///< of these views
   double truth_fov_deg = 50;                       ///< vertical
 };
 
-/// The settings, or the exit code to leave with: 0 after --help and --version, 2 after a wrong command line
-/// (said on standard error).
+/// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command line, which is reported on
+/// standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::simulate_kinect

@@ -19,7 +19,7 @@ class RecordingInfoTest : public testing::Test {
  protected:
   RecordingInfo look(const test::RecordingScene& scene) const {
     test::write_recording(folder_.file("a.oni"), scene);
-    const auto info = look_into(folder_.file("a.oni"), kNobodyWatches);
+    const auto info = read_info(folder_.file("a.oni"), kNobodyWatches);
     EXPECT_TRUE(info) << info.error().what;
     return info.value_or(RecordingInfo{});
   }
@@ -67,7 +67,7 @@ TEST_F(RecordingInfoTest, SaysSoWhereARecordersEndIsMissing) {
   ASSERT_TRUE(writer);
   ASSERT_TRUE(writer->write_depth(std::chrono::microseconds(0), DepthImage(64, 48, 900)));
   ASSERT_TRUE(writer->checkpoint());
-  const auto info = look_into(folder_.file("a.oni"), kNobodyWatches);
+  const auto info = read_info(folder_.file("a.oni"), kNobodyWatches);
   ASSERT_TRUE(info) << info.error().what;
   EXPECT_FALSE(info->finished);
   EXPECT_THAT(to_table(*info), HasSubstr("record repair"));
@@ -84,7 +84,7 @@ TEST_F(RecordingInfoTest, SaysWhenARecordingBeganByTheClock) {
     ASSERT_TRUE(writer->write_depth(std::chrono::milliseconds(ms), DepthImage(64, 48, 900)));
   }
   ASSERT_TRUE(writer->finish());
-  const auto info = look_into(folder_.file("a.oni"), kNobodyWatches);
+  const auto info = read_info(folder_.file("a.oni"), kNobodyWatches);
   ASSERT_TRUE(info) << info.error().what;
   EXPECT_THAT(to_table(*info), HasSubstr("began 2022-04-15 05:20:00.250 UTC"));
   const auto json = nlohmann::json::parse(to_json(*info));
@@ -116,7 +116,7 @@ TEST_F(RecordingInfoTest, SaysTheSameToProgramsAndToPeople) {
 TEST_F(RecordingInfoTest, KnowsTheLevelsOfARealKinect) {
   const auto path = test::real_recording("arm_small.oni");
   if (!path) GTEST_SKIP() << "SKIPPED: no real recordings on this machine (COPRESENCE_RECORDINGS)";
-  const auto info = look_into(*path, kNobodyWatches);
+  const auto info = read_info(*path, kNobodyWatches);
   ASSERT_TRUE(info) << info.error().what;
   ASSERT_TRUE(info->depth);
   EXPECT_GT(info->depth->levels, 100u);

@@ -24,13 +24,13 @@ bool is_alive(std::uint32_t process) {
 
 Result<SharedProjectors> SharedProjectors::open(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  // Growing to the size it has changes nothing, so whoever comes second finds what the first has written.
+  // ftruncate() keeps the content of a file that has this size already.
   const bool sized = file >= 0 && ::ftruncate(file, kBytes) == 0;
   void* const mapped =
       sized ? ::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
   const std::string why = std::strerror(errno);
   if (file >= 0) ::close(file);
-  if (mapped == MAP_FAILED) return fail(ErrorCode::kUnavailable, path + ": " + why + "; name another file");
+  if (mapped == MAP_FAILED) return fail(ErrorCode::kUnavailable, path + ": " + why + "; give another file");
   return SharedProjectors(static_cast<std::uint32_t*>(mapped));
 }
 
@@ -41,16 +41,16 @@ SharedProjectors::~SharedProjectors() {
   if (entries_) ::munmap(entries_, kBytes);
 }
 
-void SharedProjectors::set(std::size_t camera, bool shines) {
+void SharedProjectors::set(std::size_t camera, bool is_on) {
   assert(camera < simulation::kMostKinects);
-  std::atomic_ref(entries_[camera]).store(shines ? static_cast<std::uint32_t>(::getpid()) : 0);
+  std::atomic_ref(entries_[camera]).store(is_on ? static_cast<std::uint32_t>(::getpid()) : 0);
 }
 
-simulation::Projectors SharedProjectors::shining() const {
-  simulation::Projectors on;
+simulation::Projectors SharedProjectors::on() const {
+  simulation::Projectors state;
   for (std::size_t i = 0; i < simulation::kMostKinects; ++i)
-    on[i] = is_alive(std::atomic_ref(entries_[i]).load());
-  return on;
+    state[i] = is_alive(std::atomic_ref(entries_[i]).load());
+  return state;
 }
 
 }  // namespace copresence::drivers

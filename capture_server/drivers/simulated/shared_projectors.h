@@ -1,9 +1,9 @@
 #pragma once
 
-// Which simulated projectors shine, between processes: real ones meet in the room's air, these in a small file that every
-// camera of the room maps. A camera that nobody runs is dark, also where its process was killed.
+// Which projectors of a simulated world are on, shared between processes. Every camera of the world maps the same small file.
+// The projector of a camera whose process has ended counts as off.
 //
-// Thread: any; one process writes a camera's entry.
+// Thread: any; only one process may write the entry of a camera.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,21 +16,21 @@ namespace copresence::drivers {
 
 class SharedProjectors {
  public:
-  /// Makes the file where it is not there yet.
-  /// Fails  kUnavailable, with the file's name.
+  /// Maps the file, and creates it if it does not exist.
+  /// Fails  kUnavailable, with the name of the file.
   static Result<SharedProjectors> open(const std::string& path);
   ~SharedProjectors();
   SharedProjectors(SharedProjectors&& other) noexcept;
   SharedProjectors& operator=(SharedProjectors&&) = delete;
 
-  /// Camera numbers are below simulation::kMostKinects.
-  void set(std::size_t camera, bool shines);
-  simulation::Projectors shining() const;
+  /// Sets the state of a projector. Requires camera < simulation::kMostKinects.
+  void set(std::size_t camera, bool is_on);
+  simulation::Projectors on() const;
 
  private:
   explicit SharedProjectors(std::uint32_t* entries) : entries_(entries) {}
 
-  std::uint32_t* entries_;  // kMostKinects of them: the process whose camera shines, 0 where it is dark
+  std::uint32_t* entries_;  // per camera: the process if its projector is on, otherwise 0
 };
 
 }  // namespace copresence::drivers

@@ -14,14 +14,14 @@ TEST(SharedProjectors, AreSeenByEveryoneWhoOpensTheFile) {
   testing::TemporaryFolder folder;
   auto one = SharedProjectors::open(folder / "air"), other = SharedProjectors::open(folder / "air");
   ASSERT_TRUE(one && other);
-  EXPECT_TRUE(other->shining().none());
+  EXPECT_TRUE(other->on().none());
   one->set(3, true);
-  EXPECT_TRUE(other->shining()[3]);
-  EXPECT_EQ(other->shining().count(), 1u);
+  EXPECT_TRUE(other->on()[3]);
+  EXPECT_EQ(other->on().count(), 1u);
   const auto late = SharedProjectors::open(folder / "air");
-  EXPECT_TRUE(late->shining()[3]);
+  EXPECT_TRUE(late->on()[3]);
   other->set(3, false);
-  EXPECT_TRUE(one->shining().none());
+  EXPECT_TRUE(one->on().none());
 }
 
 TEST(SharedProjectors, GoDarkWithTheProcessThatIsKilled) {
@@ -33,11 +33,11 @@ TEST(SharedProjectors, GoDarkWithTheProcessThatIsKilled) {
     SharedProjectors::open(folder / "air")->set(2, true);
     while (true) ::pause();
   }
-  while (air->shining().none()) ::usleep(1000);
-  EXPECT_TRUE(air->shining()[2]);
+  while (air->on().none()) ::usleep(1000);
+  EXPECT_TRUE(air->on()[2]);
   ::kill(process, SIGKILL);
   ::waitpid(process, nullptr, 0);
-  EXPECT_TRUE(air->shining().none());
+  EXPECT_TRUE(air->on().none());
 }
 
 TEST(SharedProjectors, NameTheFileThatCannotBe) {

@@ -1,0 +1,74 @@
+#pragma once
+
+// A simulated Kinect as a device of OpenNI2: 640x480 at 30 frames per second, depth in 1 mm registered to colour. Timestamps
+// are those of the system clock, in microseconds.
+//
+// Thread: OpenNI2 calls from its users' threads. While streams are started, a thread of the device creates their frames.
+
+#include <atomic>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "capture_server/drivers/contract/push_device.h"
+#include "capture_server/drivers/contract/simulated_uri.h"
+#include "capture_server/drivers/simulated/shared_projectors.h"
+#include "simulation/sensor/simulated_kinect.h"
+
+namespace copresence::drivers {
+
+/// The state of a camera according to its control file. Tests use such files to make cameras fail.
+enum class Control {
+  kWork,       ///< no file was named, or its first word is none of the following
+  kUnplugged,  ///< the file does not exist
+  kStall,      ///< "stall": no frames, and no error
+  kCrash,      ///< "crash": the driver ends its process
+  kHang,       ///< "hang": the driver never returns
+};
+Control read_control(const std::string& path);
+
+class SimulatedDevice final : public PushDevice {
+ public:
+  static constexpr int kWidth = 640, kHeight = 480;  // pixels
+
+  /// A camera with its precomputed frames. It outlives the device, so that reopening the device is fast.
+  using Camera = std::shared_ptr<simulation::SimulatedKinect>;
+
+  /// `make_camera` is called when the first stream starts. The first call takes seconds. It returns null on failure.
+  /// `projectors` is the state that the cameras of a world share; without it all projectors are on.
+  SimulatedDevice(SimulatedUri uri, std::function<Camera()> make_camera,
+                  std::optional<SharedProjectors> projectors);
+
+  OniStatus getProperty(int property, void* data, int* size) override;
+  OniStatus setProperty(int property, const void* data, int size) override;
+  OniBool isImageRegistrationModeSupported(OniImageRegistrationMode mode) override;
+  OniStatus get_of(PushStream& stream, int property, void* data, int* size) override;
+  OniStatus begin(PushStream& stream) override;
+  void end(PushStream& stream) override;
+
+ private:
+  Lens lens_of(OniSensorType) const override;
+  void share_projector_state(bool is_running);
+  simulation::Projectors projectors_on() const;
+  void create_frames(const std::stop_token& stop);
+  void send_frame(std::uint64_t number, std::uint64_t timestamp_us, int index);
+  std::vector<std::pair<OniSensorType, PushStream::Picture>> next_pictures();
+
+  const SimulatedUri uri_;
+  const std::function<Camera()> make_camera_;
+  std::optional<SharedProjectors> projectors_;
+  std::atomic<bool> is_projector_on_ = true;
+  Camera camera_;
+  std::mutex mutex_;
+  std::list<PushStream*> streams_;  // started ones
+  std::jthread thread_;
+};
+
+}  // namespace copresence::drivers

@@ -10,11 +10,11 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kHalfRoom = 2.4f, kCeiling = 2.6f;  // metres
-constexpr int kCells = 6;              // per side of a marker: four bits and a border of one cell
-constexpr float kBorder = 1.3f;        // side of the white board / side of the marker
-constexpr float kThickness = 0.01f;    // of a hanging board, metres
-constexpr float kInkOffset = 0.0004f;  // distance of the ink from the board, metres
+constexpr float kHalfRoom = 2.4f, kCeiling = 2.6f;  // Metres.
+constexpr int kCells = 6;              // Per side of a marker: four bits and a border of one cell.
+constexpr float kBorder = 1.3f;        // Side of the white board / side of the marker.
+constexpr float kThickness = 0.01f;    // Of a hanging board, metres.
+constexpr float kInkOffset = 0.0004f;  // Distance of the ink from the board, metres.
 
 // Ids 0 to 15 of DICT_4X4_50, row by row from the top left; 1 is white.
 constexpr std::array<std::uint16_t, 16> kBits{0xB532, 0x0F9A, 0x332D, 0x9946, 0x549E, 0x79CD, 0x9E2E, 0xC4F2,

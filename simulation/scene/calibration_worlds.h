@@ -1,7 +1,7 @@
 #pragma once
 
-// Scenes for calibration: a bare room with ArUco markers or with a chessboard. Calibration can be tested on them from
-// pictures to poses, because the true poses are known.
+// Scenes for calibration: a bare room with ArUco markers or with a chessboard. Calibration can be
+// tested on them from pictures to poses, because the true poses are known.
 //
 // Thread: free functions, safe anywhere.
 
@@ -15,15 +15,16 @@ namespace copresence::simulation {
 /// The room of all these worlds, empty.
 Scene make_bare_room();
 
-/// The black square of a marker: center +- half_u +- half_v, in metres, world frame. Seen from its front, u points right
-/// and v down.
+/// The black square of a marker: center +- half_u +- half_v, in metres, world frame. Seen from its
+/// front, u points right and v down.
 struct PlacedMarker {
   int id = 0;  ///< in OpenCV's dictionary DICT_4X4_50
   Eigen::Vector3f center, half_u, half_v;
 };
 
-/// The markers of the world "markers", in order of their ids. Six hang at different heights and distances and face
-/// cameras 0 and 1; six on their backs face cameras 2 and 3; four lie on boxes where all cameras see them.
+/// The markers of the world "markers", in order of their ids. Six hang at different heights and
+/// distances and face cameras 0 and 1; six on their backs face cameras 2 and 3; four lie on boxes
+/// where all cameras see them.
 std::vector<PlacedMarker> placed_markers();
 
 Scene make_marker_room();
@@ -32,11 +33,12 @@ Scene make_marker_room();
 inline constexpr int kBoardColumns = 9, kBoardRows = 6;
 inline constexpr float kMovingSquare = 0.04f, kStillSquare = 0.09f;  // metres
 
-/// The chessboard of the world "board". In each period it takes 24 poses in front of camera 0: near and far, tilted in all
-/// directions, in the corners of the picture. Adds its materials to `scene`.
+/// The chessboard of the world "board". In each period it takes 24 poses in front of camera 0: near
+/// and far, tilted in all directions, in the corners of the picture. Adds its materials to `scene`.
 Figure make_moving_board(Scene& scene);
 
-/// The world "still-board": a larger chessboard in the middle of the room that faces cameras 0 and 1.
+/// The world "still-board": a larger chessboard in the middle of the room that faces cameras 0 and
+/// 1.
 Scene make_still_board_room();
 
 }  // namespace copresence::simulation

@@ -59,8 +59,8 @@ Isometry3f joint(const Vector3f& position, const Eigen::Quaternionf& rotation) {
   return pose;
 }
 
-// Inverse kinematics: hip, knee and ankle lie in one plane through the forward direction of the figure. The lengths of
-// thigh and shank then determine the position of the knee.
+// Inverse kinematics: hip, knee and ankle lie in one plane through the forward direction of the
+// figure. The lengths of thigh and shank then determine the position of the knee.
 void pose_leg(const Vector3f& hip, const Vector3f& ankle, Isometry3f& thigh, Isometry3f& shank) {
   const Vector3f reach = ankle - hip;
   const float length = std::min(reach.norm(), 0.999f * (kThigh + kShank));

@@ -1,7 +1,7 @@
 #pragma once
 
-// What moves in a scene: rigid parts on joints. In the world "room" they form a person who shifts weight, waves and talks
-// with the hands.
+// What moves in a scene: rigid parts on joints. In the world "room" they form a person who shifts
+// weight, waves and talks with the hands.
 //
 // Motion has the period 1 in `phase`: pose and velocity at phase 1 are those at phase 0.
 // Thread: a value; pose() is pure.

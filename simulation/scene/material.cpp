@@ -16,8 +16,9 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-// The table is indexed by the square root of light, 2048 entries per unit, which keeps precision in dark colours.
-constexpr float kSteps = 2048, kLastStep = 4096;  // light from 0 to 4
+// The table is indexed by the square root of light, 2048 entries per unit, which keeps precision in
+// dark colours.
+constexpr float kSteps = 2048, kLastStep = 4096;  // Light from 0 to 4.
 
 const std::uint8_t* screen_curve() {
   static const auto kCurve = [] {
@@ -64,7 +65,8 @@ void tint(const Material& m, const SurfacePoints& points, const Colors& out, Sha
   });
 }
 
-// Mixes both colours, then scales: shade(i, x, y) returns the share of the accent colour and the factor.
+// Mixes both colours, then scales: shade(i, x, y) returns the share of the accent colour and the
+// factor.
 template <class Shade>
 void blend(const Material& m, const SurfacePoints& points, const Colors& out, Shade&& shade) {
   float* __restrict r = out.r.data();
@@ -99,8 +101,8 @@ void plaid(const Material& m, const SurfacePoints& points, const Colors& out) {
   });
 }
 
-// The sine of |x| < 1e6 with an error below 1e-12, so the float is correctly rounded in all but one of 100,000 cases.
-// std::sin() would keep the loop from becoming vector code.
+// The sine of |x| < 1e6 with an error below 1e-12, so the float is correctly rounded in all but one
+// of 100,000 cases. std::sin() would keep the loop from becoming vector code.
 [[gnu::always_inline]] inline float sine(float x) {
   constexpr double kInversePi = 0.31830988618379067, kPi = 3.1415926535897931,
                    kPiRest = 1.2246467991473532e-16;
@@ -174,7 +176,8 @@ void face(const Material& m, const SurfacePoints& points, const Colors& out) {
   }
 }
 
-// The share of the accent colour in wood whose grain runs along u. Coordinates are cells of the pattern.
+// The share of the accent colour in wood whose grain runs along u. Coordinates are cells of the
+// pattern.
 inline float grain(float along, float across) {
   const float rings =
       value_noise(0.35f * along, 4 * across, 11) + 0.5f * value_noise(1.2f * along, 14 * across, 12);

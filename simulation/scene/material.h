@@ -1,7 +1,8 @@
 #pragma once
 
-// The appearance of surfaces, in colour and in the infrared light of a Kinect's projector. Patterns are procedural
-// functions of the texture coordinates, so every camera sees the same pattern on a surface.
+// The appearance of surfaces, in colour and in the infrared light of a Kinect's projector. Patterns
+// are procedural functions of the texture coordinates, so every camera sees the same pattern on a
+// surface.
 //
 // Thread: free functions on values, safe anywhere.
 
@@ -14,22 +15,22 @@
 namespace copresence::simulation {
 
 enum class Pattern : std::uint8_t {
-  kPlain,      ///< one colour with faint patches
-  kPlaster,    ///< painted wall with grain
-  kWallpaper,  ///< broad stripes with small diamonds
-  kWood,       ///< grain along u
-  kParquet,    ///< staggered planks along u
-  kRug,        ///< borders and diamonds; uv from 0 to 1
-  kFabric,     ///< coarse weave
-  kBook,       ///< bands and a title; v along the spine
-  kPicture,    ///< hills, sun and sea; uv from 0 to 1
-  kPoster,     ///< coloured circles and bars; uv from 0 to 1
-  kOutdoors,   ///< trees below a sky; uv from 0 to 1
-  kLeaf,       ///< a vein along v
-  kPlaid,      ///< checked cloth
-  kStripes,    ///< stripes across v
-  kHair,       ///< strands along v
-  kFace,       ///< eyes, brows and mouth around u = 0.75 * scale; v in metres from the neck, negative upwards
+  kPlain,      ///< One colour with faint patches.
+  kPlaster,    ///< Painted wall with grain.
+  kWallpaper,  ///< Broad stripes with small diamonds.
+  kWood,       ///< Grain along u.
+  kParquet,    ///< Staggered planks along u.
+  kRug,        ///< Borders and diamonds; uv from 0 to 1.
+  kFabric,     ///< Coarse weave.
+  kBook,       ///< Bands and a title; v along the spine.
+  kPicture,    ///< Hills, sun and sea; uv from 0 to 1.
+  kPoster,     ///< Coloured circles and bars; uv from 0 to 1.
+  kOutdoors,   ///< Trees below a sky; uv from 0 to 1.
+  kLeaf,       ///< A vein along v.
+  kPlaid,      ///< Checked cloth.
+  kStripes,    ///< Stripes across v.
+  kHair,       ///< Strands along v.
+  kFace,  ///< Eyes, brows and mouth around u = 0.75 * scale; v in metres from the neck, negative upwards.
 };
 
 /// Colours are linear, 0 to 1 per channel.
@@ -37,10 +38,10 @@ struct Material {
   Pattern pattern = Pattern::kPlain;
   Eigen::Vector3f color{0.5f, 0.5f, 0.5f};
   Eigen::Vector3f accent{0.2f, 0.2f, 0.2f};
-  float scale = 0.1f;     ///< size of a cell of the pattern in texture coordinates, mostly metres
-  float emission = 0;     ///< emitted light as a multiple of the pattern's colour
-  float mirror = 0;       ///< share of light that is reflected specularly
-  float infrared = 0.6f;  ///< share of the projector's light that is reflected diffusely
+  float scale = 0.1f;     ///< Size of a cell of the pattern in texture coordinates, mostly metres.
+  float emission = 0;     ///< Emitted light as a multiple of the pattern's colour.
+  float mirror = 0;       ///< Share of light that is reflected specularly.
+  float infrared = 0.6f;  ///< Share of the projector's light that is reflected diffusely.
 };
 
 /// Converts an sRGB colour 0xRRGGBB to linear light.
@@ -64,8 +65,8 @@ void to_screen(const Colors& light, std::span<Rgb8> screen);
 /// The colour of the pattern at texture coordinates `uv`.
 Eigen::Vector3f albedo(const Material& material, const Eigen::Vector2f& uv);
 
-/// The same for many points. Each point gets the same colour as alone, to the last bit. Requires spans of equal
-/// length that do not overlap.
+/// The same for many points. Each point gets the same colour as alone, to the last bit. Requires
+/// spans of equal length that do not overlap.
 void albedo(const Material& material, const SurfacePoints& points, const Colors& colors);
 
 }  // namespace copresence::simulation

@@ -2,8 +2,9 @@
 
 // Triangle meshes and the simple solids that furniture and people are built from.
 //
-// Units are metres. The world frame is x right, y down, z forward, with the floor at y = 0: objects on the floor have
-// negative y. Light is stored per vertex, so faces are divided into cells of at most `cell` metres.
+// Units are metres. The world frame is x right, y down, z forward, with the floor at y = 0: objects
+// on the floor have negative y. Light is stored per vertex, so faces are divided into cells of at
+// most `cell` metres.
 //
 // Thread: values.
 
@@ -17,8 +18,8 @@
 namespace copresence::simulation {
 
 struct Vertex {
-  Eigen::Vector3f position, normal;  ///< the normal points out of the solid, length 1
-  Eigen::Vector2f uv;                ///< texture coordinates, mostly metres along the surface
+  Eigen::Vector3f position, normal;  ///< The normal points out of the solid, length 1.
+  Eigen::Vector2f uv;                ///< Texture coordinates, mostly metres along the surface.
 };
 
 struct Mesh {
@@ -27,8 +28,9 @@ struct Mesh {
   int material = 0;  ///< index into Scene::materials
 };
 
-/// A flat rectangle: `center` +- `half_u` +- `half_v`. Seen from its front, u points right and v down. Texture coordinates
-/// are metres from the corner (-half_u, -half_v), or run from 0 to 1 if `whole`.
+/// A flat rectangle: `center` +- `half_u` +- `half_v`. Seen from its front, u points right and v
+/// down. Texture coordinates are metres from the corner (-half_u, -half_v), or run from 0 to 1 if
+/// `whole`.
 Mesh panel(const Eigen::Vector3f& center, const Eigen::Vector3f& half_u, const Eigen::Vector3f& half_v,
            int material, float cell, bool whole = false);
 
@@ -41,18 +43,20 @@ struct Ring {
   float y = 0, half_x = 0, half_z = 0, x = 0, z = 0;
 };
 
-/// A closed body interpolated through cross-sections. Requires two or more rings in ascending order of y. Texture
-/// coordinates are metres around and metres along the body. `square` shapes the cross-section: 0 is an ellipse, 1 nearly a
-/// rectangle. `pose` is the transform from the frame of the loft to that of the mesh.
+/// A closed body interpolated through cross-sections. Requires two or more rings in ascending order
+/// of y. Texture coordinates are metres around and metres along the body. `square` shapes the
+/// cross-section: 0 is an ellipse, 1 nearly a rectangle. `pose` is the transform from the frame of
+/// the loft to that of the mesh.
 Mesh loft(const Eigen::Isometry3f& pose, std::span<const Ring> rings, int material, float square = 0,
           int around = 24, int steps_per_ring = 4);
 
-/// A surface given by a function of (u, v), both from 0 to 1. Both sides are visible. Texture coordinates run from 0 to
-/// `metres_u` and `metres_v`.
+/// A surface given by a function of (u, v), both from 0 to 1. Both sides are visible. Texture
+/// coordinates run from 0 to `metres_u` and `metres_v`.
 template <class Surface>
 Mesh sheet(int cells_u, int cells_v, float metres_u, float metres_v, int material, Surface&& surface);
 
-/// Sets each vertex normal to the area-weighted mean of its triangles' normals. Vertices without a triangle keep theirs.
+/// Sets each vertex normal to the area-weighted mean of its triangles' normals. Vertices without a
+/// triangle keep theirs.
 void smooth_normals(Mesh& mesh);
 
 // implementation

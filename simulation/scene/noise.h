@@ -1,7 +1,7 @@
 #pragma once
 
-// Random numbers as pure functions of integers. The same seed, camera, frame and pixel always give the same number, in
-// any order and on any thread.
+// Random numbers as pure functions of integers. The same seed, camera, frame and pixel always give
+// the same number, in any order and on any thread.
 
 #include <cmath>
 #include <cstddef>
@@ -12,7 +12,8 @@
 
 namespace copresence::simulation {
 
-/// Mixes 32 bits: each input bit flips half of the output bits on average. Source: Wellons, lowbias32.
+/// Mixes 32 bits: each input bit flips half of the output bits on average. Source: Wellons,
+/// lowbias32.
 constexpr std::uint32_t mix(std::uint32_t x) {
   x ^= x >> 16;
   x *= 0x7FEB352Du;
@@ -34,14 +35,15 @@ constexpr float unit(std::uint32_t hashed) {
   return static_cast<float>(static_cast<std::int32_t>(hashed >> 8)) * 0x1p-24f;
 }
 
-/// Maps a hash to an approximately normal value: mean 0, standard deviation 1, within +-3.5. It is the sum of the four
-/// bytes, scaled.
+/// Maps a hash to an approximately normal value: mean 0, standard deviation 1, within +-3.5. It is
+/// the sum of the four bytes, scaled.
 constexpr float normal(std::uint32_t hashed) {
   const std::uint32_t sum = (hashed & 0xFF) + (hashed >> 8 & 0xFF) + (hashed >> 16 & 0xFF) + (hashed >> 24);
   return (static_cast<float>(static_cast<std::int32_t>(sum)) - 510.0f) * (1.0f / 147.8f);
 }
 
-/// Smooth noise in the plane: random values at whole coordinates, cubic interpolation between them. 0 <= result < 1.
+/// Smooth noise in the plane: random values at whole coordinates, cubic interpolation between them.
+/// 0 <= result < 1.
 inline float value_noise(float x, float y, std::uint32_t seed) {
   const float fx = std::floor(x), fy = std::floor(y);
   const auto ix = static_cast<std::uint32_t>(static_cast<std::int32_t>(fx));
@@ -53,8 +55,8 @@ inline float value_noise(float x, float y, std::uint32_t seed) {
   return (a + (b - a) * u) * (1 - v) + (c + (d - c) * u) * v;
 }
 
-/// Fills `noise` with normal values that are correlated over about `cell` pixels. Their mean is 0 and their standard
-/// deviation 1, on average over the image. Requires cell >= 2.
+/// Fills `noise` with normal values that are correlated over about `cell` pixels. Their mean is 0
+/// and their standard deviation 1, on average over the image. Requires cell >= 2.
 void fill_blob_noise(int cell, std::uint32_t seed, Image<float>& noise);
 
 /// One row of blob noise, interpolated on access between the lattice rows above and below.
@@ -80,10 +82,10 @@ class BlobRows {
   std::size_t cell_, width_;
   float gain_ = 0;
   std::size_t y_ = 0;
-  std::vector<float> weight_;  // of the left lattice point, per pixel of a cell; rows use the same weights
-  std::vector<std::uint32_t> columns_;  // hashed column numbers of the lattice
-  std::vector<float> values_;           // one lattice row
-  std::vector<float> above_, below_;    // the lattice rows around y_, interpolated along the row
+  std::vector<float> weight_;  // Of the left lattice point, per pixel of a cell; rows use the same weights.
+  std::vector<std::uint32_t> columns_;  // Hashed column numbers of the lattice.
+  std::vector<float> values_;           // One lattice row.
+  std::vector<float> above_, below_;    // The lattice rows around y_, interpolated along the row.
 };
 
 }  // namespace copresence::simulation

@@ -1,6 +1,7 @@
 #pragma once
 
-// Private to materials: the shapes that patterns consist of, and the patterns that are evaluated point by point.
+// Private to materials: the shapes that patterns consist of, and the patterns that are evaluated
+// point by point.
 
 #include <Eigen/Core>
 #include <algorithm>

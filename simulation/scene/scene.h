@@ -1,9 +1,11 @@
 #pragma once
 
-// A simulated scene: its static surfaces, its lights, the figure that moves in it, and the poses of its cameras.
+// A simulated scene: its static surfaces, its lights, the figure that moves in it, and the poses of
+// its cameras.
 //
-// The world frame is x right, y down, z forward, in metres, with the floor at y = 0. The figure stands at the origin and
-// faces -z. Users know a scene by the name of its world: "room", "markers" and so on.
+// The world frame is x right, y down, z forward, in metres, with the floor at y = 0. The figure
+// stands at the origin and faces -z. Users know a scene by the name of its world: "room", "markers"
+// and so on.
 //
 // Thread: values; free functions are safe anywhere.
 
@@ -22,7 +24,8 @@
 
 namespace copresence::simulation {
 
-/// A light-emitting rectangle, center +- half_u +- half_v. Seen from its front, u points right and v down.
+/// A light-emitting rectangle, center +- half_u +- half_v. Seen from its front, u points right and
+/// v down.
 struct AreaLight {
   Eigen::Vector3f center, half_u, half_v;
   Eigen::Vector3f power;  ///< irradiance of a facing surface one metre away, linear colour
@@ -33,10 +36,11 @@ struct AreaLight {
 
 struct Scene {
   std::vector<Material> materials;
-  std::vector<Mesh> meshes;       ///< static surfaces, world frame
-  std::vector<AreaLight> lights;  ///< only the first one casts shadows of the figure
-  Eigen::Vector3f ambient = Eigen::Vector3f::Constant(0.1f);  ///< light from all directions, before occlusion
-  Figure figure;                                              ///< may be empty
+  std::vector<Mesh> meshes;       ///< Static surfaces, world frame.
+  std::vector<AreaLight> lights;  ///< Only the first one casts shadows of the figure.
+  Eigen::Vector3f ambient =
+      Eigen::Vector3f::Constant(0.1f);  ///< Light from all directions, before occlusion.
+  Figure figure;                        ///< May be empty.
 
   /// Returns the index of the material.
   int add(const Material& material) {
@@ -52,21 +56,24 @@ std::vector<std::string> world_names();
 /// The scene of a world. Fails  kInvalid if world_names() does not contain `name`.
 Result<Scene> make_scene(std::string_view name);
 
-/// The world "room" without its person: a furnished living room of 4.8 m x 4.5 m x 2.6 m around the origin. Its middle is
-/// free. A dark screen, a window and a mirror-like vase reflect little infrared light to a Kinect.
+/// The world "room" without its person: a furnished living room of 4.8 m x 4.5 m x 2.6 m around the
+/// origin. Its middle is free. A dark screen, a window and a mirror-like vase reflect little
+/// infrared light to a Kinect.
 Scene make_room();
 
 /// The period of the figure's motion at 30 frames per second.
 inline constexpr int kPeriodFrames = 60;
 
-/// The phase of frame `frame` (from 0) of a recording of `frames` frames that loops without a seam. The period is
-/// stretched so that a whole number of periods fills the recording. Requires frames > 0.
+/// The phase of frame `frame` (from 0) of a recording of `frames` frames that loops without a seam.
+/// The period is stretched so that a whole number of periods fills the recording. Requires frames >
+/// 0.
 double phase_of_frame(std::uint64_t frame, std::uint64_t frames);
 
 inline constexpr int kMostKinects = 8;
 
-/// world_from_camera of `count` Kinects around the figure, all aimed at it; metres. The first two are 70 degrees apart in
-/// front of it, the third and fourth behind. Requires 1 <= count <= kMostKinects.
+/// world_from_camera of `count` Kinects around the figure, all aimed at it; metres. The first two
+/// are 70 degrees apart in front of it, the third and fourth behind. Requires 1 <= count <=
+/// kMostKinects.
 std::vector<Rigid3> kinect_poses(int count);
 
 /// The upright pose at `eye` that faces `target`. Requires that neither is above the other.

@@ -9,11 +9,11 @@
 namespace copresence::simulation {
 namespace {
 
-constexpr int kTile = 256;            // pixels; the position of the tile changes with each frame
-constexpr float kGrain = 1.3f;        // standard deviation of the noise, of 255
-constexpr float kVignetting = 0.12f;  // share of the light that the corners lose
-constexpr float kScreenGamma = 2.4f;  // approximate exponent between pixel value and light
-constexpr float kLeastLight = 0.35f, kMostLight = 0.65f;  // relative to camera 0: automatic exposure
+constexpr int kTile = 256;            // Pixels; the position of the tile changes with each frame.
+constexpr float kGrain = 1.3f;        // Standard deviation of the noise, of 255.
+constexpr float kVignetting = 0.12f;  // Share of the light that the corners lose.
+constexpr float kScreenGamma = 2.4f;  // Approximate exponent between pixel value and light.
+constexpr float kLeastLight = 0.35f, kMostLight = 0.65f;  // Relative to camera 0: automatic exposure.
 
 }  // namespace
 

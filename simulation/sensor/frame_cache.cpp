@@ -7,7 +7,8 @@
 namespace copresence::simulation {
 namespace {
 
-// Finds runs of pixels that differ. A short gap becomes part of a run, which is cheaper than another run.
+// Finds runs of pixels that differ. A short gap becomes part of a run, which is cheaper than
+// another run.
 template <class Pixel, class Runs>
 void find_runs(const Image<Pixel>& a, const Image<Pixel>& b, Runs& runs) {
   constexpr std::uint32_t kGap = 8;
@@ -29,8 +30,9 @@ void pick(const Runs& runs, const Image<Pixel>& image, std::vector<Pixel>& into)
     into.insert(into.end(), image.data() + run.first, image.data() + run.first + run.count);
 }
 
-// Changes `shown` from one frame to another. The frames differ from `background` in the runs `before` and `after`; `pixels` are
-// the pixels of `after`. Most pixels are in both and are written only once.
+// Changes `shown` from one frame to another. The frames differ from `background` in the runs
+// `before` and `after`; `pixels` are the pixels of `after`. Most pixels are in both and are written
+// only once.
 template <class Runs, class Pixel>
 void change(const Runs& before, const Runs& after, const std::vector<Pixel>& pixels,
             const Image<Pixel>& background, Image<Pixel>& shown) {

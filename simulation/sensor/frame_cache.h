@@ -1,8 +1,10 @@
 #pragma once
 
-// A cache of the noise-free frames of one period of the figure's motion. A live camera then only adds noise.
+// A cache of the noise-free frames of one period of the figure's motion. A live camera then only
+// adds noise.
 //
-// Each frame is stored as its differences to the static background: about 0.6 MB per frame of 640x480.
+// Each frame is stored as its differences to the static background: about 0.6 MB per frame of
+// 640x480.
 //
 // Thread: one thread per object.
 

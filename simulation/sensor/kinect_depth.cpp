@@ -11,10 +11,10 @@
 namespace copresence::simulation {
 namespace {
 
-constexpr float kFixedError = 0.34f, kFrameError = 0.28f;  // standard deviations, in levels
-constexpr float kLateralError = 0.45f;                     // standard deviation, pixels
-constexpr float kNeededIntensity = 0.115f;                 // mean of the threshold for Dots::intensity
-constexpr int kBlindColumns = 8;                           // of 640
+constexpr float kFixedError = 0.34f, kFrameError = 0.28f;  // Standard deviations, in levels.
+constexpr float kLateralError = 0.45f;                     // Standard deviation, pixels.
+constexpr float kNeededIntensity = 0.115f;                 // Mean of the threshold for Dots::intensity.
+constexpr int kBlindColumns = 8;                           // Of 640.
 constexpr float kLevels = static_cast<float>(kLevelConstant);
 constexpr float kLeastDepth = 0.2f;  // metres; nearer surfaces cast no shadow
 
@@ -40,8 +40,9 @@ std::vector<std::uint16_t> kinect_levels(DepthUnit unit) {
   return levels;
 }
 
-// A surface at pixel column u and depth z is lit through column u - f b / z of the projector. In each column, only the nearest
-// surface gets dots. Columns between neighbouring pixels of the same surface are filled.
+// A surface at pixel column u and depth z is lit through column u - f b / z of the projector. In
+// each column, only the nearest surface gets dots. Columns between neighbouring pixels of the same
+// surface are filled.
 void project_dots(const CameraModel& model, const TrueView& view, DotImage& dots) {
   assert(view.depth_m.width() == model.width && view.depth_m.height() == model.height);
   const auto shift = static_cast<float>(model.fx * kProjectorBaseline);
@@ -124,8 +125,8 @@ void KinectNoise::add_noise(const DotImage& dots, std::uint64_t frame, std::span
       shifts_y(4, hash(frame_seed, 3), width), gains(5, hash(frame_seed, 4), width),
       interferences(7, hash(frame_seed, 5), width);
 
-  std::vector<std::uint32_t> row_from(static_cast<std::size_t>(width));  // source pixel of each pixel
-  std::vector<Dots> row_taken(row_from.size());                          // dots of the source pixels
+  std::vector<std::uint32_t> row_from(static_cast<std::size_t>(width));  // Source pixel of each pixel.
+  std::vector<Dots> row_taken(row_from.size());                          // Dots of the source pixels.
   std::uint32_t* __restrict from = row_from.data();
   Dots* __restrict taken = row_taken.data();
 

@@ -1,21 +1,26 @@
 #pragma once
 
-// From true depth to the depth of a Kinect v1: disparity levels, correlated errors, ragged edges and holes.
+// From true depth to the depth of a Kinect v1: disparity levels, correlated errors, ragged edges
+// and holes.
 //
-// A Kinect projects a pattern of infrared dots and measures their disparity. project_dots() computes the exact disparity and
-// intensity of the pattern per pixel; KinectNoise turns them into depth.
+// A Kinect projects a pattern of infrared dots and measures their disparity. project_dots()
+// computes the exact disparity and intensity of the pattern per pixel; KinectNoise turns them into
+// depth.
 //
-//   levels        a Kinect reports only z = kLevelConstant / k for whole k; 632 of them lie between 0.5 m and 5 m
-//   errors        of the disparity before rounding: a fixed pattern per camera and a part that changes with each frame.
-//                 Both are correlated over several pixels, because the sensor correlates windows; together half a level
-//   edges         depth is taken from up to two pixels away, differently in each frame
-//   weak return   dark, shiny, transparent and grazing surfaces reflect too little light; near the threshold, blobs flicker
-//   interference  where other projectors shine, depth is lost in flickering blobs
-//   always holes  outside 0.5 m to 5 m, and the rightmost 8 columns (of 640)
+//   levels        z = kLevelConstant / k for whole k; there are 632 from 0.5 m to 5 m.
+//   errors        Errors of the disparity before rounding: a fixed pattern per camera, and a part
+//                 that changes with each frame. Both are correlated over several pixels, because
+//                 the sensor correlates windows. Together they are half a level.
+//   edges         Depth is taken from up to two pixels away, differently in each frame.
+//   weak return   Dark, shiny, transparent and grazing surfaces reflect too little light. Near the
+//                 threshold, blobs flicker.
+//   interference  Where other projectors shine, depth is lost in flickering blobs.
+//   always holes  Depth outside 0.5 m to 5 m, and the rightmost 8 columns (of 640).
 //
 // Everything random is a hash of (seed, camera, frame, pixel).
-// Sources: Khoshelham and Elberink 2012 (levels, error of half a level); Barron and Malik 2013 (the constant, lateral error);
-// Maimone and Fuchs 2011 (interference). docs/internals/simulation.md compares the rates of change with recordings of a real Kinect.
+// Sources: Khoshelham and Elberink 2012 (levels, error of half a level); Barron and Malik 2013 (the
+// constant, lateral error); Maimone and Fuchs 2011 (interference). docs/internals/simulation.md
+// compares the rates of change with recordings of a real Kinect.
 //
 // Thread: free functions are safe anywhere; one thread per KinectNoise.
 
@@ -30,7 +35,7 @@
 
 namespace copresence::simulation {
 
-inline constexpr double kProjectorBaseline = 0.075;  // metres, to the right of the camera
+inline constexpr double kProjectorBaseline = 0.075;  // Metres, to the right of the camera.
 /// Metres: the depth of disparity level k is this over k.
 inline constexpr double kLevelConstant = kKinectV1Noise.disparity_constant_m;
 inline constexpr double kNearestDepth = 0.5, kFarthestDepth = 5;  // metres
@@ -38,21 +43,22 @@ inline constexpr double kNearestDepth = 0.5, kFarthestDepth = 5;  // metres
 /// The depth values that a simulated Kinect can report, ascending, in `unit`.
 std::vector<std::uint16_t> kinect_levels(DepthUnit unit);
 
-/// Width in pixels of the shadow that a surface at z_near casts in the dots on a surface at z_far, metres.
+/// Width in pixels of the shadow that a surface at z_near casts in the dots on a surface at z_far,
+/// metres.
 constexpr double shadow_width_px(double fx, double z_near, double z_far) {
   return fx * kProjectorBaseline * (1 / z_near - 1 / z_far);
 }
 
 /// The projected dots at one pixel.
 struct Dots {
-  float level = 0;      ///< exact disparity in levels; 0 in the shadow of the projector
-  float intensity = 0;  ///< reflected light; falls with distance, mostly compensated by automatic gain
+  float level = 0;      ///< Exact disparity in levels; 0 in the shadow of the projector.
+  float intensity = 0;  ///< Reflected light; falls with distance, mostly compensated by automatic gain.
   friend bool operator==(const Dots&, const Dots&) = default;
 };
 using DotImage = Image<Dots>;
 
-/// The dots that the camera sees, without anything random. Left of a near surface there is the shadow of
-/// shadow_width_px(). Requires a view of the model's size.
+/// The dots that the camera sees, without anything random. Left of a near surface there is the
+/// shadow of shadow_width_px(). Requires a view of the model's size.
 void project_dots(const CameraModel& model, const TrueView& view, DotImage& dots);
 
 /// Turns dots into the depth of one Kinect.
@@ -64,16 +70,17 @@ class KinectNoise {
   /// Requires the model's size.
   void set_interference(const Image<float>& light);
 
-  /// Writes the depth of one frame row by row, in the unit given, 0 for holes. Requires the model's size of both.
+  /// Writes the depth of one frame row by row, in the unit given, 0 for holes. Requires that both
+  /// have the model's size.
   void add_noise(const DotImage& dots, std::uint64_t frame, std::span<std::uint16_t> depth);
 
  private:
   DepthUnit unit_;
   std::uint32_t seed_;
-  Image<float> pattern_;                 // fixed error of the disparity, in levels
-  Image<float> needed_intensity_;        // fixed part of the intensity below which depth is lost
-  Image<float> fixed_interference_;      // normal noise: the fixed part of interference
-  Image<float> interference_threshold_;  // depth is lost if the interference of a frame exceeds it
+  Image<float> pattern_;                 // Fixed error of the disparity, in levels.
+  Image<float> needed_intensity_;        // Fixed part of the intensity below which depth is lost.
+  Image<float> fixed_interference_;      // Normal noise: the fixed part of interference.
+  Image<float> interference_threshold_;  // Depth is lost if the interference of a frame exceeds it.
 };
 
 }  // namespace copresence::simulation

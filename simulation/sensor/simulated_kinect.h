@@ -1,6 +1,7 @@
 #pragma once
 
-// A Kinect in a simulated scene: depth with the errors of a Kinect and colour registered to it, frame by frame.
+// A Kinect in a simulated scene: depth with the errors of a Kinect and colour registered to it,
+// frame by frame.
 //
 // Thread: one thread per camera; several cameras may share a scene.
 
@@ -23,8 +24,8 @@
 
 namespace copresence::simulation {
 
-/// The intrinsics of a Kinect at the given size: a focal length of 585 px at a width of 640 px, no distortion.
-/// Requires a size that check() accepts.
+/// The intrinsics of a Kinect at the given size: a focal length of 585 px at a width of 640 px, no
+/// distortion. Requires a size that check() accepts.
 CameraModel kinect_model(int width, int height);
 
 /// Which Kinects have their projector on, by their index in kinect_poses().
@@ -32,13 +33,15 @@ using Projectors = std::bitset<kMostKinects>;
 
 class SimulatedKinect {
  public:
-  /// One of several Kinects that run at once, number `index` of `poses` (world_from_camera). The seed determines all noise.
+  /// One of several Kinects that run at once, number `index` of `poses` (world_from_camera). The
+  /// seed determines all noise.
   /// Fails  as TrueCamera::make(). Requires index < poses.size() <= kMostKinects.
   static Result<SimulatedKinect> make(std::shared_ptr<const LitScene> scene, const CameraModel& model,
                                       std::span<const Rigid3> poses, std::size_t index, DepthUnit unit,
                                       std::uint32_t seed);
 
-  /// Sets which projectors are on; initially all. The camera has no depth without its own. Those of others interfere.
+  /// Sets which projectors are on; initially all. The camera has no depth without its own. Those of
+  /// others interfere.
   void set_projectors(Projectors on);
 
   /// Captures a frame with the figure at `phase`. The noise depends on the frame number only.
@@ -47,12 +50,13 @@ class SimulatedKinect {
   /// The ground truth of the last capture(). Requires that there was one.
   const TrueView& truth() const { return *truth_; }
 
-  /// Traces one period of the figure's motion and caches it, which takes about 40 MB. After that, a live frame costs little
-  /// more than its noise.
+  /// Traces one period of the figure's motion and caches it, which takes about 40 MB. After that, a
+  /// live frame costs little more than its noise.
   void precompute();
 
-  /// As capture(), but fast enough for a live camera, and one picture at a time. The phase is that of frame `frame` of an
-  /// endless motion with the period kPeriodFrames. Pictures are row by row. Requires precompute() and the model's size.
+  /// As capture(), but fast enough for a live camera, and one picture at a time. The phase is that
+  /// of frame `frame` of an endless motion with the period kPeriodFrames. Pictures are row by row.
+  /// Requires precompute() and the model's size.
   void capture_live_depth(std::uint64_t frame, std::span<std::uint16_t> depth);
   void capture_live_color(std::uint64_t frame, std::span<Rgb8> color);
 

@@ -21,7 +21,8 @@
 
 namespace copresence::simulation {
 
-/// Sample points of a pixel's colour, in pixels from its centre. No two are in the same row or column of sub-pixels.
+/// Sample points of a pixel's colour, in pixels from its centre. No two are in the same row or
+/// column of sub-pixels.
 inline const std::array<Eigen::Vector2f, 4> kFigureSamples{
     Eigen::Vector2f(-0.125f, -0.375f), Eigen::Vector2f(0.375f, -0.125f), Eigen::Vector2f(0.125f, 0.375f),
     Eigen::Vector2f(-0.375f, 0.125f)};
@@ -29,8 +30,8 @@ inline const std::array<Eigen::Vector2f, 4> kFigureSamples{
 /// The surface point of a part at the centre of a pixel.
 struct Hit {
   std::uint32_t pixel = 0, triangle = 0;
-  float depth = 0;     ///< along the optical axis, metres
-  float u = 0, v = 0;  ///< barycentric weights of the second and third vertex
+  float depth = 0;     ///< Along the optical axis, metres.
+  float u = 0, v = 0;  ///< Barycentric weights of the second and third vertex.
 };
 
 /// All pixels that show the figure.
@@ -52,19 +53,20 @@ struct FigureHits {
   struct Run {
     std::size_t first = 0, count = 0;
   };
-  std::vector<Run> runs;             ///< per row: all pixels whose colour the figure may change
-  std::vector<std::int8_t> part_of;  ///< per pixel: the part at its centre, or -1
+  std::vector<Run> runs;             ///< Per row: all pixels whose colour the figure may change.
+  std::vector<std::int8_t> part_of;  ///< Per pixel: the part at its centre, or -1.
   std::vector<std::uint32_t>
-      silhouette;  ///< pixels with a neighbour that shows another part or the background
-  std::vector<SampleParts> sample_parts;  ///< per silhouette pixel and sample: the part, or -1
+      silhouette;  ///< Pixels with a neighbour that shows another part or the background.
+  std::vector<SampleParts> sample_parts;  ///< Per silhouette pixel and sample: the part, or -1.
 };
 
 class FigureTracer {
  public:
   FigureTracer(std::shared_ptr<const LitScene> scene, const PixelRays& pixels);
 
-  /// Finds the points of the figure that are nearer than `background`, the static scene's depth per pixel (0 for none).
-  /// `pose` is world_from_part per part. Requires cleared hits and the rays given to the constructor.
+  /// Finds the points of the figure that are nearer than `background`, the static scene's depth per
+  /// pixel (0 for none). `pose` is world_from_part per part. Requires cleared hits and the rays
+  /// given to the constructor.
   void find(const PixelRays& pixels, const Image<float>& background, std::span<const Eigen::Isometry3f> pose,
             FigureHits& hits);
 
@@ -81,8 +83,8 @@ class FigureTracer {
 
   std::shared_ptr<const LitScene> scene_;
   PosedScene posed_;
-  std::vector<std::vector<Sphere>> bounds_;  // per part, in its own frame; together they contain the part
-  Image<std::uint8_t> cells_;                // per row: cells of pixels that may show the figure
+  std::vector<std::vector<Sphere>> bounds_;  // Per part, in its own frame; together they contain the part.
+  Image<std::uint8_t> cells_;                // Per row: cells of pixels that may show the figure.
   std::vector<Ray> rays_;
 };
 

@@ -12,7 +12,8 @@ using Eigen::Vector3f;
 constexpr std::size_t kSampleCount = kFigureSamples.size();
 constexpr std::size_t kHitBatch = 512;  // hits drawn at once, so that their data fits into the cache
 
-// The share of a lamp's power that arrives at each point, as if all came from the centre of the lamp.
+// The share of a lamp's power that arrives at each point, as if all came from the centre of the
+// lamp.
 void falloff(const AreaLight& light, const ShadowPoints& positions, const float* __restrict nx,
              const float* __restrict ny, const float* __restrict nz, std::span<float> shares) {
   const Vector3f front = light.front();
@@ -90,7 +91,8 @@ void FigureView::find_points(const Mesh& part, const Eigen::Isometry3f& world_fr
   }
 }
 
-// Lamps count as points. The rest of the light is the mean reflected light of the scene, more from above than from below.
+// Lamps count as points. The rest of the light is the mean reflected light of the scene, more from
+// above than from below.
 void FigureView::light_points() {
   const std::vector<AreaLight>& lamps = scene_->scene().lights;
   const std::size_t n = points_.positions.size();
@@ -117,8 +119,8 @@ void FigureView::light_points() {
   }
 }
 
-// The change of texture coordinates from one pixel to the next; `distance` is 1 along a row, the width along a column. Zero
-// if no neighbour shows the same part.
+// The change of texture coordinates from one pixel to the next; `distance` is 1 along a row, the
+// width along a column. Zero if no neighbour shows the same part.
 Vector2f FigureView::uv_change(std::size_t pixel, std::size_t distance) const {
   constexpr float kSeam = 0.05f;  // metres; a larger change is the seam where the texture closes
   const std::size_t next = pixel + distance;
@@ -133,8 +135,8 @@ Vector2f FigureView::uv_change(std::size_t pixel, std::size_t distance) const {
   return Vector2f::Zero();
 }
 
-// Texture coordinates of the samples of each hit. The differences to neighbouring pixels give the size of a pixel on the
-// surface.
+// Texture coordinates of the samples of each hit. The differences to neighbouring pixels give the
+// size of a pixel on the surface.
 void FigureView::find_samples(std::span<const Hit> hits) {
   const std::size_t n = hits.size();
   sample_u_.resize(n * kSampleCount);

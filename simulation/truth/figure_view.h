@@ -1,6 +1,7 @@
 #pragma once
 
-// Private to TrueCamera: the figure as one camera sees it at one instant, drawn over the static view.
+// Private to TrueCamera: the figure as one camera sees it at one instant, drawn over the static
+// view.
 //
 // Thread: one thread per object; several may share a scene.
 
@@ -27,8 +28,9 @@ class FigureView {
   /// Restores the static view wherever the last draw() put the figure.
   void erase(const StaticView& background, TrueView& view);
 
-  /// Draws the figure where it is nearer than the static scene. `pose` is world_from_part per part. `capsules` are the parts in
-  /// the world frame, which cast shadows on each other. Requires an erased view and the rays given to the constructor.
+  /// Draws the figure where it is nearer than the static scene. `pose` is world_from_part per part.
+  /// `capsules` are the parts in the world frame, which cast shadows on each other. Requires an
+  /// erased view and the rays given to the constructor.
   void draw(const PixelRays& pixels, const StaticView& background, std::span<const Eigen::Isometry3f> pose,
             std::span<const Capsule> capsules, TrueView& view);
 
@@ -36,8 +38,8 @@ class FigureView {
   /// Surface points of the hits that are being drawn, one array per coordinate; world frame.
   struct Points {
     ShadowPoints positions;
-    std::vector<float> normal_x, normal_y, normal_z;  // unit length, towards the camera
-    std::vector<float> cosine;                        // of the angle between normal and view ray, 0 to 1
+    std::vector<float> normal_x, normal_y, normal_z;  // Unit length, towards the camera.
+    std::vector<float> cosine;                        // Of the angle between normal and view ray, 0 to 1.
   };
   /// Light at these points without shadows, per channel: as Light.
   struct PointLight {
@@ -56,15 +58,15 @@ class FigureView {
   std::shared_ptr<const LitScene> scene_;
   FigureTracer tracer_;
   FigureHits hits_;
-  std::vector<Eigen::Vector2f> uv_;     // per pixel: texture coordinates, valid where the figure is visible
-  std::vector<Eigen::Vector3f> light_;  // likewise: reflected light
+  std::vector<Eigen::Vector2f> uv_;     // Per pixel: texture coordinates, valid where the figure is visible.
+  std::vector<Eigen::Vector3f> light_;  // Likewise: reflected light.
 
-  // Of the hits that are being drawn.
+  // Buffers for the hits that are being drawn.
   Points points_;
   PointLight point_light_;
-  std::vector<float> hidden_;               // share of the lamp that is in shadow
-  std::vector<float> sample_u_, sample_v_;  // all hits' first samples, then all second ones and so on
-  std::array<std::vector<float>, 3> sample_colors_;  // likewise; the first of each hit becomes its light
+  std::vector<float> hidden_;               // Share of the lamp that is in shadow.
+  std::vector<float> sample_u_, sample_v_;  // All hits' first samples, then all second ones and so on.
+  std::array<std::vector<float>, 3> sample_colors_;  // Likewise; the first of each hit becomes its light.
   std::vector<Rgb8> screen_;
 };
 

@@ -2,8 +2,9 @@
 
 // A scene with its light computed, ready for tracing.
 //
-// Light on static surfaces is baked per vertex: direct light of the lamps with soft shadows, and one diffuse reflection
-// (a radiosity gather). It is the same from every viewpoint and free of noise.
+// Light on static surfaces is baked per vertex: direct light of the lamps with soft shadows, and
+// one diffuse reflection (a radiosity gather). It is the same from every viewpoint and free of
+// noise.
 //
 // "Light" is the radiance of a white diffuse surface; 1 is the brightest value of a display.
 // Thread: immutable once made; share it freely.
@@ -19,15 +20,16 @@
 
 namespace copresence::simulation {
 
-/// Light at a point. The part of the first lamp is separate, because the figure casts shadows in it.
+/// Light at a point. The part of the first lamp is separate, because the figure casts shadows in
+/// it.
 struct Light {
   Eigen::Vector3f lamp = Eigen::Vector3f::Zero();
   Eigen::Vector3f rest = Eigen::Vector3f::Zero();
 };
 
 struct BakedLight {
-  std::vector<std::vector<Light>> vertices;                  ///< [mesh][vertex]
-  Eigen::Vector3f reflected_mean = Eigen::Vector3f::Zero();  ///< reflected light, mean of all vertices
+  std::vector<std::vector<Light>> vertices;                  ///< [mesh][vertex].
+  Eigen::Vector3f reflected_mean = Eigen::Vector3f::Zero();  ///< Reflected light, mean of all vertices.
 };
 
 class LitScene {

@@ -1,8 +1,10 @@
 #pragma once
 
-// Ray casting against triangle meshes, static or moving. This is the only place that uses Embree (version 3 or 4).
+// Ray casting against triangle meshes, static or moving. This is the only place that uses Embree
+// (version 3 or 4).
 //
-// Thread: build and pose a scene on one thread at a time. Tracing does not change a scene and is safe on any thread.
+// Thread: build and pose a scene on one thread at a time. Tracing does not change a scene and is
+// safe on any thread.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -22,13 +24,14 @@ struct RTCSceneTy;
 
 namespace copresence::simulation {
 
-/// A ray and, after tracing, its first hit. `direction` may have any length: `near` and `far` are multiples of it.
+/// A ray and, after tracing, its first hit. `direction` may have any length: `near` and `far` are
+/// multiples of it.
 struct Ray {
   Eigen::Vector3f origin, direction;
-  float near = 1e-4f, far = 1e30f;  ///< the searched range; after a hit, `far` is the distance of the hit
-  int mesh = -1;                    ///< index of the mesh or part that was hit, or -1 for none
-  std::uint32_t triangle = 0;       ///< index within the mesh
-  float u = 0, v = 0;               ///< barycentric weights of the second and third vertex
+  float near = 1e-4f, far = 1e30f;  ///< The searched range; after a hit, `far` is the distance of the hit.
+  int mesh = -1;                    ///< Index of the mesh or part that was hit, or -1 for none.
+  std::uint32_t triangle = 0;       ///< Index within the mesh.
+  float u = 0, v = 0;               ///< Barycentric weights of the second and third vertex.
 };
 
 /// Interpolates values of the three vertices of the triangle that was hit.
@@ -65,9 +68,9 @@ struct PixelRays {
 
   CameraModel model;
   Rigid3 world_from_camera;
-  Eigen::Vector3f eye;                      ///< world frame, metres
-  std::vector<Eigen::Vector3f> directions;  ///< per pixel, world frame; 1 long along the optical axis
-  Eigen::Vector3f pixel_x, pixel_y;         ///< difference of the directions of neighbouring pixels
+  Eigen::Vector3f eye;                      ///< World frame, metres.
+  std::vector<Eigen::Vector3f> directions;  ///< Per pixel, world frame; 1 long along the optical axis.
+  Eigen::Vector3f pixel_x, pixel_y;         ///< Difference of the directions of neighbouring pixels.
 };
 
 struct FreeScene {
@@ -95,7 +98,8 @@ class RayScene {
   std::unique_ptr<RTCSceneTy, FreeScene> scene_;
 };
 
-/// Rigid parts that move: each mesh is an instance with its own pose. Several objects may share the geometry.
+/// Rigid parts that move: each mesh is an instance with its own pose. Several objects may share the
+/// geometry.
 class PosedScene {
  public:
   /// The geometry of the parts. It is built once.

@@ -10,9 +10,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr std::size_t kLeastGroup = 64;  // smallest number of points with a capsule list of their own
-constexpr std::size_t kGroups = 8;       // a larger group is divided into this many
-constexpr float kSharpest = 0.004f;      // half the width of the penumbra at the capsule itself, metres
+constexpr std::size_t kLeastGroup = 64;  // Smallest number of points with a capsule list of their own.
+constexpr std::size_t kGroups = 8;       // A larger group is divided into this many.
+constexpr float kSharpest = 0.004f;      // Half the width of the penumbra at the capsule itself, metres.
 
 struct Range {
   std::size_t first = 0, end = 0;
@@ -46,8 +46,8 @@ bool may_shade(const Capsule& capsule, const Vector3f& middle, float radius, con
   return least_distance(middle, lamp, capsule) < capsule.radius + penumbra + radius + kRounding;
 }
 
-// Adds the shadow of one capsule. The hidden share of the lamp depends on the smallest distance between the ray to the lamp
-// and the axis of the capsule.
+// Adds the shadow of one capsule. The hidden share of the lamp depends on the smallest distance
+// between the ray to the lamp and the axis of the capsule.
 void add_shadow(const ShadowPoints& points, const Range& range, const Capsule& capsule, float lamp_radius,
                 float* __restrict hidden) {
   const float* __restrict px = points.x.data();
@@ -80,8 +80,8 @@ void add_shadow(const ShadowPoints& points, const Range& range, const Capsule& c
   }
 }
 
-// Divides the points into smaller and smaller groups, and drops the capsules that cannot shade any point of a group. The
-// result is the same as without dropping.
+// Divides the points into smaller and smaller groups, and drops the capsules that cannot shade any
+// point of a group. The result is the same as without dropping.
 void add_shadows(const ShadowPoints& points, const Range& range, std::span<const Capsule> capsules,
                  float lamp_radius, std::span<float> hidden) {
   const auto bounds = [&](const std::vector<float>& values) {

@@ -16,12 +16,13 @@ namespace copresence::simulation {
 /// Radius of the lamp in metres. It sets the softness of shadows.
 inline constexpr float kLampRadius = 0.2f;
 
-/// Points that may be in shadow, one array per coordinate so that loops become vector code. Metres, world frame.
+/// Points that may be in shadow, one array per coordinate so that loops become vector code. Metres,
+/// world frame.
 struct ShadowPoints {
   std::vector<float> x, y, z;
   Eigen::Vector3f lamp = Eigen::Vector3f::Zero();
-  std::vector<float> to_x, to_y, to_z;  ///< unit direction to the lamp
-  std::vector<float> distance;          ///< to the lamp
+  std::vector<float> to_x, to_y, to_z;  ///< Unit direction to the lamp.
+  std::vector<float> distance;          ///< To the lamp.
 
   std::size_t size() const { return x.size(); }
   void resize(std::size_t count);
@@ -31,8 +32,9 @@ struct ShadowPoints {
   void aim_at(const Eigen::Vector3f& lamp_center);
 };
 
-/// The share of the lamp that the capsules hide from each point, 0 to 1. It is fastest if consecutive points are close to
-/// each other. Requires ShadowPoints::aim_at() and one result per point.
+/// The share of the lamp that the capsules hide from each point, 0 to 1. It is fastest if
+/// consecutive points are close to each other. Requires ShadowPoints::aim_at() and one result per
+/// point.
 void cast_shadows(const ShadowPoints& points, std::span<const Capsule> capsules, float lamp_radius,
                   std::span<float> hidden);
 

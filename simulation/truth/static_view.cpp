@@ -36,7 +36,8 @@ StaticView::StaticView(std::shared_ptr<const LitScene> scene, const PixelRays& r
   color_ = view_.color;
 }
 
-// Adds the light of the leading rays that hit the same mesh, to the pixels from `pixel` on. Returns their number.
+// Adds the light of the leading rays that hit the same mesh, to the pixels from `pixel` on. Returns
+// their number.
 std::size_t StaticView::add_light(std::span<const Ray> rays, float share, std::size_t pixel) {
   std::size_t n = 1;
   while (n < rays.size() && rays[n].mesh == rays[0].mesh) ++n;
@@ -61,8 +62,8 @@ std::size_t StaticView::add_light(std::span<const Ray> rays, float share, std::s
   return n;
 }
 
-// The light that a surface of colour `color` reflects along a ray that hit it. `rest` is all of it, `lamp` the share of the
-// lamp.
+// The light that a surface of colour `color` reflects along a ray that hit it. `rest` is all of it,
+// `lamp` the share of the lamp.
 Light StaticView::reflected_light(const Ray& ray, const Vector3f& color, bool mirrors) const {
   const auto m = static_cast<std::size_t>(ray.mesh);
   const Mesh& mesh = scene_->scene().meshes[m];
@@ -131,8 +132,8 @@ void StaticView::trace(const PixelRays& pixels) {
   }
 }
 
-// Shadows are soft, so 2x2 pixels share one value. Only blocks whose path to the lamp passes through the reach of the figure
-// are kept.
+// Shadows are soft, so 2x2 pixels share one value. Only blocks whose path to the lamp passes
+// through the reach of the figure are kept.
 void StaticView::find_shadow_blocks(const PixelRays& pixels) {
   const Scene& scene = scene_->scene();
   if (scene_->figure().empty() || scene.lights.empty()) return;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Private to TrueCamera: the static part of a scene as one camera sees it, traced once, and the shadow of the figure on it.
+// Private to TrueCamera: the static part of a scene as one camera sees it, traced once, and the
+// shadow of the figure on it.
 //
 // Thread: one thread per object; several may share a scene.
 
@@ -30,7 +31,8 @@ class StaticView {
   const ColorImage& color() const { return color_; }
   const Eigen::Vector3f& light(std::size_t pixel) const { return light_[pixel]; }
 
-  /// Replaces the shadow of the figure by that of `capsules` (world frame). Pixels that change are also written to `view`.
+  /// Replaces the shadow of the figure by that of `capsules` (world frame). Pixels that change are
+  /// also written to `view`.
   void cast_figure_shadow(std::span<const Capsule> capsules, ColorImage& view);
 
  private:
@@ -48,10 +50,10 @@ class StaticView {
   std::vector<Eigen::Vector3f> static_light_, static_lamp_;  // linear, without shadow; the lamp's share of it
   std::vector<Block> blocks_;
   ShadowPoints shadow_points_;
-  std::vector<float> hidden_;                      // per block: the hidden share of the lamp
-  std::vector<Eigen::Vector3f> light_;             // per pixel, with the shadow of the figure
-  ColorImage color_;                               // the same after tone mapping
-  std::vector<float> u_, v_, red_, green_, blue_;  // buffers of add_light()
+  std::vector<float> hidden_;                      // Per block: the hidden share of the lamp.
+  std::vector<Eigen::Vector3f> light_;             // Per pixel, with the shadow of the figure.
+  ColorImage color_;                               // The same after tone mapping.
+  std::vector<float> u_, v_, red_, green_, blue_;  // Buffers of add_light().
 };
 
 }  // namespace copresence::simulation

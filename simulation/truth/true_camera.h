@@ -2,8 +2,8 @@
 
 // Ground truth: true depth and colour of a scene from any camera model and pose at any time.
 //
-// The static part of the scene is traced once, when the camera is made. After that, only pixels that may show the figure
-// are traced.
+// The static part of the scene is traced once, when the camera is made. After that, only pixels
+// that may show the figure are traced.
 // Thread: one thread per camera; several cameras may share a scene.
 
 #include <memory>
@@ -22,9 +22,9 @@ struct PixelRays;
 
 /// The view of a perfect camera at one instant.
 struct TrueView {
-  Image<float> depth_m;   ///< along the optical axis at the pixel's centre; 0 where there is no surface
-  ColorImage color;       ///< sRGB, anti-aliased
-  Image<float> infrared;  ///< share of the projector's light that is reflected to the camera, 0 to 1
+  Image<float> depth_m;   ///< Along the optical axis at the pixel's centre; 0 where there is no surface.
+  ColorImage color;       ///< sRGB, anti-aliased.
+  Image<float> infrared;  ///< Share of the projector's light that is reflected to the camera, 0 to 1.
 };
 
 class TrueCamera {

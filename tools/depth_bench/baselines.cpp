@@ -65,8 +65,8 @@ Lossless lossless(std::string_view name) {
           }};
 }
 
-// The states of decoded depth. Baselines code holes as zeros and do not know which pixels were filled, so these count as
-// correct.
+// The states of decoded depth. Baselines code holes as zeros and do not know which pixels were
+// filled, so these count as correct.
 StateImage states_of(const DepthImage& depth, const StateImage& original) {
   StateImage states(depth.width(), depth.height(), DepthState::kHole);
   for (std::size_t i = 0; i < states.pixels().size(); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
-// Runs a depth codec on a recording, with the encoders and decoders of capture_server and render_client.
+// Runs a depth codec on a recording, with the encoders and decoders of capture_server and
+// render_client.
 
 #include <optional>
 #include <string>
@@ -22,19 +23,21 @@ struct Setting {
 
 /// The middle frame of a recording, for plots.
 struct Snapshot {
-  Picture before, after;   ///< the picture before and after video coding
-  DepthImage depth, back;  ///< original and decoded depth
+  Picture before, after;   ///< The picture before and after video coding.
+  DepthImage depth, back;  ///< Original and decoded depth.
 };
 
-/// Codes and decodes all frames. Fails  as the encoders and decoders, and for an incompletely decoded frame.
+/// Codes and decodes all frames. Fails as the encoders and decoders, and for an incompletely
+/// decoded frame.
 Result<Row> run_codec(const DepthRecording& recording, const std::string& codec, const Setting& setting,
                       Snapshot* snapshot = nullptr);
 
 /// The codecs that tune() tries: all of them, and some with other parameters.
 std::vector<std::string> tuning_candidates();
 
-/// Runs all candidates at a bitrate and sorts them by RMSE in disparity steps, the best first (thesis 5.1.2). Codecs that exceed
-/// the bitrate by more than a tenth come last. Fails  as run_codec().
+/// Runs all candidates at a bitrate and sorts them by RMSE in disparity steps, the best first
+/// (thesis 5.1.2). Codecs that exceed the bitrate by more than a tenth come last. Fails as
+/// run_codec().
 Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset preset,
                               tools::Progress& progress);
 

@@ -11,9 +11,9 @@ double step_mm(double z_mm) {
   return kKinectV1Noise.step_m(z_mm * 1e-3) * 1e3;
 }
 
-constexpr double kEdgeSteps = 10;   // smallest difference between two surfaces
-constexpr double kFlyingSteps = 5;  // a flying pixel is farther than this from both surfaces
-constexpr int kEdgeReach = 2;       // distance from a pixel to the surfaces on both sides, pixels
+constexpr double kEdgeSteps = 10;   // Smallest difference between two surfaces.
+constexpr double kFlyingSteps = 5;  // A flying pixel is farther than this from both surfaces.
+constexpr int kEdgeReach = 2;       // Distance from a pixel to the surfaces on both sides, pixels.
 
 }  // namespace
 

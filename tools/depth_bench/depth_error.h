@@ -22,12 +22,13 @@ class DepthError {
   double rmse_mm() const;
   double rmse_steps() const;
   double mae_mm() const;
-  double percentile_mm(double share) const;     ///< resolution 0.01 mm, at most 655 mm
-  double percentile_steps(double share) const;  ///< resolution 0.01 disparity steps
+  double percentile_mm(double share) const;     ///< Resolution 0.01 mm, at most 655 mm.
+  double percentile_steps(double share) const;  ///< Resolution 0.01 disparity steps.
   double max_mm() const { return max_mm_; }
   double percent_beyond_3_steps() const { return percent(beyond_3_steps_); }  ///< error > 3 step(z) + 1 mm
   double percent_beyond_100mm() const { return percent(beyond_100mm_); }
-  /// Flying pixels: the share of pixels at depth edges that are more than 5 disparity steps from both sides of the edge.
+  /// Flying pixels: the share of pixels at depth edges that are more than 5 disparity steps from
+  /// both sides of the edge.
   double percent_flying() const {
     return edges_ ? 100.0 * static_cast<double>(flying_) / static_cast<double>(edges_) : 0;
   }

@@ -11,7 +11,8 @@ namespace copresence::depth_bench {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Neighbours whose depth differs by more than this are not one surface. Between them nothing throws a shadow.
+// Neighbours whose depth differs by more than this are not one surface. Between them nothing throws
+// a shadow.
 constexpr double kDiscontinuityM = 0.1;
 constexpr double kShadowTolerance = 2;  // pixels: a surface must not shade itself through rounding
 
@@ -23,7 +24,8 @@ double fraction(double value) {
   return value - std::floor(value);
 }
 
-// The wave on top of a stair, K = 0 in equation 2.6: it rises from one stair to the next without a jump.
+// The wave on top of a stair, K = 0 in equation 2.6: it rises from one stair to the next without a
+// jump.
 double wave(double stair, double phase) {
   return stair / 2 - (stair - 2) / 2 * std::cos(kPi * phase);
 }

@@ -98,8 +98,8 @@ struct Measure {
   std::pair<double, double> range;
 };
 
-// Extends the usual range so that it contains all rows. The value 0 is drawn at the end of the axis, because the axis is
-// logarithmic.
+// Extends the usual range so that it contains all rows. The value 0 is drawn at the end of the
+// axis, because the axis is logarithmic.
 std::pair<double, double> with_all(std::pair<double, double> usual, const std::vector<Row>& rows,
                                    double (*of)(const Row&)) {
   for (const Row& row : rows) {
@@ -117,7 +117,8 @@ std::vector<std::string> codecs_of(const std::vector<Row>& rows) {
   return names;
 }
 
-// A 256x256 histogram of the chroma samples. Darkness is the logarithm of the count, redness the distance from `before`.
+// A 256x256 histogram of the chroma samples. Darkness is the logarithm of the count, redness the
+// distance from `before`.
 cv::Mat uv_plane(const Picture& picture, const Picture& before) {
   cv::Mat count = cv::Mat::zeros(256, 256, CV_32F), moved = cv::Mat::zeros(256, 256, CV_32F);
   const auto u = picture.plane8(1), v = picture.plane8(2), u0 = before.plane8(1), v0 = before.plane8(2);

@@ -12,15 +12,17 @@
 
 namespace copresence::depth_bench {
 
-/// Plots RMSE and the share of errors above 3 disparity steps against the bitrate, with one curve per codec and logarithmic
-/// axes. All three functions fail with kUnavailable if the file cannot be written.
+/// Plots RMSE and the share of errors above 3 disparity steps against the bitrate, with one curve
+/// per codec and logarithmic axes. All three functions fail with kUnavailable if the file cannot be
+/// written.
 Result<void> plot_curves(const std::vector<Row>& rows, const std::string& path);
 
 /// Codec and setting, and a snapshot of the coded frame.
 using Shot = std::pair<std::string, Snapshot>;
 
-/// Plots the distribution of chroma samples in the UV plane before and after video coding, as thesis figures 3.9 to 3.13.
-/// Darker means more samples; after coding, red means that samples moved far. Writes no file if no shot has chroma.
+/// Plots the distribution of chroma samples in the UV plane before and after video coding, as
+/// thesis figures 3.9 to 3.13. Darker means more samples; after coding, red means that samples
+/// moved far. Writes no file if no shot has chroma.
 Result<void> plot_uv(const std::vector<Shot>& shots, const std::string& path);
 
 /// Plots the error of every shot: black is no error, white 10 disparity steps or more, blue a hole.

@@ -1,7 +1,7 @@
 #pragma once
 
-// One result: a codec with a setting, its bitrate, its error and its time. docs/internals/compression.md describes the keys of
-// the JSON.
+// One result: a codec with a setting, its bitrate, its error and its time.
+// docs/internals/compression.md describes the keys of the JSON.
 
 #include <cstdint>
 #include <string>
@@ -14,10 +14,10 @@ namespace copresence::depth_bench {
 
 struct Row {
   std::string codec;
-  std::string pixel_format;  ///< gray8, gray10, yuv420, yuv444; "none" without a video codec
-  std::string setting;       ///< qp=12, kbps=1000, or lossless
-  double mbps = 0;           ///< total at 30 frames per second
-  double mask_mbps = 0;      ///< part of mbps: the validity mask
+  std::string pixel_format;  ///< gray8, gray10, yuv420, yuv444; "none" without a video codec.
+  std::string setting;       ///< qp=12, kbps=1000, or lossless.
+  double mbps = 0;           ///< Total at 30 frames per second.
+  double mask_mbps = 0;      ///< Part of mbps: the validity mask.
   double rmse_mm = 0, rmse_steps = 0, mae_mm = 0, p50_mm = 0, p99_mm = 0, max_mm = 0, p99_steps = 0;
   double percent_beyond_3_steps = 0, percent_beyond_100mm = 0, percent_flying = 0;
   std::uint64_t hole_flips = 0;

@@ -25,8 +25,8 @@ struct Settings {
   bool tune = false;  ///< requires rates_kbps
 };
 
-/// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command line, which is reported on
-/// standard error.
+/// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command
+/// line, which is reported on standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::depth_bench

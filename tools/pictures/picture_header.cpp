@@ -85,7 +85,8 @@ Result<PictureHeader> png_header(Bytes bytes) {
   return header;
 }
 
-// Reads a number of `count` bytes at `at` in the byte order of a TIFF file. Returns 0 beyond the end.
+// Reads a number of `count` bytes at `at` in the byte order of a TIFF file. Returns 0 beyond the
+// end.
 std::uint32_t tiff_number(Bytes tiff, std::size_t at, std::size_t count, bool is_big_endian) {
   if (at > tiff.size() || tiff.size() - at < count) return 0;
   std::uint32_t value = 0;
@@ -95,7 +96,8 @@ std::uint32_t tiff_number(Bytes tiff, std::size_t at, std::size_t count, bool is
   return value;
 }
 
-// Reads the orientation from the first directory of an EXIF block, which has the format of a TIFF file.
+// Reads the orientation from the first directory of an EXIF block, which has the format of a TIFF
+// file.
 int exif_orientation(Bytes segment) {
   if (segment.size() < 14 || !begins_with(segment, "Exif\0\0"sv)) return 1;
   const Bytes tiff = segment.subspan(6);
@@ -154,7 +156,8 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
   return broken();
 }
 
-// Reads the next number of a Netpbm or PFM header. White space separates numbers; comments go from # to the end of the line.
+// Reads the next number of a Netpbm or PFM header. White space separates numbers; comments go from
+// # to the end of the line.
 std::optional<double> next_number(Bytes bytes, std::size_t& at) {
   while (at < bytes.size() && (std::isspace(bytes[at]) || bytes[at] == '#')) {
     if (bytes[at] == '#') {

@@ -44,7 +44,8 @@ Result<void> check_size(const std::filesystem::path& path, const cv::Mat& image,
           path.string(), image.cols, image.rows, size.width, size.height));
 }
 
-// The same view at another size. Pixels keep their shape; if the aspect ratio differs, the centre stays the centre.
+// The same view at another size. Pixels keep their shape; if the aspect ratio differs, the centre
+// stays the centre.
 CameraModel scaled(const CameraModel& model, const Size& size) {
   const double scale = static_cast<double>(size.width) / model.width;
   CameraModel other = model;

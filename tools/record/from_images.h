@@ -15,14 +15,15 @@ namespace copresence::record {
 struct FromImagesReport {
   std::size_t depth_frames = 0, color_frames = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t too_far = 0;         ///< depth pixels beyond the range of the unit; they became holes
-  double depth_per_metre = 0;        ///< pixel value of one metre; 0 for raw disparities
-  std::vector<std::string> remarks;  ///< for the user: what was used, left out and assumed
+  std::uint64_t too_far = 0;         ///< Depth pixels beyond the range of the unit; they became holes.
+  double depth_per_metre = 0;        ///< Pixel value of one metre; 0 for raw disparities.
+  std::vector<std::string> remarks;  ///< For the user: what was used, left out and assumed.
 };
 
-/// Reads the images in the order of their times and writes a recording. JPEG files are copied unchanged. The recording is
-/// then checked as capture_server checks it, and removed if it fails.
-/// Fails  as find_images(); kCorrupt or kInvalid for an unsuitable image, a recording that could not be played, or an existing
+/// Reads the images in the order of their times and writes a recording. JPEG files are copied
+/// unchanged. The recording is then checked as capture_server checks it, and removed if it fails.
+/// Fails  as find_images(); kCorrupt or kInvalid for an unsuitable image, a recording that could
+///        not be played, or an existing
 ///        file without `overwrite`; kUnavailable if writing fails.
 Result<FromImagesReport> make_from_images(const FromImagesSettings& settings,
                                           const recording::ProgressReport& progress);

@@ -17,10 +17,11 @@ namespace fs = std::filesystem;
 using pictures::Format;
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{kLargestSide} * kLargestSide;
-// The value for a hole in 7-Scenes. In other data sets it is the largest possible value, which is no measurement either.
+// The value for a hole in 7-Scenes. In other data sets it is the largest possible value, which is
+// no measurement either.
 constexpr std::uint16_t kNotMeasured = 65535;
-// A Kinect's raw disparity has 11 bits; the largest value stands for a hole. NYU Depth v2's toolbox converts it to
-// metres by kMetresTimesDisparity / (kDisparityAtInfinity - raw).
+// A Kinect's raw disparity has 11 bits; the largest value stands for a hole. NYU Depth v2's toolbox
+// converts it to metres by kMetresTimesDisparity / (kDisparityAtInfinity - raw).
 constexpr int kNoDisparity = 2047;
 constexpr double kDisparityAtInfinity = 1092.5;
 constexpr double kMetresTimesDisparity = kKinectV1Noise.disparity_constant_m;
@@ -59,7 +60,8 @@ tl::unexpected<Error> does_not_decode(const fs::path& path) {
               fmt::format("{}: the image is damaged and cannot be decoded; use another copy", path.string()));
 }
 
-// The offset of the pixels behind a Netpbm or PFM header of `numbers` numbers. One white space follows the last number.
+// The offset of the pixels behind a Netpbm or PFM header of `numbers` numbers. One white space
+// follows the last number.
 std::size_t end_of_header(const std::vector<std::uint8_t>& bytes, int numbers) {
   std::size_t at = 2;
   for (int i = 0; i < numbers; ++i) {
@@ -175,7 +177,8 @@ class Pixels {
   const DepthCoding coding_;
 };
 
-// True if OpenNI2's player shows the JPEG correctly: it needs three components and ignores the EXIF orientation.
+// True if OpenNI2's player shows the JPEG correctly: it needs three components and ignores the EXIF
+// orientation.
 bool is_playable(const cv::Mat& as_stored, const cv::Mat& as_meant) {
   return as_stored.type() == as_meant.type() && as_stored.size() == as_meant.size() &&
          cv::norm(as_stored, as_meant, cv::NORM_INF) == 0;

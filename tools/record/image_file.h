@@ -17,30 +17,34 @@ namespace copresence::record {
 
 /// How the images store depth. The first image of a folder determines it for all.
 enum class DepthCoding {
-  kWhole,             ///< 16-bit integers
-  kSwapped,           ///< 16-bit integers with exchanged bytes
-  kKinectDisparity,   ///< raw 11-bit disparities of a Kinect, as in PGM files of NYU and fakenect
-  kSwappedDisparity,  ///< raw disparities with exchanged bytes
-  kFloat,             ///< floating-point numbers (TIFF, PFM)
+  kWhole,             ///< 16-bit integers.
+  kSwapped,           ///< 16-bit integers with exchanged bytes.
+  kKinectDisparity,   ///< Raw 11-bit disparities of a Kinect, as in PGM files of NYU and fakenect.
+  kSwappedDisparity,  ///< Raw disparities with exchanged bytes.
+  kFloat,             ///< floating-point numbers (TIFF, PFM).
 };
 
 /// Largest side of an image, pixels.
 inline constexpr int kLargestSide = 4096;
 
-/// Reads a depth image as stored: CV_16UC1 or CV_32FC1. Recordings need even sizes, so the last column or row of an odd
-/// size is left out.
-/// Fails  as pictures::load(); kCorrupt if it cannot be decoded; kInvalid if it does not have one channel of 16 bits or
+/// Reads a depth image as stored: CV_16UC1 or CV_32FC1. Recordings need even sizes, so the last
+/// column or row of an odd size is left out.
+/// Fails  as pictures::load(); kCorrupt if it cannot be decoded; kInvalid if it does not have one
+///        channel of 16 bits or
 ///        floats, or is larger than kLargestSide.
 Result<cv::Mat> read_depth(const std::filesystem::path& path);
 
-/// Recognises the coding. Depth is smooth, so the byte order that gives the smoother image is right.
+/// Recognises the coding. Depth is smooth, so the byte order that gives the smoother image is
+/// right.
 DepthCoding find_coding(const cv::Mat& first, const std::filesystem::path& path);
 
-/// The median of all measured pixels: metres for disparities, otherwise pixel values. 0 if nothing was measured.
+/// The median of all measured pixels: metres for disparities, otherwise pixel values. 0 if nothing
+/// was measured.
 double median_depth(const cv::Mat& stored, DepthCoding coding);
 
-/// Converts depth to `unit`. `per_metre` is the pixel value of one metre; disparities ignore it. 65535, infinity, NaN and
-/// values up to 0 are holes. Depth beyond the range of the unit becomes a hole and is counted in `too_far`.
+/// Converts depth to `unit`. `per_metre` is the pixel value of one metre; disparities ignore it.
+/// 65535, infinity, NaN and values up to 0 are holes. Depth beyond the range of the unit becomes a
+/// hole and is counted in `too_far`.
 DepthImage convert_depth(const cv::Mat& stored, DepthCoding coding, double per_metre, DepthUnit unit,
                          std::uint64_t& too_far);
 

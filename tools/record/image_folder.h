@@ -1,6 +1,7 @@
 #pragma once
 
-// Finds the depth and colour images of a folder and their times. Public RGB-D data sets are such folders.
+// Finds the depth and colour images of a folder and their times. Public RGB-D data sets are such
+// folders.
 
 #include <chrono>
 #include <cstddef>
@@ -32,14 +33,16 @@ struct ImageFolder {
 
 /// The choices of the user.
 struct FolderChoice {
-  double frames_per_second = 30;       ///< converts frame numbers to times
-  std::optional<TimeUnit> times = {};  ///< recognised if not given
-  std::string depth = {}, color = {};  ///< folder or label of an ImageGroup; chosen automatically if empty
+  double frames_per_second = 30;       ///< Converts frame numbers to times.
+  std::optional<TimeUnit> times = {};  ///< Recognised if not given.
+  std::string depth = {}, color = {};  ///< Folder or label of an ImageGroup; chosen automatically if empty.
 };
 
-/// Finds the images. Times and pairs are read from associations.txt or a similar name, from depth.txt and rgb.txt or
-/// color.txt, or from file names: a date, a time (recognise_times()) or a frame number.
-/// Fails  kNotFound if the folder, an image in a list, or all depth is missing; kInvalid for a list that cannot be read, and for
+/// Finds the images. Times and pairs are read from associations.txt or a similar name, from
+/// depth.txt and rgb.txt or color.txt, or from file names: a date, a time (recognise_times()) or a
+/// frame number.
+/// Fails  kNotFound if the folder, an image in a list, or all depth is missing; kInvalid for a list
+///        that cannot be read, and for
 ///        ambiguous times or groups of images.
 Result<ImageFolder> find_images(const std::filesystem::path& folder, const FolderChoice& choice);
 

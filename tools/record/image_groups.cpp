@@ -31,7 +31,8 @@ constexpr std::string_view kOtherWords[] = {
 constexpr std::string_view kDepthWords[] = {"depth", "depths", "dpt", "depthmap", "depthmaps", "dep"};
 constexpr std::string_view kColorWords[] = {"color",  "colors", "colour", "rgb",   "bgr",   "image",
                                             "images", "img",    "imgs",   "photo", "photos"};
-// Words for depth that was registered to the colour camera, and for images that were computed from measurements.
+// Words for depth that was registered to the colour camera, and for images that were computed from
+// measurements.
 constexpr std::string_view kAlignedWords[] = {"aligned", "registered", "reg"};
 constexpr std::string_view kComputedWords[] = {
     "filled",  "inpaint",   "inpainted", "completed",    "completion", "dense",
@@ -102,8 +103,8 @@ int rank_of(const fs::path& relative, const NamedKind& named, Content content) {
       if ((word.starts_with("image") || word.starts_with("img")) && rank == kRankPlain) rank = kRankLoose;
     }
   }
-  // Content that contradicts the name, such as a visualisation of depth. It is chosen only if there is nothing else, and then
-  // reported.
+  // Content that contradicts the name, such as a visualisation of depth. It is chosen only if there
+  // is nothing else, and then reported.
   if (named.kind == ImageKind::kDepth && content != Content::kDepth) return kRankByContent + 1;
   if (named.kind == ImageKind::kColor && content != Content::kColor) return kRankByContent + 1;
   return rank;
@@ -124,7 +125,8 @@ bool is_hidden(const fs::path& path) {
   return name.starts_with('.') || name == "__MACOSX" || name == "Thumbs.db" || name == "desktop.ini";
 }
 
-// Adds the images in a folder to `images` and the number of its hidden files to `hidden`. Subfolders are ignored.
+// Adds the images in a folder to `images` and the number of its hidden files to `hidden`.
+// Subfolders are ignored.
 void list(const fs::path& folder, std::vector<fs::path>& images, std::size_t& hidden) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -137,8 +139,8 @@ void list(const fs::path& folder, std::vector<fs::path>& images, std::size_t& hi
   }
 }
 
-// The words in a file name that distinguish groups: "depth_left_1" and "depth_right_1" belong to different groups. Names that
-// differ in other words belong to the same group.
+// The words in a file name that distinguish groups: "depth_left_1" and "depth_right_1" belong to
+// different groups. Names that differ in other words belong to the same group.
 std::string distinguishing_words(const fs::path& relative) {
   std::string words;
   for (const std::string& word : words_of(relative.stem().string())) {
@@ -212,7 +214,8 @@ FolderContent list_images(const fs::path& folder) {
   for (const fs::path& path : images) {
     const fs::path relative = path.lexically_relative(folder);
     const bool is_named = kind_by_name(relative).known;
-    // If no word is known, groups are divided by content. Otherwise, an image with other content is an error and reported.
+    // If no word is known, groups are divided by content. Otherwise, an image with other content is
+    // an error and reported.
     const Content kind = is_named ? Content::kUnreadable : content_of(path);
     auto& paths = by_key[{relative.parent_path().string(), distinguishing_words(relative), kind}];
     if (paths.empty()) ++groups_in[relative.parent_path().string()];

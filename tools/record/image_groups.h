@@ -1,7 +1,8 @@
 #pragma once
 
-// Sorts the images of a folder into groups of depth, colour and others, by the words in their names and by their headers.
-// Public data sets also contain masks, labels, infrared images and visualisations of depth.
+// Sorts the images of a folder into groups of depth, colour and others, by the words in their names
+// and by their headers. Public data sets also contain masks, labels, infrared images and
+// visualisations of depth.
 //
 // Thread: free functions; concurrent calls are safe.
 
@@ -16,8 +17,9 @@ namespace copresence::record {
 
 enum class ImageKind { kDepth, kColor, kOther };
 
-/// The kind of an image according to the words in its path. Words of the file name have precedence over those of folders.
-/// Words such as mask, label or infrared mean kOther. `known` is false if no word has a meaning.
+/// The kind of an image according to the words in its path. Words of the file name have precedence
+/// over those of folders. Words such as mask, label or infrared mean kOther. `known` is false if no
+/// word has a meaning.
 struct NamedKind {
   ImageKind kind = ImageKind::kOther;
   bool known = false;
@@ -33,11 +35,11 @@ bool holds_depth(const std::filesystem::path& path);
 
 /// Images in one folder with similar names.
 struct ImageGroup {
-  std::string label;   ///< for messages: "depth/", "ir*.png"
-  std::string folder;  ///< relative to the folder of images; may be empty
+  std::string label;   ///< For messages: "depth/", "ir*.png".
+  std::string folder;  ///< Relative to the folder of images; may be empty.
   ImageKind kind = ImageKind::kOther;
-  int rank = 0;  ///< of groups of the same kind, the lowest rank is the most likely one
-  std::vector<std::filesystem::path> paths;  ///< sorted by name
+  int rank = 0;  ///< Of groups of the same kind, the lowest rank is the most likely one.
+  std::vector<std::filesystem::path> paths;  ///< Sorted by name.
 };
 
 struct FolderContent {
@@ -48,9 +50,10 @@ struct FolderContent {
 /// Lists all images in a folder and in its direct subfolders.
 FolderContent list_images(const std::filesystem::path& folder);
 
-/// Chooses a group of this kind: the one with the label or folder `wanted`, or if `wanted` is empty the one with the lowest
-/// rank. Returns null if there is none. `folder` is for messages.
-/// Fails  kNotFound if no group is called `wanted`; kInvalid if several groups have the lowest rank.
+/// Chooses a group of this kind: the one with the label or folder `wanted`, or if `wanted` is empty
+/// the one with the lowest rank. Returns null if there is none. `folder` is for messages.
+/// Fails  kNotFound if no group is called `wanted`; kInvalid if several groups have the lowest
+///        rank.
 Result<const ImageGroup*> choose(const FolderContent& content, ImageKind kind, const std::string& wanted,
                                  const std::string& folder);
 

@@ -23,7 +23,8 @@ constexpr const char* kColorLists[] = {"rgb.txt", "color.txt", "colour.txt"};
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-// A word of a line. `ends_field` means that a comma, a semicolon, a tab or the end of the line follows.
+// A word of a line. `ends_field` means that a comma, a semicolon, a tab or the end of the line
+// follows.
 struct Word {
   std::string text;
   bool is_quoted = false, ends_field = false;
@@ -97,8 +98,8 @@ struct ListLine {
   std::vector<ListedImage> images;
 };
 
-// Reads lines of `images_per_line` pairs of a time and a file name relative to `folder`. `name` is the name of the list in
-// messages.
+// Reads lines of `images_per_line` pairs of a time and a file name relative to `folder`. `name` is
+// the name of the list in messages.
 Result<std::vector<ListLine>> parse_list(std::string_view text, const fs::path& folder,
                                          const std::string& name, std::size_t images_per_line) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());

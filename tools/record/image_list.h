@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads lists of images with their times, as in TUM's RGB-D data sets: "time file", or pairs "time file time file". Variants
-// that other tools and editors write are accepted.
+// Reads lists of images with their times, as in TUM's RGB-D data sets: "time file", or pairs "time
+// file time file". Variants that other tools and editors write are accepted.
 //
 // Thread: free functions; concurrent calls are safe.
 
@@ -27,13 +27,14 @@ struct ListedStreams {
   bool has_tum_depth = false;  ///< depth is 5000 per metre, as in TUM's data sets
 };
 
-/// Reads the lists of a folder: associations.txt or a similar name, otherwise depth.txt and rgb.txt or color.txt. Returns
-/// nothing if there are none. Adds to `remarks` which lists are used.
+/// Reads the lists of a folder: associations.txt or a similar name, otherwise depth.txt and rgb.txt
+/// or color.txt. Returns nothing if there are none. Adds to `remarks` which lists are used.
 ///
-/// Fields are separated by white space, commas or semicolons. A name is relative to the folder. It may be quoted, and may
-/// contain spaces if it ends with an image extension. Ignored are comment lines with #, a byte order mark, a header line,
-/// Windows line ends and additional fields.
-/// Fails  kInvalid for a line that cannot be read, with its number; kNotFound if an image or a list of depth is missing.
+/// Fields are separated by white space, commas or semicolons. A name is relative to the folder. It
+/// may be quoted, and may contain spaces if it ends with an image extension. Ignored are comment
+/// lines with #, a byte order mark, a header line, Windows line ends and additional fields.
+/// Fails  kInvalid for a line that cannot be read, with its number; kNotFound if an image or a list
+///        of depth is missing.
 Result<std::optional<ListedStreams>> read_lists(const std::filesystem::path& folder,
                                                 std::vector<std::string>& remarks);
 

@@ -16,8 +16,8 @@ bool is_digit(char c) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-// The numbers in a file name. "1305031102.175304" and "Depth_1582018310593.059" contain a number with a decimal point,
-// "frame-000012.color" does not.
+// The numbers in a file name. "1305031102.175304" and "Depth_1582018310593.059" contain a number
+// with a decimal point, "frame-000012.color" does not.
 std::vector<std::string> numbers_in(const std::string& stem) {
   constexpr std::size_t kDigitsOfATime = 6;
   const bool is_one_number = stem.find_first_not_of("0123456789.") == std::string::npos;
@@ -39,8 +39,8 @@ std::vector<std::string> numbers_in(const std::string& stem) {
   return numbers;
 }
 
-// The numbers of all names, by their position in the name. If the names contain different counts of numbers, only the last
-// number of each.
+// The numbers of all names, by their position in the name. If the names contain different counts of
+// numbers, only the last number of each.
 std::vector<std::vector<std::string>> columns_of(const std::vector<fs::path>& paths) {
   std::vector<std::vector<std::string>> rows;
   bool are_alike = true;
@@ -68,7 +68,8 @@ bool varies(const Column& column) {
                      [&](const TimeNumber& number) { return number.value != column.front().value; });
 }
 
-// Names such as "1305031102-175304000": Unix seconds, then the fraction in milli-, micro- or nanoseconds.
+// Names such as "1305031102-175304000": Unix seconds, then the fraction in milli-, micro- or
+// nanoseconds.
 std::optional<Column> seconds_and_fraction(const std::vector<std::string>& seconds,
                                            const std::vector<std::string>& fractions) {
   Column column = parsed(seconds);

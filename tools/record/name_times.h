@@ -19,9 +19,10 @@ struct NamedTimes {
   TimeScale scale;
 };
 
-/// Finds the times of the images of one stream. A name may contain several numbers, such as "0000012-000000366000". A time has
-/// precedence over a frame number, and the last of several frame numbers is used. Dates are UTC. If no number changes from
-/// name to name, the order of the names gives frame numbers. `unit` is recognised if not given.
+/// Finds the times of the images of one stream. A name may contain several numbers, such as
+/// "0000012-000000366000". A time has precedence over a frame number, and the last of several frame
+/// numbers is used. Dates are UTC. If no number changes from name to name, the order of the names
+/// gives frame numbers. `unit` is recognised if not given.
 /// Fails  kInvalid if recognise_times() cannot decide.
 Result<NamedTimes> times_of_names(const std::vector<std::filesystem::path>& paths,
                                   std::optional<TimeUnit> unit, double frames_per_second);

@@ -16,8 +16,8 @@ namespace copresence::record {
 struct StreamInfo {
   /// A gap of more than 1.5 times the usual period between two frames.
   struct Pause {
-    std::size_t after_frame = 0;  ///< counted from 1
-    double at_s = 0;              ///< after the first frame of the stream
+    std::size_t after_frame = 0;  ///< Counted from 1.
+    double at_s = 0;              ///< After the first frame of the stream.
     double ms = 0;
   };
 
@@ -25,9 +25,9 @@ struct StreamInfo {
   std::string name, codec;
   int width = 0, height = 0;
   std::size_t frames = 0;
-  std::uint64_t frames_missing = 0;  ///< according to frame numbers
-  double nominal_fps = 0, fps = 0;   ///< fps: from the mean time between frames
-  double seconds = 0;                ///< from the first frame to one period after the last
+  std::uint64_t frames_missing = 0;  ///< According to frame numbers.
+  double nominal_fps = 0, fps = 0;   ///< fps: from the mean time between frames.
+  double seconds = 0;                ///< From the first frame to one period after the last.
   double mbps = 0;
   std::vector<Pause> pauses;
   std::size_t without_time = 0;  ///< frames whose time is not later than that of the frame before
@@ -48,7 +48,7 @@ struct RecordingInfo {
   bool finished = false;
   double seconds = 0;
   std::vector<StreamInfo> streams;
-  std::optional<DepthInfo> depth;  ///< empty if only OpenNI2 can decode it
+  std::optional<DepthInfo> depth;  ///< Empty if only OpenNI2 can decode it.
   /// Median time from a depth frame to the nearest colour frame.
   std::optional<double> color_after_depth_ms;
   std::optional<recording::CameraNote> camera;

@@ -27,34 +27,34 @@ struct RepairSettings {
 
 struct CutSettings {
   std::string recording, out;
-  double from_s = 0;           ///< seconds after the first frame
-  std::optional<double> to_s;  ///< exclusive; the end of the recording if not given
+  double from_s = 0;           ///< Seconds after the first frame.
+  std::optional<double> to_s;  ///< Exclusive; the end of the recording if not given.
   bool overwrite = false;
 };
 
 struct Intrinsics {
-  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels of the depth images
-  std::array<double, 8> distortion{};     ///< k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< Pixels of the depth images.
+  std::array<double, 8> distortion{};     ///< k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV.
 };
 
 struct FromImagesSettings {
   std::string folder, out;
-  std::string name;                       ///< of the camera; by default the name of the folder
-  double frames_per_second = 30;          ///< used if the images have no times
-  std::optional<TimeUnit> times;          ///< unit of numbers in lists and names; recognised if not given
-  std::string depth, color;               ///< folder or group of images to use; chosen automatically if empty
-  std::optional<double> depth_per_metre;  ///< pixel value of one metre; recognised if not given
+  std::string name;               ///< Of the camera; by default the name of the folder.
+  double frames_per_second = 30;  ///< Used if the images have no times.
+  std::optional<TimeUnit> times;  ///< Unit of numbers in lists and names; recognised if not given.
+  std::string depth, color;       ///< Folder or group of images to use; chosen automatically if empty.
+  std::optional<double> depth_per_metre;  ///< Pixel value of one metre; recognised if not given.
   DepthUnit unit = DepthUnit::kMillimetre;
-  std::optional<Intrinsics> intrinsics;  ///< those of a Kinect if not given
-  bool registered = true;                ///< colour has the viewpoint of the depth camera
+  std::optional<Intrinsics> intrinsics;  ///< Those of a Kinect if not given.
+  bool registered = true;                ///< Colour has the viewpoint of the depth camera.
   int jpeg_quality = 95;
   bool overwrite = false;
 };
 
 using Settings = std::variant<InfoSettings, RepairSettings, CutSettings, FromImagesSettings>;
 
-/// Returns the settings of one command, or an exit code: 0 after --help and --version, 2 after an invalid command line, which
-/// is reported on standard error.
+/// Returns the settings of one command, or an exit code: 0 after --help and --version, 2 after an
+/// invalid command line, which is reported on standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::record

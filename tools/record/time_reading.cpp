@@ -115,7 +115,8 @@ class Numbers {
       if (padded_) return TimeScale{TimeUnit::kFrames, false};
       possible.push_back(TimeUnit::kFrames);
     }
-    // Numbers such as 0.25, 20.25, 40.25 may be seconds of a slow series, or milliseconds with a constant fraction.
+    // Numbers such as 0.25, 20.25, 40.25 may be seconds of a slow series, or milliseconds with a
+    // constant fraction.
     if (!whole_ && video != std::end(kTimes) && *video != TimeUnit::kSeconds && steps_are_whole_and_equal()) {
       possible.insert(possible.begin(), TimeUnit::kSeconds);
     }
@@ -135,8 +136,8 @@ class Numbers {
                                                          : span / per_second(unit));
   }
 
-  // True for steps such as 33, 33, 34: rounded times of a camera. Steps of frame numbers with lost frames are multiples of one
-  // number.
+  // True for steps such as 33, 33, 34: rounded times of a camera. Steps of frame numbers with lost
+  // frames are multiples of one number.
   bool steps_are_times() const {
     const bool multiples = std::all_of(steps_.begin(), steps_.end(),
                                        [&](long double step) { return std::fmod(step, usual_step_) == 0; });

@@ -28,13 +28,15 @@ Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
   return folder;
 }
 
-// The time of a frame at 30 frames per second. Each time is rounded separately, so errors do not accumulate.
+// The time of a frame at 30 frames per second. Each time is rounded separately, so errors do not
+// accumulate.
 std::chrono::microseconds time_of(int frame) {
   return std::chrono::microseconds((static_cast<std::int64_t>(frame) * 1'000'000 + 15) / 30);
 }
 
-// An artificial start time of the session from 2000 to 2010, derived from the arguments. All cameras of a session have the same
-// start, the same command gives the same bytes, and different sessions have different starts.
+// An artificial start time of the session from 2000 to 2010, derived from the arguments. All
+// cameras of a session have the same start, the same command gives the same bytes, and different
+// sessions have different starts.
 std::chrono::microseconds invented_start(const Settings& settings) {
   constexpr std::uint32_t kSecondsOfTenYears = 10 * 365 * 24 * 3600;
   constexpr std::chrono::seconds kYear2000{946'684'800};

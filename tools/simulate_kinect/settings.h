@@ -22,14 +22,14 @@ struct Settings {
   int width = 640, height = 480;
   DepthUnit unit = DepthUnit::kMillimetre;
   int jpeg_quality = 85;
-  bool truth = false;                              ///< also write the ground truth
-  std::vector<std::filesystem::path> truth_views;  ///< path files of additional viewpoints
-  int truth_width = 1280, truth_height = 720;      ///< of these views
-  double truth_fov_deg = 50;                       ///< vertical
+  bool truth = false;                              ///< Also write the ground truth.
+  std::vector<std::filesystem::path> truth_views;  ///< Path files of additional viewpoints.
+  int truth_width = 1280, truth_height = 720;      ///< Of these views.
+  double truth_fov_deg = 50;                       ///< Vertical.
 };
 
-/// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command line, which is reported on
-/// standard error.
+/// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command
+/// line, which is reported on standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::simulate_kinect

@@ -1,7 +1,7 @@
 #pragma once
 
-// Which projectors of a simulated world are on, shared between processes. Every camera of the world maps the same small file.
-// The projector of a camera whose process has ended counts as off.
+// Which projectors of a simulated world are on, shared between processes. Every camera of the world
+// maps the same small file. The projector of a camera whose process has ended counts as off.
 //
 // Thread: any; only one process may write the entry of a camera.
 

@@ -133,7 +133,8 @@ Lens SimulatedDevice::lens_of(OniSensorType) const {
           Intrinsics{model.fx, model.fy, model.cx, model.cy}};
 }
 
-// Tells the other cameras of the world if this projector is on. It is off while the camera does not run. Requires mutex_.
+// Tells the other cameras of the world if this projector is on. It is off while the camera does not
+// run. Requires mutex_.
 void SimulatedDevice::share_projector_state(bool is_running) {
   if (projectors_) projectors_->set(static_cast<std::size_t>(uri_.camera), is_running && is_projector_on_);
 }
@@ -178,8 +179,8 @@ void SimulatedDevice::send_frame(std::uint64_t number, std::uint64_t timestamp_u
   for (auto& [type, picture] : pictures) picture.send(timestamp_us, index);
 }
 
-// A picture keeps its stream alive, so the lock is not needed after this function. It must not be held while pictures are
-// sent, because OpenNI2 then takes a lock of its own.
+// A picture keeps its stream alive, so the lock is not needed after this function. It must not be
+// held while pictures are sent, because OpenNI2 then takes a lock of its own.
 std::vector<std::pair<OniSensorType, PushStream::Picture>> SimulatedDevice::next_pictures() {
   const std::lock_guard lock(mutex_);
   std::vector<std::pair<OniSensorType, PushStream::Picture>> pictures;

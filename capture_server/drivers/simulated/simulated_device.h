@@ -1,9 +1,10 @@
 #pragma once
 
-// A simulated Kinect as a device of OpenNI2: 640x480 at 30 frames per second, depth in 1 mm registered to colour. Timestamps
-// are those of the system clock, in microseconds.
+// A simulated Kinect as a device of OpenNI2: 640x480 at 30 frames per second, depth in 1 mm
+// registered to colour. Timestamps are those of the system clock, in microseconds.
 //
-// Thread: OpenNI2 calls from its users' threads. While streams are started, a thread of the device creates their frames.
+// Thread: OpenNI2 calls from its users' threads. While streams are started, a thread of the device
+// creates their frames.
 
 #include <atomic>
 #include <functional>
@@ -26,11 +27,11 @@ namespace copresence::drivers {
 
 /// The state of a camera according to its control file. Tests use such files to make cameras fail.
 enum class Control {
-  kWork,       ///< no file was named, or its first word is none of the following
-  kUnplugged,  ///< the file does not exist
-  kStall,      ///< "stall": no frames, and no error
-  kCrash,      ///< "crash": the driver ends its process
-  kHang,       ///< "hang": the driver never returns
+  kWork,       ///< No file was named, or its first word is none of the following.
+  kUnplugged,  ///< The file does not exist.
+  kStall,      ///< "stall": no frames, and no error.
+  kCrash,      ///< "crash": the driver ends its process.
+  kHang,       ///< "hang": the driver never returns.
 };
 Control read_control(const std::string& path);
 
@@ -38,11 +39,13 @@ class SimulatedDevice final : public PushDevice {
  public:
   static constexpr int kWidth = 640, kHeight = 480;  // pixels
 
-  /// A camera with its precomputed frames. It outlives the device, so that reopening the device is fast.
+  /// A camera with its precomputed frames. It outlives the device, so that reopening the device is
+  /// fast.
   using Camera = std::shared_ptr<simulation::SimulatedKinect>;
 
-  /// `make_camera` is called when the first stream starts. The first call takes seconds. It returns null on failure.
-  /// `projectors` is the state that the cameras of a world share; without it all projectors are on.
+  /// `make_camera` is called when the first stream starts. The first call takes seconds. It returns
+  /// null on failure. `projectors` is the state that the cameras of a world share; without it all
+  /// projectors are on.
   SimulatedDevice(SimulatedUri uri, std::function<Camera()> make_camera,
                   std::optional<SharedProjectors> projectors);
 

@@ -1,6 +1,8 @@
-// The driver of simulated cameras for OpenNI2: simulated:WORLD?camera=N, see contract/simulated_uri.h.
+// The driver of simulated cameras for OpenNI2: simulated:WORLD?camera=N, see
+// contract/simulated_uri.h.
 //
-// Thread: OpenNI2 calls from its users' threads. If a camera has a control file, one thread of the driver watches it.
+// Thread: OpenNI2 calls from its users' threads. If a camera has a control file, one thread of the
+// driver watches it.
 
 #include <chrono>
 #include <cstdio>
@@ -118,8 +120,8 @@ class SimulatedDriver final : public oni::driver::DriverBase {
     return known.camera;
   }
 
-  // Reports cameras whose control file appeared or disappeared. OpenNI2 is called without mutex_, because it may call this driver
-  // while it holds a lock of its own.
+  // Reports cameras whose control file appeared or disappeared. OpenNI2 is called without mutex_,
+  // because it may call this driver while it holds a lock of its own.
   void check_controls() {
     std::map<std::string, bool> changed;  // by URI; true if the camera was plugged in
     {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <numbers>
 #include <thread>
 #include <utility>
 
@@ -15,16 +16,13 @@
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
 #include "common/wire/host_port.h"
-#include "render_client/camera_setup.h"
-#include "render_client/color_matching/live_color_matching.h"
+#include "render_client/camera_receiver.h"
+#include "render_client/display/display.h"
 #include "render_client/display/screenshot.h"
-#include "render_client/display/view_output.h"
-#include "render_client/pacing/frame_sync.h"
 #include "render_client/pacing/render_pacer.h"
-#include "render_client/pacing/stale_cameras.h"
-#include "render_client/statistics/camera_states.h"
-#include "render_client/statistics/statistics.h"
-#include "render_client/stream/camera_receiver.h"
+#include "render_client/renderer/cpu/cpu_renderer.h"
+#include "render_client/renderer/gl/gl_renderer.h"
+#include "render_client/shown_cameras.h"
 #include "render_client/viewpoint/viewer.h"
 
 namespace copresence::client {
@@ -32,6 +30,12 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
+
+constexpr const char* kTitle = "Copresence";
+constexpr milliseconds kTitleEvery{250};
+constexpr milliseconds kLogSkewEvery{10'000};
+/// Priority of matching colours below rendering, as a nice value.
+constexpr int kColorsNice = 10;
 
 Result<std::vector<std::string>> addresses(const ClientSettings& settings, const scene::Scene* scene) {
   std::vector<std::string> out = settings.servers;
@@ -57,46 +61,40 @@ Result<std::vector<std::string>> addresses(const ClientSettings& settings, const
   return out;
 }
 
-constexpr const char* kTitle = "Copresence";
-constexpr milliseconds kTitleEvery{250};
-/// The longest time that views wait for the first match of colours, once every camera is there.
-constexpr milliseconds kLongestColorWait{10'000};
-
-/// Matching colours is in no hurry.
-constexpr int kStepsBehindTheView = 10;
-/// A camera whose newest frame is so old has stopped: it says nothing about skew.
-constexpr milliseconds kStopped{500};
-constexpr milliseconds kSaySkewEvery{10'000};
-
-Duration seconds(double value) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(value));
+Result<std::unique_ptr<display::Display>> open_display(const ClientSettings& settings) {
+  if (!settings.headless) return display::open_window(kTitle, settings.width, settings.height);
+  using display::HeadlessGl;
+  return display::open_headless(settings.renderer == "gl"     ? HeadlessGl::kYes
+                                : settings.renderer == "auto" ? HeadlessGl::kOnGraphicsCard
+                                                              : HeadlessGl::kNo);
 }
 
-/// The render thread's side of one camera: its newest frame and what is known of it.
-struct Shown {
-  std::shared_ptr<const Received> newest;
-  std::uint64_t version = 0;  ///< of `newest`, which no other camera's has; 0 while there is none
-  bool is_fresh = false;      ///< not yet in any view
-  bool said_no_pose = false;
-};
+/// `context` may be null: then there is no OpenGL to draw with.
+Result<std::unique_ptr<renderer::Renderer>> make_renderer(const std::string& choice, gl::Context* context,
+                                                          Executor& workers) {
+  const bool use_gl = context && (choice == "gl" || (choice == "auto" && !context->is_software()));
+  if (use_gl) return renderer::make_gl_renderer(*context);
+  return renderer::make_cpu_renderer(workers);
+}
 
 class Pipeline {
  public:
   Pipeline(const ClientSettings& settings, const scene::Scene* scene, std::vector<std::string> servers,
-           ViewOutput output, Eye eye, std::stop_source stop)
+           std::unique_ptr<display::Display> display, std::unique_ptr<renderer::Renderer> renderer,
+           viewpoint::Viewer viewer, std::stop_source stop)
       : settings_(settings),
         scene_(scene),
         servers_(std::move(servers)),
-        output_(std::move(output)),
-        eye_(std::move(eye)),
+        display_(std::move(display)),
+        renderer_(std::move(renderer)),
+        viewer_(std::move(viewer)),
         stop_(std::move(stop)),
-        board_(servers_.size()),
+        mailboxes_(servers_.size()),
         states_(servers_.size(), [this] { stop_.request_stop(); }),
-        colors_(servers_.size()),
-        frames_(servers_.size(), settings_.sync),
-        stale_(servers_.size(), seconds(settings_.stale_s)),
         statistics_(servers_.size()),
-        shown_(servers_.size()) {}
+        colors_(servers_.size()),
+        cameras_(settings_, servers_, states_, statistics_, colors_),
+        pacer_(static_cast<int>(servers_.size()), settings_.fps) {}
 
   Result<void> run() {
     std::vector<std::jthread> receivers;
@@ -107,13 +105,13 @@ class Pipeline {
     if (settings_.match_colors && servers_.size() > 1) {
       matcher = std::jthread([this](const std::stop_token& stop) {
         pthread_setname_np(pthread_self(), "colors");
-        flow::lower_priority(kStepsBehindTheView);
+        flow::lower_priority(kColorsNice);
         colors_.run(stop);
       });
     }
-    Result<void> rendered = output_.window() ? render_in_window() : render_headless();
+    Result<void> rendered = render_views();
     Result<void> written = write_results();
-    if (!output_.window()) say_what_was_done();
+    if (settings_.headless) log_summary();
     stop_.request_stop();
     receivers.clear();
     if (const auto refused = states_.all_refused()) return fail(*refused);
@@ -123,287 +121,131 @@ class Pipeline {
  private:
   void receive(std::size_t slot) {
     pthread_setname_np(pthread_self(), fmt::format("camera {}", slot).c_str());
-    CameraReceiver(servers_[slot], slot, scene_, board_, statistics_[slot], states_).run(stop_.get_token());
+    CameraReceiver(servers_[slot], slot, scene_, mailboxes_, statistics_[slot], states_)
+        .run(stop_.get_token());
   }
 
-  /// Views on arrival of frames, at most settings.fps a second. Ends, too, once every camera has ended for
-  /// good and its last frame is shown.
-  Result<void> render_headless() {
-    pacing::RenderPacer pacer(static_cast<int>(servers_.size()), settings_.fps);
-    while (!finished()) {
-      const bool all_over = states_.all_over();  // asked first: what came before the end is taken below
-      // A slow view may have kept this thread busy for long: the next one shows what has arrived meanwhile.
-      for (std::size_t i : take_frames())
-        pacer.frame_arrived(static_cast<int>(i), shown_[i].newest->arrived_at);
-      const Instant now = steady_clock::now();
-      eye_.log_news(now);
-      std::optional<Instant> due = pacer.next_render_at(now);
-      if (all_over && !due && !frames_.has_waiting()) return {};
-      if (!due) due = next_fading_view();
-      if (!due || *due > now) {
-        // What waits for the other cameras' frames is got ready in the meantime.
-        if (due && !std::exchange(is_prepared_, true)) {
-          output_.prepare(camera_views(now));
-          continue;
-        }
-        board_.wait(stop_.get_token(), frames_.wake_by(due.value_or(now + milliseconds(100))));
-        continue;
+  /// Draws views when the display takes them. Headless it ends, too, once every camera has ended
+  /// and its last frame is shown.
+  Result<void> render_views() {
+    std::optional<Instant> wanted;  // when the cameras' frames ask for a view
+    while (!finished() && !display_->is_closed()) {
+      const auto next =
+          display_->wait_for_next(wanted, [&](Instant until) { prepare_or_wait(wanted.has_value(), until); });
+      // Asked before frames are taken: those that came before the end are then shown.
+      const bool have_ended = settings_.headless && states_.all_over();
+      take_frames();
+      log_news();
+      if (next) {
+        if (auto rendered = draw(*next); !rendered) return rendered;
       }
-      pacer.rendered(now);
-      if (auto rendered = render(now, eye_.at(view_index_, now)); !rendered) return rendered;
+      if (have_ended && !cameras_.have_waiting()) return {};
+      wanted = pacer_.next_render_at(steady_clock::now());
+      if (!wanted) wanted = cameras_.next_fading_view();
     }
     return {};
-  }
-
-  /// A view at every refresh of the display; rendered anew where a frame arrived or the eye moved.
-  Result<void> render_in_window() {
-    window::Window& window = *output_.window();
-    const auto refresh =
-        std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / window.refresh_rate_hz()));
-    while (!finished() && !window.should_close()) {
-      const auto events = window.poll();
-      eye_.handle(events, window.height());
-      obey_keys(events);
-      show_title();
-      const Instant now = steady_clock::now();
-      eye_.log_news(now);
-      const bool has_fresh = !take_frames().empty();
-      const auto eye = eye_.at(view_index_, now);
-      const bool fades = next_fading_view().value_or(Instant::max()) <= now;
-      if (has_fresh || fades || must_draw_ || !last_eye_ ||
-          !(eye.world_from_eye == last_eye_->world_from_eye)) {
-        if (auto rendered = render(now, eye); !rendered) return rendered;
-      } else {
-        output_.present_again();
-      }
-      // Showing a view waits for the display; where there is nothing to wait for (a display without refresh),
-      // this does.
-      std::this_thread::sleep_until(now + refresh * 9 / 10);
-    }
-    return {};
-  }
-
-  /// The title says what is awaited.
-  void show_title() {
-    const Instant now = steady_clock::now();
-    if (now < title_due_at_) return;
-    title_due_at_ = now + kTitleEvery;
-    std::string title = states_.title(kTitle);
-    if (title == title_) return;
-    title_ = std::move(title);
-    output_.window()->set_title(title_);
-  }
-
-  /// Escape ends, F11 fills the screen.
-  void obey_keys(const std::vector<window::Event>& events) {
-    window::Window& window = *output_.window();
-    for (const window::Event& event : events) {
-      const auto* key = std::get_if<window::KeyEvent>(&event);
-      if (!key || !key->pressed || key->repeated) continue;
-      if (key->key == window::Key::kEscape) window.request_close();
-      if (key->key == window::Key::kF11) window.set_fullscreen(!window.is_fullscreen());
-    }
   }
 
   bool finished() const {
     return stop_.stop_requested() || (settings_.frames && view_statistics_.frames() >= *settings_.frames);
   }
 
-  /// When a view is due although no frame has come, because a camera fades.
-  std::optional<Instant> next_fading_view() const {
-    return last_view_at_ ? stale_.next_view(*last_view_at_) : std::nullopt;
+  /// Prepares the new frames for rendering if a view will be due. Else waits for frames.
+  void prepare_or_wait(bool is_due, Instant until) {
+    if (is_due && !std::exchange(is_prepared_, true)) {
+      renderer_->prepare(cameras_.views(steady_clock::now()));
+    } else {
+      mailboxes_.wait(stop_.get_token(), cameras_.wake_by(until));
+    }
   }
 
-  /// Takes what has arrived; returns the cameras that have a new frame.
-  std::vector<std::size_t> take_frames() {
-    const Instant now = steady_clock::now();
-    frames_.gather(board_, statistics_, now);
-    std::vector<std::size_t> arrived;
-    for (std::size_t i = 0; i < shown_.size(); ++i) {
-      auto received = frames_.take(i);
-      Shown& shown = shown_[i];
-      if (!states_.left_out(i).empty()) {
-        if (received) statistics_[i].unshown();
-        leave_out(i);
-        continue;
-      }
-      if (!received) continue;
-      if (shown.is_fresh) statistics_[i].unshown();
-      shown.newest = std::make_shared<const Received>(std::move(*received));
-      const CameraSetup& setup = *shown.newest->setup;
-      if (!shown.said_no_pose && !setup.has_pose) {
-        spdlog::info("{}: camera \"{}\" has no pose; it stands at the world's origin", servers_[i],
-                     shown.newest->stream->camera);
-        shown.said_no_pose = true;
-      }
-      shown.is_fresh = true;
-      shown.version = ++frames_taken_;
+  void take_frames() {
+    for (const ShownCameras::Arrival& arrival : cameras_.take(mailboxes_, steady_clock::now())) {
+      pacer_.frame_arrived(static_cast<int>(arrival.camera), arrival.arrived_at);
+      viewer_.on_camera_pose(arrival.camera, arrival.world_from_camera);
       is_prepared_ = false;
-      stale_.frame_arrived(i, seconds(1 / shown.newest->stream->frames_per_second), shown.newest->arrived_at);
-      eye_.see_camera(i, setup.pose(shown.newest->frame.metadata));
-      if (settings_.match_colors && setup.has_pose)
-        colors_.show(i, shown.newest, posed_frame(setup, shown.newest->frame));
-      arrived.push_back(i);
-    }
-    note_stale_cameras(now);
-    return arrived;
-  }
-
-  /// Takes the camera out of the views, in which its last frame would stay.
-  void leave_out(std::size_t camera) {
-    Shown& shown = shown_[camera];
-    if (!shown.newest) return;
-    if (std::exchange(shown.is_fresh, false)) statistics_[camera].unshown();
-    shown.newest.reset();
-    colors_.forget(camera);
-    is_prepared_ = false;
-    must_draw_ = true;
-  }
-
-  /// Whether the view shows every listed camera but those that are left out, and at least one.
-  bool is_complete() const {
-    std::size_t shown = 0;
-    for (std::size_t i = 0; i < shown_.size(); ++i) {
-      if (shown_[i].newest) {
-        ++shown;
-      } else if (states_.left_out(i).empty()) {
-        return false;
-      }
-    }
-    return shown > 0;
-  }
-
-  void note_stale_cameras(Instant now) {
-    for (const auto& [camera, change, worth_saying] : stale_.changes(now)) {
-      const bool is_stale = change == pacing::StaleCameras::Change::kStale;
-      if (is_stale) {
-        statistics_[camera].stale();
-        colors_.forget(camera);  // an old frame says nothing about today's light
-      }
-      if (!worth_saying || !states_.left_out(camera).empty()) continue;
-      const std::string name = states_.name(camera);
-      if (is_stale) {
-        spdlog::warn("{}: camera \"{}\" sends no pictures; its last one fades from the view until some come",
-                     servers_[camera], name);
-      } else {
-        spdlog::info("{}: camera \"{}\" sends pictures again and is back in the view", servers_[camera],
-                     name);
-      }
     }
   }
 
-  std::vector<renderer::CameraView> camera_views(Instant now) const {
-    std::vector<renderer::CameraView> views;
-    for (std::size_t i = 0; i < shown_.size(); ++i) {
-      if (!shown_[i].newest) continue;
-      const Received& newest = *shown_[i].newest;
-      views.push_back(camera_view(*newest.setup, newest.frame, shown_[i].version, colors_.map(i)));
-      views.back().opacity = stale_.opacity(i, now);
+  /// Draws a view, or shows the last one again if neither cameras nor eyes have changed.
+  Result<void> draw(const display::NextView& next) {
+    for (const viewpoint::Gesture& gesture : next.gestures) viewer_.apply(gesture);
+    show_title();
+    const Instant begin = steady_clock::now();
+    pacer_.rendered(begin);
+    auto poses = viewer_.at(view_index_, next.display_time, next.head_from_eyes);
+    const bool fades = cameras_.next_fading_view().value_or(Instant::max()) <= begin;
+    if (!cameras_.have_changed() && !fades && poses == poses_) {
+      display_->show_again();
+      return {};
     }
-    return views;
+    poses_ = std::move(poses);
+    if (auto rendered = render(begin); !rendered) return rendered;
+    display_->show(pictures_);
+    count_view(begin, steady_clock::now());
+    return {};
   }
 
-  Result<void> render(Instant begin, const renderer::VirtualCamera& eye) {
-    const auto views = camera_views(begin);
-    if (auto rendered = output_.render(views, eye); !rendered) return rendered;
-    last_eye_ = eye;
-    last_view_at_ = begin;
-    must_draw_ = false;
-    ++views_drawn_;
-    const Instant end = steady_clock::now();
-    const bool complete = is_complete() && colors_are_settled(end);
-    view_statistics_.rendered(begin, end, complete);
-    note_skew(end);
-    if (complete) ++view_index_;
-    for (std::size_t i = 0; i < shown_.size(); ++i) {
-      Shown& shown = shown_[i];
-      if (!shown.is_fresh) continue;
-      shown.is_fresh = false;
-      const Received& frame = *shown.newest;
-      statistics_[i].shown(frame.frame.metadata.sequence,
-                           frame.times_believed ? std::optional(end - frame.captured_at) : std::nullopt);
+  /// Renders a picture for each of `poses_`.
+  Result<void> render(Instant begin) {
+    const auto views = cameras_.views(begin);
+    // The pictures of the GL renderer stay on the graphics card.
+    const renderer::HostPixels wanted{.color = renderer_->name() == "cpu"};
+    pictures_.resize(poses_.size());
+    for (std::size_t eye = 0; eye < poses_.size(); ++eye) {
+      pictures_[eye].target = static_cast<int>(eye);
+      if (auto drawn = renderer_->render(views, poses_[eye], wanted, pictures_[eye]); !drawn) return drawn;
     }
     return {};
   }
 
-  /// The cameras whose colours are matched live. None where there are fewer than two, which need no match.
-  std::vector<std::size_t> cameras_to_match() const {
-    std::vector<std::size_t> cameras;
-    for (std::size_t i = 0; settings_.match_colors && i < shown_.size(); ++i) {
-      const Received* const newest = shown_[i].newest.get();
-      if (newest && newest->setup->has_pose && newest->stream->has_color && !newest->setup->color_matching)
-        cameras.push_back(i);
-    }
-    return cameras.size() < 2 ? std::vector<std::size_t>{} : cameras;
+  void count_view(Instant begin, Instant end) {
+    ++views_drawn_;
+    const bool complete = cameras_.are_complete() && cameras_.colors_are_settled(end);
+    view_statistics_.rendered(begin, end, complete);
+    if (const auto skew = cameras_.skew(end)) note_skew(*skew, end);
+    if (complete) ++view_index_;
+    cameras_.displayed(begin, end);
   }
 
-  /// Whether the cameras' colours are matched, need no match, or will not get one. Before that the views'
-  /// colours are about to change, so views are not counted yet. Call once every camera is there.
-  bool colors_are_settled(Instant now) {
-    if (colors_settled_) return true;
-    const std::vector<std::size_t> matched = cameras_to_match();
-    if (!complete_since_) complete_since_ = now;
-    using FirstMatch = LiveColorMatching::FirstMatch;
-    const FirstMatch first = matched.empty() ? FirstMatch::kFound : colors_.first_match(matched);
-    if (first == FirstMatch::kAwaited && now < *complete_since_ + kLongestColorWait) return false;
-    colors_settled_ = true;
-    if (first == FirstMatch::kFound) return true;
-    for (std::size_t i : matched) {
-      if (colors_.is_matched(i)) continue;
-      spdlog::info(
-          "{}: the colours of camera \"{}\" are shown as they come: too little of what it sees is also seen "
-          "by cameras that are matched to the first one",
-          servers_[i], shown_[i].newest->stream->camera);
-    }
-    return true;
-  }
-
-  /// How far apart the instants are that the view shows; of cameras that deliver.
-  void note_skew(Instant now) {
-    std::optional<Instant> earliest, latest;
-    int cameras = 0;
-    for (const Shown& shown : shown_) {
-      if (!shown.newest || now - shown.newest->captured_at > kStopped) continue;
-      ++cameras;
-      earliest = std::min(earliest.value_or(shown.newest->captured_at), shown.newest->captured_at);
-      latest = std::max(latest.value_or(shown.newest->captured_at), shown.newest->captured_at);
-    }
-    if (cameras < 2) return;
-    view_statistics_.skew(*latest - *earliest);
-    if (now < say_skew_at_) return;
-    if (say_skew_at_ != Instant{}) {
+  void note_skew(Duration duration, Instant now) {
+    view_statistics_.skew(duration);
+    if (now < log_skew_at_) return;
+    if (log_skew_at_ != Instant{}) {
       const auto& skew = view_statistics_.skew();
       spdlog::info("the cameras' pictures in a view are {:.1f} ms apart (p95 {:.1f} ms){}",
                    skew.percentile_ms(50), skew.percentile_ms(95), settings_.sync ? ", synchronised" : "");
     }
-    say_skew_at_ = now + kSaySkewEvery;
+    log_skew_at_ = now + kLogSkewEvery;
+  }
+
+  void show_title() {
+    const Instant now = steady_clock::now();
+    if (now < title_due_at_) return;
+    title_due_at_ = now + kTitleEvery;
+    display_->set_title(states_.title(kTitle));
+  }
+
+  void log_news() {
+    while (const auto news = viewer_.news(steady_clock::now())) {
+      spdlog::log(news->is_trouble ? spdlog::level::warn : spdlog::level::info, "{}", news->text);
+    }
   }
 
   Result<void> write_results() {
     if (!settings_.screenshot.empty()) {
-      // The last view once more, also where it took a while to get here.
-      const Instant now = steady_clock::now();
-      auto picture =
-          output_.picture(camera_views(last_view_at_.value_or(now)), last_eye_.value_or(eye_.at(0, now)));
-      if (!picture) return fail(picture.error());
-      if (auto written = write_png(settings_.screenshot, *picture); !written) return written;
-      if (!colors_settled_ && !cameras_to_match().empty()) {
-        spdlog::warn(
-            "{}: the cameras' colours are not matched in this picture: the program ended before that",
-            settings_.screenshot);
-      }
-      spdlog::info("wrote {}", settings_.screenshot);
+      if (auto written = write_screenshot(); !written) return written;
     }
     if (settings_.stats.empty()) return {};
-    if (const auto* tracker = eye_.head_tracker()) view_statistics_.head_tracker(*tracker);
-    std::vector<CameraReport> reports;
+    if (const auto* tracker = viewer_.head_tracker()) view_statistics_.head_tracker(*tracker);
+    std::vector<statistics::CameraReport> reports;
     for (std::size_t i = 0; i < servers_.size(); ++i) {
       const std::string name = states_.name(i);
       reports.push_back({name.empty() ? servers_[i] : name, states_.left_out(i), statistics_[i].snapshot()});
     }
     if (auto written =
-            write_statistics(settings_.stats, reports, view_statistics_, std::string(output_.renderer_name()),
-                             settings_.width, settings_.height);
+            statistics::write_statistics(settings_.stats, reports, view_statistics_,
+                                         std::string(renderer_->name()), settings_.width, settings_.height);
         !written) {
       return written;
     }
@@ -411,40 +253,51 @@ class Pipeline {
     return {};
   }
 
-  void say_what_was_done() const {
+  /// Draws the last view once more, as host pixels, with the opacities that it had.
+  Result<void> write_screenshot() {
+    const Instant now = steady_clock::now();
+    if (poses_.empty()) poses_ = viewer_.at(0, now, std::vector<Rigid3>(1));
+    const auto views = cameras_.views(cameras_.last_view_at().value_or(now));
+    renderer::MergedView picture;
+    if (auto drawn = renderer_->render(views, poses_.front(), {.color = true}, picture); !drawn) return drawn;
+    if (auto written = display::write_png(settings_.screenshot, picture.color); !written) return written;
+    if (cameras_.awaits_colors()) {
+      spdlog::warn("{}: the cameras' colours are not matched in this picture: the program ended before that",
+                   settings_.screenshot);
+    }
+    spdlog::info("wrote {}", settings_.screenshot);
+    return {};
+  }
+
+  void log_summary() const {
     const std::uint64_t views = view_statistics_.frames();
     if (settings_.frames && views < *settings_.frames && states_.all_over())
       spdlog::warn("every camera has ended before {} views were drawn", *settings_.frames);
     spdlog::info("drew {} views of {}x{} by the {} renderer; {} of them showed every camera, {:.1f} a second",
-                 views_drawn_, settings_.width, settings_.height, output_.renderer_name(), views,
+                 views_drawn_, settings_.width, settings_.height, renderer_->name(), views,
                  view_statistics_.fps());
   }
 
   const ClientSettings& settings_;
   const scene::Scene* scene_;
   std::vector<std::string> servers_;
-  ViewOutput output_;
-  Eye eye_;
+  std::unique_ptr<display::Display> display_;
+  std::unique_ptr<renderer::Renderer> renderer_;  // may use the display's context
+  viewpoint::Viewer viewer_;
   std::stop_source stop_;
-  flow::Mailboxes<Received> board_;
-  CameraStates states_;
-  LiveColorMatching colors_;
-  FrameSync frames_;
-  pacing::StaleCameras stale_;
-  std::deque<CameraStatistics> statistics_;  // a deque, since they cannot move
-  std::vector<Shown> shown_;
-  std::uint64_t frames_taken_ = 0;
-  bool is_prepared_ = false;  ///< the renderer has been given what is in `shown_`
-  bool must_draw_ = false;    ///< the last view shows a camera that has been left out since
-  ViewStatistics view_statistics_;
-  std::uint64_t views_drawn_ = 0;  ///< also those that do not show every camera
+  flow::Mailboxes<CameraFrame> mailboxes_;
+  stream::CameraStates states_;
+  std::deque<statistics::CameraStatistics> statistics_;  // a deque, since they cannot move
+  color_matching::LiveColorMatching colors_;
+  ShownCameras cameras_;
+  pacing::RenderPacer pacer_;
+  bool is_prepared_ = false;                    // the renderer has prepared all frames that have been taken
+  std::vector<viewpoint::ViewPose> poses_;      // by eye, of the last view
+  std::vector<renderer::MergedView> pictures_;  // by eye, of the last view
+  statistics::ViewStatistics view_statistics_;
+  std::uint64_t views_drawn_ = 0;  // complete or not
   std::uint64_t view_index_ = 0;
-  std::optional<renderer::VirtualCamera> last_eye_;  ///< of the last view
-  std::optional<Instant> last_view_at_;              ///< when it was begun
-  Instant say_skew_at_{};
-  std::optional<Instant> complete_since_;  ///< every camera is in the view
-  bool colors_settled_ = false;
-  std::string title_;
+  Instant log_skew_at_{};
   Instant title_due_at_{};
 };
 
@@ -460,12 +313,17 @@ Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop)
   const scene::Scene* known = scene ? &*scene : nullptr;
   auto servers = addresses(settings, known);
   if (!servers) return fail(servers.error());
-  auto eye = Eye::open(settings, known);
-  if (!eye) return fail(eye.error());
+  const CameraModel intrinsics = camera_from_field_of_view(settings.width, settings.height,
+                                                           settings.fov_degrees * std::numbers::pi / 180);
+  auto viewer = viewpoint::Viewer::open(settings.view, intrinsics, scene ? scene->up : scene::Scene{}.up);
+  if (!viewer) return fail(viewer.error());
   flow::WorkerPool workers(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())), "render");
-  auto output = ViewOutput::open(settings, workers);
-  if (!output) return fail(output.error());
-  return Pipeline(settings, known, std::move(*servers), std::move(*output), std::move(*eye), std::move(stop))
+  auto display = open_display(settings);
+  if (!display) return fail(display.error());
+  auto renderer = make_renderer(settings.renderer, (*display)->context(), workers);
+  if (!renderer) return fail(renderer.error());
+  return Pipeline(settings, known, std::move(*servers), std::move(*display), std::move(*renderer),
+                  std::move(*viewer), std::move(stop))
       .run();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// The running client: one thread for each camera, one that renders. See docs/internals/architecture.md.
+// The running client: one thread for each camera, one for matching colours, one that renders. See
+// docs/internals/architecture.md.
 
 #include <stop_token>
 
@@ -9,9 +10,10 @@
 
 namespace copresence::client {
 
-/// Shows the cameras until a stop is requested, the window is closed or `settings.frames` views were
-/// rendered; all of these are success. Writes statistics and screenshot at the end, also after a failure.
-/// Blocks; makes its own threads. Requires the main thread where there is a window.
+/// Shows the cameras until a stop is requested, the window is closed, or `settings.frames` views
+/// are drawn; all of these are success. Headless it also ends once every camera has ended. Writes
+/// statistics and screenshot at the end, also after a failure. Blocks, and makes its own threads. A
+/// window requires the main thread.
 Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop);
 
 }  // namespace copresence::client

@@ -1,6 +1,7 @@
 #pragma once
 
-// The command line of render_client as one checked, plain struct.
+// The command line of render_client as a checked, plain struct.
+// Thread: values.
 
 #include <cstdint>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "render_client/viewpoint/viewer.h"
 
 namespace copresence::client {
 
@@ -17,22 +19,19 @@ struct ClientSettings {
   bool headless = false;
   std::string renderer = "auto";   ///< auto, gl, cpu
   int width = 1280, height = 720;  ///< of the view; even
-  double fps = 30;                 ///< views a second at most, headless
+  double fps = 30;                 ///< greatest number of views per second, headless
   double fov_degrees = 50;         ///< vertical
-  std::string view;                ///< mouse, path:FILE or opentrack[:PORT]; empty for the default
-  bool match_colors = true;        ///< the cameras' colours to the first one's
+  viewpoint::ViewChoice view;
+  bool match_colors = true;  ///< live colour matching
   std::optional<std::uint64_t> frames;
-  double stale_s = 3;      ///< a camera without a new frame is gone from the view after so many seconds
-  bool sync = false;       ///< views of frames of nearest instants
-  std::string screenshot;  ///< PNG of the last view; empty for none
-  std::string stats;       ///< JSON; empty for none
+  double stale_s = 3;      ///< seconds without a new frame after which a camera has faded from the view
+  bool sync = false;       ///< views show frames of nearly one instant
+  std::string screenshot;  ///< PNG file for the last view; empty for none
+  std::string stats;       ///< JSON file; empty for none
 };
 
-/// The UDP port of a `view` that is opentrack[:PORT]; nothing where it is another one.
-std::optional<std::uint16_t> opentrack_port(const std::string& view);
-
-/// What the command line asks for: settings to run with, or an exit code after --help, --version or a mistake
-/// (0 or 2, already explained on the terminal).
+/// Parses the command line. Fails with the exit code after --help, --version (0) or a mistake (2);
+/// the terminal has the explanation already.
 tl::expected<ClientSettings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::client

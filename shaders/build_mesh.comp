@@ -1,10 +1,11 @@
 #version 450 core
-// A depth image as triangles (merge_rules.h, Surface): a flat block is drawn as two, other pixels are joined to their
-// neighbours where they lie on one surface. One invocation per pixel and the quad to its lower right.
+// Makes triangles from a depth image (merge_rules.h, Surface). A planar block becomes two
+// triangles. Other pixels are connected to neighbours on the same surface. One invocation per pixel
+// and the quad to its lower right.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2D inverse;   // outline_flat_blocks.comp
-layout(binding = 1) uniform sampler2D planes_4;  // by block, find_flat_blocks.comp
+layout(binding = 0) uniform sampler2D inverse;   // stitch_planar_blocks.comp
+layout(binding = 1) uniform sampler2D planes_4;  // by block, find_planar_blocks.comp
 layout(binding = 2) uniform sampler2D planes_8;
 layout(binding = 3) uniform sampler2D planes_16;
 layout(std430, binding = 0) buffer Command {
@@ -15,19 +16,19 @@ layout(std430, binding = 0) buffer Command {
 };
 layout(std430, binding = 1) writeonly buffer Indices { uint indices[]; };
 uniform float gap, slope;   // SurfaceLimits (merge_rules.h)
-uniform int largest_block;  // pixels a side; 1 joins every pixel
+uniform int largest_block;  // pixels a side; 1 connects single pixels only
 
 shared uint group_triangles;
 shared uint group_begin;
 
-bool joined(float p, float q, float r) {
+bool connected(float p, float q, float r) {
   const float nearest = max(p, max(q, r));
   const float farthest = min(p, min(q, r));
   return farthest > 0.0 && nearest - farthest <= gap + slope * farthest;
 }
 
-// Side of the largest flat block that a pixel lies in, 1 where there is none.
-int flat_side(ivec2 at) {
+// Side of the largest planar block that contains the pixel; 1 if there is none.
+int planar_side(ivec2 at) {
   if (largest_block >= 16 && texelFetch(planes_16, at / 16, 0).x > 0.0) return 16;
   if (largest_block >= 8 && texelFetch(planes_8, at / 8, 0).x > 0.0) return 8;
   if (largest_block >= 4 && texelFetch(planes_4, at / 4, 0).x > 0.0) return 4;
@@ -41,24 +42,24 @@ void main() {
   if (invocation == 0u) group_triangles = 0u;
   barrier();
 
-  // The quad's corners are a, b, c, d from the top left clockwise as the camera sees them.
+  // The corners of the quad are a, b, c, d, clockwise from the top left as the camera sees them.
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   const ivec2 last = textureSize(inverse, 0) - 1;
   uvec3 first = uvec3(0u), second = uvec3(0u);
   bool has_first = false, has_second = false;
   if (all(lessThan(at, last))) {
-    const int side = flat_side(at);
+    const int side = planar_side(at);
     const ivec2 to = min(at + side, last);
     const int width = last.x + 1;
     const uint a = uint(at.y * width + at.x), b = uint(at.y * width + to.x);
     const uint c = uint(to.y * width + to.x), d = uint(to.y * width + at.x);
-    bool from_a_to_c = false;  // the diagonal, else from b to d
+    bool from_a_to_c = false;  // the diagonal; else it runs from b to d
     if (side > 1) {
       has_first = has_second = at % side == ivec2(0);
     } else {
       const float wa = w_at(at), wb = w_at(ivec2(to.x, at.y)), wc = w_at(to), wd = w_at(ivec2(at.x, to.y));
-      const bool abd = joined(wa, wb, wd), bcd = joined(wb, wc, wd);
-      const bool abc = joined(wa, wb, wc), acd = joined(wa, wc, wd);
+      const bool abd = connected(wa, wb, wd), bcd = connected(wb, wc, wd);
+      const bool abc = connected(wa, wb, wc), acd = connected(wa, wc, wd);
       from_a_to_c = !(abd && bcd) && (abc && acd || !(abd || bcd));
       has_first = from_a_to_c ? abc : abd;
       has_second = from_a_to_c ? acd : bcd;

@@ -1,13 +1,14 @@
 #version 450 core
-// Colour between the pixels of the source; its worth from the nearest one (merge_rules.h, Fragment).
-layout(binding = 2) uniform sampler2D source;  // filtered
+// The colour is interpolated between pixels of the camera. The weight is that of the nearest pixel
+// (merge_rules.h, Fragment).
+layout(binding = 2) uniform sampler2D camera_texture;  // with a linear filter
 
 in vec2 pixel;
 layout(location = 0) out vec4 fragment;
 
 void main() {
-  const ivec2 size = textureSize(source, 0);
+  const ivec2 size = textureSize(camera_texture, 0);
   const ivec2 nearest = clamp(ivec2(floor(pixel + 0.5)), ivec2(0), size - 1);
-  fragment.rgb = textureLod(source, (pixel + 0.5) / vec2(size), 0.0).rgb;
-  fragment.a = texelFetch(source, nearest, 0).a;
+  fragment.rgb = textureLod(camera_texture, (pixel + 0.5) / vec2(size), 0.0).rgb;
+  fragment.a = texelFetch(camera_texture, nearest, 0).a;
 }

@@ -1,8 +1,8 @@
 #version 450 core
-// A corner of a camera's triangles in the eye's view. With w = 1/z the point is (x, y, 1) / w, so (x, y, 1, w) is the
-// point itself in homogeneous coordinates.
+// Projects a vertex of a camera's mesh into the view. With w = 1/z the point is (x, y, 1) / w. So
+// (x, y, 1, w) are its homogeneous coordinates.
 layout(binding = 0) uniform sampler2D inverse;  // w, 1/m
-layout(binding = 1) uniform sampler2D rays;     // (x, y) at z = 1, without the lens's distortion
+layout(binding = 1) uniform sampler2D rays;  // (x, y) at z = 1, without lens distortion
 uniform mat4 clip_from_camera;
 
 out vec2 pixel;

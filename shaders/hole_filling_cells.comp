@@ -1,7 +1,8 @@
 #version 450 core
 // checked with: -DONE_SURFACE=6.0 -DSTEPS_TIMES_UNITS=351300.0
 //
-// Depth by cells of 4x4 pixels, and the list of cells that have holes to fill (cells.h). One invocation per cell.
+// Computes the depth of cells of 4x4 pixels, and lists the cells that have holes to fill (cells.h).
+// One invocation per cell.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 0) uniform usampler2D depth;
@@ -11,7 +12,7 @@ uniform ivec2 grid;  // columns, rows
 struct Cell {
   float far, near;  // steps
   int far_count, near_count;
-  vec2 middle;  // where its depth was measured, pixels from its middle
+  vec2 middle;  // mean position of its depth, pixels from its middle
   vec2 slope;   // steps per pixel
 };
 layout(std430, binding = 0) buffer Commands {

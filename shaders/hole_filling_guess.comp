@@ -1,7 +1,8 @@
 #version 450 core
 // checked with: -DCELL_ENOUGH=5 -DREACH_CELLS=12 -DLINKED=5.0 -DWORTH_PIXELS=8 -DSHADOW_PX_PER_STEP=0.16 -DSHADOW_SLACK_PX=2.0
 //
-// Which surfaces the holes of a cell may lie on (surface_guess.h). One invocation per cell of the list.
+// Finds the surfaces on which the holes of a cell may lie (surface_guess.h). One invocation per
+// cell of the list.
 layout(local_size_x = 64) in;
 
 layout(binding = 2) uniform sampler2D color;
@@ -10,11 +11,12 @@ uniform ivec2 grid;  // columns, rows
 struct Cell {
   float far, near;  // steps
   int far_count, near_count;
-  vec2 middle;  // where its depth was measured, pixels from its middle
+  vec2 middle;  // mean position of its depth, pixels from its middle
   vec2 slope;   // steps per pixel
 };
 struct Guess {
-  vec4 far, near;  // steps at the cell's middle, slopes; steps 0: none. near.w: 1 where it is preferred
+  // Steps at the cell's middle, slopes; steps 0: none. near.w is 1 if that surface is preferred.
+  vec4 far, near;
   vec4 far_color, near_color;
 };
 layout(std430, binding = 0) readonly buffer Commands {
@@ -26,14 +28,15 @@ layout(std430, binding = 3) readonly buffer Cells { Cell cells[]; };
 layout(std430, binding = 4) writeonly buffer Guesses { Guess guesses[]; };
 
 const ivec2 kDirections[8] = ivec2[8](ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1), ivec2(1, 1), ivec2(-1, -1),
-                                      ivec2(1, -1), ivec2(-1, 1));  // opposite ones side by side
+                                      ivec2(1, -1), ivec2(-1, 1));  // opposite directions side by side
 
-// What is seen: two surfaces of the cell itself, then two for each direction. weight 0: nothing.
-const int kSightings = 18;
-vec4 seen[kSightings];  // steps, slopes, weight
-int reaches[9];         // cells away; 0 for the cell itself, and where nothing is seen
+// The observations: two surfaces of the cell itself, then two in each direction. A weight of 0
+// means none.
+const int kObservations = 18;
+vec4 seen[kObservations];  // steps, slopes, weight
+int reaches[9];  // distance in cells; 0 for the cell itself and for directions without an observation
 
-// A surface: the sightings with steps in [farthest, nearest].
+// A surface: the observations with steps in [farthest, nearest].
 struct Group {
   float farthest, nearest;
   float weight;
@@ -43,7 +46,7 @@ bool is_in(Group group, int i) {
   return seen[i].w > 0.0 && seen[i].x >= group.farthest && seen[i].x <= group.nearest;
 }
 
-// Cells away to the next one with depth; 0: none.
+// Distance in cells to the next one with depth; 0 if there is none.
 int reach_of(ivec2 at, ivec2 direction) {
   for (int reach = 1; reach <= REACH_CELLS; ++reach) {
     const ivec2 there = at + reach * direction;
@@ -54,8 +57,8 @@ int reach_of(ivec2 at, ivec2 direction) {
   return 0;
 }
 
-ivec2 place_of(ivec2 at, int sighting) {
-  const int d = sighting / 2;
+ivec2 place_of(ivec2 at, int observation) {
+  const int d = observation / 2;
   return d == 0 ? at : at + reaches[d] * kDirections[d - 1];
 }
 
@@ -77,10 +80,10 @@ void look_around(ivec2 at) {
   }
 }
 
-// Measured pixels of a group.
+// Number of measured pixels in a group.
 int pixels_of(ivec2 at, Group group) {
   int sum = 0;
-  for (int i = 0; i < kSightings; ++i) {
+  for (int i = 0; i < kObservations; ++i) {
     if (is_in(group, i)) {
       const ivec2 from = place_of(at, i);
       const int index = from.y * grid.x + from.x;
@@ -92,20 +95,20 @@ int pixels_of(ivec2 at, Group group) {
 
 float weight_of(Group group) {
   float sum = 0.0;
-  for (int i = 0; i < kSightings; ++i) sum += is_in(group, i) ? seen[i].w : 0.0;
+  for (int i = 0; i < kObservations; ++i) sum += is_in(group, i) ? seen[i].w : 0.0;
   return sum;
 }
 
 vec3 mean_plane(Group group) {
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < kSightings; ++i) sum += is_in(group, i) ? seen[i].w * seen[i].xyz : vec3(0.0);
+  for (int i = 0; i < kObservations; ++i) sum += is_in(group, i) ? seen[i].w * seen[i].xyz : vec3(0.0);
   return sum / group.weight;
 }
 
 vec3 mean_color(ivec2 at, Group group) {
   const ivec2 last = textureSize(color, 0) - 1;
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < kSightings; ++i) {
+  for (int i = 0; i < kObservations; ++i) {
     if (is_in(group, i)) {
       const ivec2 a = min(place_of(at, i) * 4 + 1, last), b = min(a + 1, last);
       sum += 127.5 * seen[i].w / group.weight * (texelFetch(color, a, 0).rgb + texelFetch(color, b, 0).rgb);
@@ -126,7 +129,7 @@ int opposite_sides(Group group) {
 bool in_shadow(Group near, float steps) {
   const float reach = SHADOW_PX_PER_STEP * steps + SHADOW_SLACK_PX;
   bool found = false;
-  for (int i = 0; i < 6; ++i) {  // the cell itself, and along its row
+  for (int i = 0; i < 6; ++i) {  // the cell itself, and those in its row
     found = found || (is_in(near, i) && float((reaches[i / 2] - 1) * 4) <= reach);
   }
   return found;
@@ -138,7 +141,7 @@ void main() {
   const ivec2 at = ivec2(index % grid.x, index / grid.x);
   look_around(at);
 
-  // From far to near: where the next sighting is farther off than LINKED, a group ends.
+  // From far to near: a group ends where the next observation is more than LINKED away.
   const float none = 1e9;
   const Group nothing = Group(none, none, 0.0);
   Group far = nothing, near = nothing, group = nothing;
@@ -146,7 +149,7 @@ void main() {
   bool done = false;
   while (!done) {
     float next = none;
-    for (int i = 0; i < kSightings; ++i) next = seen[i].w > 0.0 && seen[i].x > last ? min(next, seen[i].x) : next;
+    for (int i = 0; i < kObservations; ++i) next = seen[i].w > 0.0 && seen[i].x > last ? min(next, seen[i].x) : next;
     if (group.farthest < none && next - last > LINKED) {
       group.nearest = last;
       group.weight = weight_of(group);

@@ -1,7 +1,8 @@
 #version 450 core
 // checked with: -DSTEPS_TIMES_UNITS=351300.0 -DSAME_SURFACE=3.0 -DGUESS_WEIGHT=0.5 -DCOLOR_SIGMA=24.0
 //
-// Fills the holes of the cells of the list (joint_filling.h). Sixteen invocations per cell, one per pixel.
+// Fills the holes of the cells of the list (joint_filling.h). Sixteen invocations per cell, one per
+// pixel.
 layout(local_size_x = 256) in;
 
 layout(binding = 0) uniform usampler2D depth;
@@ -9,11 +10,12 @@ layout(binding = 1) uniform usampler2D fillable;
 layout(binding = 2) uniform sampler2D color;
 layout(binding = 0, r16ui) writeonly uniform uimage2D filled;
 uniform ivec2 grid;   // columns, rows
-uniform vec2 range;   // units, both included
+uniform vec2 range;  // units, both ends included
 uniform int has_color;
 
 struct Guess {
-  vec4 far, near;  // steps at the cell's middle, slopes; steps 0: none. near.w: 1 where it is preferred
+  // Steps at the cell's middle, slopes; steps 0: none. near.w is 1 if that surface is preferred.
+  vec4 far, near;
   vec4 far_color, near_color;
 };
 layout(std430, binding = 0) readonly buffer Commands {
@@ -30,7 +32,7 @@ struct Support {
   vec2 place;
 };
 
-// What the measured pixels around one say about a plane.
+// How well the measured pixels around this one support a plane.
 Support support(ivec2 at, vec2 from_middle, vec3 plane) {
   const ivec2 size = textureSize(depth, 0);
   Support sum = Support(0.0, 0.0, vec2(0.0));

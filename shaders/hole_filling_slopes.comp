@@ -1,7 +1,8 @@
 #version 450 core
 // checked with: -DCELL_ENOUGH=5 -DSTEEPEST=1.0
 //
-// How the depth of cells slopes, and their depth at their middles (cells.h). One invocation per cell.
+// Computes how the depth of each cell slopes, and its depth at the cell's middle (cells.h). One
+// invocation per cell.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform ivec2 grid;  // columns, rows
@@ -9,7 +10,7 @@ uniform ivec2 grid;  // columns, rows
 struct Cell {
   float far, near;  // steps
   int far_count, near_count;
-  vec2 middle;  // where its depth was measured, pixels from its middle
+  vec2 middle;  // mean position of its depth, pixels from its middle
   vec2 slope;   // steps per pixel
 };
 layout(std430, binding = 2) readonly buffer Measured { Cell measured[]; };
@@ -19,7 +20,7 @@ const int kApart = 2;  // cells
 
 bool is_smooth(Cell cell) { return cell.near_count == 0 && cell.far_count >= CELL_ENOUGH; }
 
-// Adds rise and run from `cell` to the one `direction` of it, where both lie on one surface.
+// Adds rise and run from `cell` to the cell in `direction`, if both lie on one surface.
 void add_side(Cell cell, ivec2 at, ivec2 axis, int direction, inout float rise, inout float run) {
   const ivec2 there = at + axis * (kApart * direction);
   if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, grid))) return;

@@ -1,5 +1,5 @@
-// What the client does to a decoded frame before it is meshed. One 640x480 frame with a Kinect's noise each time, one
-// thread.
+// Cost of the filters that run on a decoded frame before it becomes a mesh. One thread; 640x480
+// frames with a Kinect's noise, a new one each time.
 
 #include <benchmark/benchmark.h>
 
@@ -9,13 +9,14 @@
 #include "render_client/decoding/depth_smoothing.h"
 #include "render_client/decoding/temporal_filter.h"
 
-namespace copresence::client {
+namespace copresence::decoding {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480, kFrames = 8;
 
-/// A tilted wall from 1.5 to 3.5 m: depth off by a level here and there, 4 % holes that come and go, grain in the colours.
-/// `turn_px`: how far a turning camera sees it move from frame to frame.
+/// A slanted wall from 1.5 to 3.5 m. Some depths are off by a level, 4 % of the pixels are changing
+/// holes, and the colours have grain. `turn_px` is the motion of the picture from frame to frame,
+/// as of a turning camera.
 std::vector<RgbdFrame> noisy_frames(int turn_px) {
   std::minstd_rand random(1);
   std::uniform_int_distribution<int> level(-1, 1), grain(-3, 3);
@@ -42,7 +43,7 @@ std::vector<RgbdFrame> noisy_frames(int turn_px) {
   return frames;
 }
 
-/// `filter` is called with one frame after the other.
+/// Calls `filter` with one frame after the other.
 template <class Filter>
 void run(benchmark::State& state, const std::vector<RgbdFrame>& frames, Filter filter) {
   std::size_t next = 0;
@@ -70,4 +71,4 @@ void depth_smoothing(benchmark::State& state) {
 BENCHMARK(depth_smoothing)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::decoding

@@ -9,15 +9,15 @@ namespace copresence::color_matching {
 namespace {
 
 constexpr int kGuesses = 400;
-constexpr std::size_t kMostTested = 1000;  // pairs that a guess is held against
-constexpr float kCoarse = 18.0F / 255;     // gain and offset alone are no better than this
-constexpr float kFine = 9.0F / 255;  // sensor noise, vignetting, and a gamma that a line only approaches
+constexpr std::size_t kMostTested = 1000;  // pairs that each guess is tested on
+constexpr float kCoarse = 18.0F / 255;     // error of a correction that has gains and offsets only
+constexpr float kFine = 9.0F / 255;  // sensor noise, vignetting, and a gamma that a line only approximates
 constexpr float kLeastGain = 0.4F, kMostGain = 2.5F, kMostOffset = 0.25F;
-constexpr float kApart = 0.12F;  // channels that give a gain must differ by this much
-constexpr double kHold = 3e-4;   // weight of `near`, of the pairs'
+constexpr float kApart = 0.12F;  // least difference of two values of a channel that give a gain
+constexpr double kHold = 3e-4;   // weight of `near`, relative to the number of pairs
 
-// A plain generator, so that the same pairs give the same map everywhere.
-class Dice {
+// A random generator that gives the same numbers, and so the same correction, on every machine.
+class RandomGenerator {
  public:
   std::size_t below(std::size_t bound) {
     state_ = state_ * 6364136223846793005U + 1442695040888963407U;
@@ -28,30 +28,31 @@ class Dice {
   std::uint64_t state_ = 0x9E3779B97F4A7C15U;
 };
 
-float error(const ColorCorrection& map, const ColorPair& pair) {
-  return (apply(map, pair.from) - pair.to).cwiseAbs().maxCoeff();
+float error(const ColorCorrection& correction, const ColorPair& pair) {
+  return (apply(correction, pair.from) - pair.to).cwiseAbs().maxCoeff();
 }
 
-// Gain and offset from two pairs; a channel in which they hardly differ gets a gain alone.
+// Gain and offset of each channel from two pairs. A channel in which they hardly differ gets only a
+// gain.
 std::optional<ColorCorrection> guess(const ColorPair& a, const ColorPair& b) {
-  ColorCorrection map = ColorCorrection::Zero();
+  ColorCorrection correction = ColorCorrection::Zero();
   for (int c = 0; c < 3; ++c) {
     const float apart = a.from[c] - b.from[c];
     const float gain = std::abs(apart) >= kApart ? (a.to[c] - b.to[c]) / apart
                                                  : (a.to[c] + b.to[c]) / (a.from[c] + b.from[c]);
     const float offset = 0.5F * (a.to[c] + b.to[c] - gain * (a.from[c] + b.from[c]));
     if (!(gain >= kLeastGain && gain <= kMostGain && std::abs(offset) <= kMostOffset)) return std::nullopt;
-    map(c, c) = gain;
-    map(c, 3) = offset;
+    correction(c, c) = gain;
+    correction(c, 3) = offset;
   }
-  return map;
+  return correction;
 }
 
-std::vector<ColorPair> agreeing(std::span<const ColorPair> pairs, const ColorCorrection& map,
+std::vector<ColorPair> agreeing(std::span<const ColorPair> pairs, const ColorCorrection& correction,
                                 float tolerance) {
   std::vector<ColorPair> result;
   for (const ColorPair& pair : pairs) {
-    if (error(map, pair) <= tolerance) result.push_back(pair);
+    if (error(correction, pair) <= tolerance) result.push_back(pair);
   }
   return result;
 }
@@ -65,7 +66,7 @@ std::vector<ColorPair> spread(const std::vector<ColorPair>& pairs, std::size_t m
 
 }  // namespace
 
-ColorCorrection refine_color_map(std::span<const ColorPair> pairs, const ColorCorrection& near) {
+ColorCorrection refine_color_correction(std::span<const ColorPair> pairs, const ColorCorrection& near) {
   assert(!pairs.empty());
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
@@ -80,37 +81,37 @@ ColorCorrection refine_color_map(std::span<const ColorPair> pairs, const ColorCo
   return normal.ldlt().solve(right).transpose().cast<float>();
 }
 
-std::optional<ColorFit> fit_color_map(std::span<const ColorPair> pairs) {
+std::optional<ColorFit> fit_color_correction(std::span<const ColorPair> pairs) {
   if (pairs.size() < kFewestPairs) return std::nullopt;
-  Dice dice;
+  RandomGenerator random;
   std::vector<ColorPair> tested;
   for (std::size_t i = 0; i < std::min(pairs.size(), kMostTested); ++i) {
-    tested.push_back(pairs.size() <= kMostTested ? pairs[i] : pairs[dice.below(pairs.size())]);
+    tested.push_back(pairs.size() <= kMostTested ? pairs[i] : pairs[random.below(pairs.size())]);
   }
   ColorCorrection best;
   std::size_t most = 0;
   for (int i = 0; i < kGuesses; ++i) {
-    const auto map = guess(tested[dice.below(tested.size())], tested[dice.below(tested.size())]);
-    if (!map) continue;
+    const auto correction = guess(tested[random.below(tested.size())], tested[random.below(tested.size())]);
+    if (!correction) continue;
     std::size_t count = 0;
-    for (const ColorPair& pair : tested) count += error(*map, pair) <= kCoarse;
+    for (const ColorPair& pair : tested) count += error(*correction, pair) <= kCoarse;
     if (count > most) {
       most = count;
-      best = *map;
+      best = *correction;
     }
   }
   if (3 * most < tested.size()) return std::nullopt;
 
-  ColorCorrection map = refine_color_map(agreeing(pairs, best, kCoarse), best);
+  ColorCorrection correction = refine_color_correction(agreeing(pairs, best, kCoarse), best);
   for (int round = 0; round < 2; ++round) {
-    const auto inliers = agreeing(pairs, map, kFine);
+    const auto inliers = agreeing(pairs, correction, kFine);
     if (inliers.size() < kFewestPairs || 3 * inliers.size() < pairs.size()) return std::nullopt;
-    map = refine_color_map(inliers, best);
+    correction = refine_color_correction(inliers, best);
   }
-  const auto inliers = agreeing(pairs, map, kFine);
-  ColorFit fit{map, spread(inliers, kMostInliers), inliers.size(), 0};
+  const auto inliers = agreeing(pairs, correction, kFine);
+  ColorFit fit{correction, spread(inliers, kMostInliers), inliers.size(), 0};
   double squares = 0;
-  for (const ColorPair& pair : inliers) squares += (apply(map, pair.from) - pair.to).squaredNorm();
+  for (const ColorPair& pair : inliers) squares += (apply(correction, pair.from) - pair.to).squaredNorm();
   fit.rms = std::sqrt(squares / (3.0 * std::max<double>(1, static_cast<double>(inliers.size()))));
   return fit;
 }

@@ -1,34 +1,57 @@
 #pragma once
 
-// The map that takes one camera's colours to another's, from pairs of which many may be wrong: gain and offset per
-// channel by RANSAC, then all twelve numbers by least squares over the pairs that agree (thesis 2.6.2; Fischler and
-// Bolles 1981). Thread: pure; the same pairs give the same map.
+// Fits a colour correction to pairs of colours, many of which may be wrong. RANSAC finds gain and
+// offset of each channel (Fischler and Bolles 1981). Least squares over the pairs that agree then
+// finds all twelve numbers (thesis 2.6.2).
+//
+// Thread: pure. The same pairs give the same correction.
 
+#include <Eigen/Core>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "render_client/color_matching/color_correction.h"
-
 namespace copresence::color_matching {
 
-/// Fewer pairs than this say nothing.
+/// The linear map from the colours of one camera to those of another (thesis 2.6.2):
+/// to = correction * (r, g, b, 1), with channels from 0 to 1.
+using ColorCorrection = Eigen::Matrix<float, 3, 4>;
+
+inline Eigen::Vector3f apply(const ColorCorrection& correction, const Eigen::Vector3f& color) {
+  return correction.leftCols<3>() * color + correction.col(3);
+}
+
+/// The correction that applies `second` and then `first`.
+inline ColorCorrection chain(const ColorCorrection& first, const ColorCorrection& second) {
+  ColorCorrection result;
+  result.leftCols<3>() = first.leftCols<3>() * second.leftCols<3>();
+  result.col(3) = apply(first, second.col(3));
+  return result;
+}
+
+/// The colour of one point of a surface in the images of two cameras, channels 0 to 1.
+struct ColorPair {
+  Eigen::Vector3f from, to;
+};
+
+/// Fewer pairs than this are not enough for a fit.
 inline constexpr std::size_t kFewestPairs = 60;
 
 struct ColorFit {
-  ColorCorrection map;
-  std::vector<ColorPair> inliers;  ///< at most kMostInliers of those that agree, spread over all
-  std::size_t agreeing = 0;        ///< how many agree
-  double rms = 0;                  ///< of their channels, 0 to 1
+  ColorCorrection correction;
+  std::vector<ColorPair> inliers;  ///< pairs that agree, at most kMostInliers, evenly chosen
+  std::size_t agreeing = 0;        ///< number of pairs that agree
+  double rms = 0;                  ///< error of their channels, 0 to 1
 };
 inline constexpr std::size_t kMostInliers = 1500;
 
-/// Fails (nothing) with fewer than kFewestPairs pairs, or where less than a third of them agree on one map whose gains
-/// lie between 0.4 and 2.5.
-std::optional<ColorFit> fit_color_map(std::span<const ColorPair> pairs);
+/// Returns nothing for fewer than kFewestPairs pairs, or if less than a third of them agree on one
+/// correction with gains between 0.4 and 2.5.
+std::optional<ColorFit> fit_color_correction(std::span<const ColorPair> pairs);
 
-/// Least squares over all twelve numbers, held towards `near` by the weight of a fraction of the pairs: colours that a
-/// scene does not show, a grey room's reds, keep what `near` says of them. Requires pairs.
-ColorCorrection refine_color_map(std::span<const ColorPair> pairs, const ColorCorrection& near);
+/// Least squares over all twelve numbers, regularised towards `near`. Colours that the scene does
+/// not contain are then corrected as by `near`: the reds of a grey room, for example. Requires at
+/// least one pair.
+ColorCorrection refine_color_correction(std::span<const ColorPair> pairs, const ColorCorrection& near);
 
 }  // namespace copresence::color_matching

@@ -10,10 +10,10 @@ namespace copresence::color_matching {
 namespace {
 
 constexpr int kSpacingPx = 6;
-constexpr double kHold = 1e-3;      // weight of the chained map in the joint fit, of the pairs'
-constexpr double kEaseSeconds = 2;  // time constant of following a new match
+constexpr double kHold = 1e-3;  // weight of the chained correction in the joint fit, relative to the pairs
+constexpr double kEaseSeconds = 2;  // time constant for following a new match
 
-/// Two cameras' overlap: `fit` maps the colours of `from` to those of `to`.
+/// The overlap of two cameras. `fit` takes the colours of `from` to those of `to`.
 struct Overlap {
   std::size_t from, to;
   ColorFit fit;
@@ -25,64 +25,65 @@ std::vector<Overlap> find_overlaps(std::span<const PosedFrame> frames) {
   for (std::size_t to = 0; to < frames.size(); ++to) {
     for (std::size_t from = to + 1; from < frames.size(); ++from) {
       if (!takes_part(from) || !takes_part(to)) continue;
-      if (auto fit = fit_color_map(find_color_pairs(frames[from], frames[to], kSpacingPx))) {
+      if (auto fit = fit_color_correction(find_color_pairs(frames[from], frames[to], kSpacingPx))) {
         overlaps.push_back({from, to, std::move(*fit)});
       }
     }
   }
-  // The best first: they make the chains.
+  // The best overlaps first, since chains are made of them.
   std::sort(overlaps.begin(), overlaps.end(),
             [](const Overlap& a, const Overlap& b) { return a.fit.agreeing > b.fit.agreeing; });
   return overlaps;
 }
 
-// Of a fit's map, the other way round.
+// The correction in the opposite direction.
 ColorCorrection inverse(const Overlap& overlap) {
   std::vector<ColorPair> back;
   for (const ColorPair& pair : overlap.fit.inliers) back.push_back({pair.to, pair.from});
-  const Eigen::Matrix3f linear = overlap.fit.map.leftCols<3>();
+  const Eigen::Matrix3f linear = overlap.fit.correction.leftCols<3>();
   ColorCorrection guess;
   guess.leftCols<3>() = linear.inverse();
-  guess.col(3) = -(guess.leftCols<3>() * overlap.fit.map.col(3));
-  return refine_color_map(back, guess);
+  guess.col(3) = -(guess.leftCols<3>() * overlap.fit.correction.col(3));
+  return refine_color_correction(back, guess);
 }
 
-// Every camera's map along the best overlaps to the reference.
+// Chains every camera to the reference along the best overlaps.
 std::vector<std::optional<ColorCorrection>> chain_to_reference(const std::vector<Overlap>& overlaps,
                                                                std::size_t cameras) {
-  std::vector<std::optional<ColorCorrection>> maps(cameras);
-  maps[0] = ColorCorrection::Identity();
+  std::vector<std::optional<ColorCorrection>> corrections(cameras);
+  corrections[0] = ColorCorrection::Identity();
   for (bool grown = true; grown;) {
     grown = false;
     for (const Overlap& overlap : overlaps) {
-      auto &from = maps[overlap.from], &to = maps[overlap.to];
+      auto &from = corrections[overlap.from], &to = corrections[overlap.to];
       if (from.has_value() == to.has_value()) continue;
       if (to) {
-        from = chain(*to, overlap.fit.map);
+        from = chain(*to, overlap.fit.correction);
       } else {
         to = chain(*from, inverse(overlap));
       }
       grown = true;
-      break;  // again from the best
+      break;  // start again at the best overlap
     }
   }
-  return maps;
+  return corrections;
 }
 
-// All maps at once: the least squares of map(a) of one camera's colour minus map(b) of the other's, over the inliers of
-// all overlaps, each map held a little towards its chained one.
-void spread_what_is_left(const std::vector<Overlap>& overlaps,
-                         std::vector<std::optional<ColorCorrection>>& maps) {
-  std::vector<int> unknown(maps.size(), -1);
+// Fits all corrections together. Minimises the squared differences between the corrected colours of
+// both cameras over the inliers of all overlaps. Each correction is pulled a little towards its
+// chained one.
+void fit_jointly(const std::vector<Overlap>& overlaps,
+                 std::vector<std::optional<ColorCorrection>>& corrections) {
+  std::vector<int> unknown(corrections.size(), -1);
   int count = 0;
-  for (std::size_t i = 1; i < maps.size(); ++i) {
-    if (maps[i]) unknown[i] = count++;
+  for (std::size_t i = 1; i < corrections.size(); ++i) {
+    if (corrections[i]) unknown[i] = count++;
   }
-  if (count < 2) return;  // one map is fitted already
+  if (count < 2) return;  // a single correction is fitted already
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(4 * count, 4 * count);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(4 * count, 3);
   for (const Overlap& overlap : overlaps) {
-    if (!maps[overlap.from] || !maps[overlap.to]) continue;
+    if (!corrections[overlap.from] || !corrections[overlap.to]) continue;
     const int a = unknown[overlap.from], b = unknown[overlap.to];
     for (const ColorPair& pair : overlap.fit.inliers) {
       const Eigen::Vector4d from(pair.from.x(), pair.from.y(), pair.from.z(), 1);
@@ -96,7 +97,7 @@ void spread_what_is_left(const std::vector<Overlap>& overlaps,
         add(a, from, b, -to);
         add(b, to, a, -from);
       }
-      // The reference's colours stand as they are.
+      // The colours of the reference are fixed.
       if (a >= 0 && b < 0) right.middleRows<4>(4 * a) += from * to.head<3>().transpose();
       if (b >= 0 && a < 0) right.middleRows<4>(4 * b) += to * from.head<3>().transpose();
     }
@@ -105,13 +106,13 @@ void spread_what_is_left(const std::vector<Overlap>& overlaps,
       const int i = unknown[camera];
       if (i < 0) continue;
       normal.diagonal().segment<4>(4 * i).array() += hold;
-      right.middleRows<4>(4 * i) += hold * maps[camera]->cast<double>().transpose();
+      right.middleRows<4>(4 * i) += hold * corrections[camera]->cast<double>().transpose();
     }
   }
   const Eigen::MatrixXd solved = normal.ldlt().solve(right);
   if (!solved.allFinite()) return;
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    if (unknown[i] >= 0) maps[i] = solved.middleRows<4>(4 * unknown[i]).transpose().cast<float>();
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    if (unknown[i] >= 0) corrections[i] = solved.middleRows<4>(4 * unknown[i]).transpose().cast<float>();
   }
 }
 
@@ -120,18 +121,20 @@ void spread_what_is_left(const std::vector<Overlap>& overlaps,
 std::vector<std::optional<ColorCorrection>> match_colors(std::span<const PosedFrame> frames) {
   assert(!frames.empty());
   const auto overlaps = find_overlaps(frames);
-  auto maps = chain_to_reference(overlaps, frames.size());
-  spread_what_is_left(overlaps, maps);
-  return maps;
+  auto corrections = chain_to_reference(overlaps, frames.size());
+  fit_jointly(overlaps, corrections);
+  return corrections;
 }
 
-void SteadyMaps::follow(std::span<const std::optional<ColorCorrection>> found, Duration elapsed) {
-  assert(found.size() == maps_.size());
+void SteadyCorrections::follow(std::span<const std::optional<ColorCorrection>> found, Duration elapsed) {
+  assert(found.size() == corrections_.size());
   const double seconds = std::chrono::duration<double>(elapsed).count();
   const auto share = static_cast<float>(1 - std::exp(-seconds / kEaseSeconds));
-  for (std::size_t i = 0; i < maps_.size(); ++i) {
+  for (std::size_t i = 0; i < corrections_.size(); ++i) {
     if (!found[i]) continue;
-    maps_[i] = maps_[i] ? ColorCorrection(*maps_[i] + share * (*found[i] - *maps_[i])) : *found[i];
+    corrections_[i] = corrections_[i]
+                          ? ColorCorrection(*corrections_[i] + share * (*found[i] - *corrections_[i]))
+                          : *found[i];
   }
 }
 

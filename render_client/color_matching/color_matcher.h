@@ -1,11 +1,12 @@
 #pragma once
 
-// Every camera's map to the reference camera's colours, kept steady over time. Pairs of cameras that overlap
-// are fitted one by one, the best overlaps chain every camera to the reference, and joint least squares over
-// all pairs spreads what is left (thesis 2.6.2, which knows two cameras).
+// Finds the colour correction of every camera towards the reference camera, and keeps it steady
+// over time. First each pair of overlapping cameras is fitted. Then the best overlaps chain every
+// camera to the reference. Joint least squares over all pairs distributes the remaining error.
+// Thesis 2.6.2 does this for two cameras.
 //
-// Thread: one thread at a time. A round of two cameras takes a few milliseconds: call it off the render
-// thread.
+// Thread: one thread at a time. Matching two cameras takes a few milliseconds, so do not call it on
+// the render thread.
 
 #include <optional>
 #include <span>
@@ -17,28 +18,29 @@
 
 namespace copresence::color_matching {
 
-/// The maps from `frames`, the first of which is the reference, or nothing for a camera that no chain of
-/// overlaps joins to it. An entry without colour or without a place (a null frame) takes no part.
+/// The corrections of `frames`, the first of which is the reference. Nothing for a camera that no
+/// chain of overlaps leads to. A null frame or one without colour takes no part.
 std::vector<std::optional<ColorCorrection>> match_colors(std::span<const PosedFrame> frames);
 
-/// What to show while matches come in: the first one at once, later ones eased in, since exposure changes
-/// over seconds and a fit's noise must not show as flicker; and the last one where the overlap is gone.
-class SteadyMaps {
+/// Corrections filtered over time. The first one is used at once. Later ones are eased in: exposure
+/// changes over seconds, and the noise of a fit must not become flicker. Without overlap the last
+/// correction stays.
+class SteadyCorrections {
  public:
-  explicit SteadyMaps(std::size_t cameras) : maps_(cameras) {}
+  explicit SteadyCorrections(std::size_t cameras) : corrections_(cameras) {}
 
-  /// Takes in what a match has found, `elapsed` after the one before.
+  /// Adds the result of a match, `elapsed` after the one before.
   void follow(std::span<const std::optional<ColorCorrection>> found, Duration elapsed);
 
-  bool is_known(std::size_t camera) const { return maps_[camera].has_value(); }
+  bool is_known(std::size_t camera) const { return corrections_[camera].has_value(); }
 
-  /// Identity where nothing is known.
-  ColorCorrection map(std::size_t camera) const {
-    return maps_[camera].value_or(ColorCorrection::Identity());
+  /// Identity if nothing is known.
+  ColorCorrection correction(std::size_t camera) const {
+    return corrections_[camera].value_or(ColorCorrection::Identity());
   }
 
  private:
-  std::vector<std::optional<ColorCorrection>> maps_;
+  std::vector<std::optional<ColorCorrection>> corrections_;
 };
 
 }  // namespace copresence::color_matching

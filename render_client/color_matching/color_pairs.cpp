@@ -8,11 +8,12 @@
 namespace copresence::color_matching {
 namespace {
 
-constexpr int kDarkest = 8, kBrightest = 247;  // beyond, a channel is cut off or lost in noise
-constexpr int kMostContrast = 40;              // of any channel within 3 x 3 pixels
+constexpr int kDarkest = 8, kBrightest = 247;  // outside, a channel is clipped or noise
+constexpr int kMostContrast = 40;              // of each channel within 3 x 3 pixels
 constexpr double kSigmas = 3;
 
-// Mean of 3 x 3 pixels; nothing where one lacks a measured depth, is cut off, or they differ too much.
+// Mean of 3 x 3 pixels. Nothing if one lacks measured depth or is clipped, or if they differ too
+// much.
 std::optional<Eigen::Vector3f> even_color(const RgbdFrame& frame, int x, int y) {
   if (x < 1 || y < 1 || x > frame.depth.width() - 2 || y > frame.depth.height() - 2) return std::nullopt;
   Eigen::Array3i sum = Eigen::Array3i::Zero(), least = Eigen::Array3i::Constant(255),

@@ -1,31 +1,37 @@
 #include "render_client/color_matching/live_color_matching.h"
 
 #include <algorithm>
+#include <chrono>
+#include <utility>
 
 #include "common/flow/waiting.h"
 
-namespace copresence::client {
+namespace copresence::color_matching {
 namespace {
 
-// Exposure changes over seconds; a round costs a few milliseconds of one core.
+// Exposure changes over seconds. A round costs a few milliseconds of one core.
 constexpr std::chrono::milliseconds kPeriod{500};
-// A camera that has just begun to send is not left waiting for its first round.
+// While a camera waits for its first round.
 constexpr std::chrono::milliseconds kFirstPeriod{50};
 
 }  // namespace
 
-LiveColorMatching::LiveColorMatching(std::size_t cameras)
-    : cameras_(cameras), rounds_(cameras), steady_(cameras) {}
+PosedFrame posed_frame(const client::CameraFrame& frame) {
+  const client::CameraSetup& setup = *frame.setup;
+  return {&frame.frame, setup.model, setup.unit, setup.noise, frame.pose(), setup.calibration_error_m};
+}
 
-void LiveColorMatching::show(std::size_t camera, std::shared_ptr<const Received> received,
-                             const color_matching::PosedFrame& placed) {
+LiveColorMatching::LiveColorMatching(std::size_t cameras)
+    : newest_(cameras), rounds_(cameras), steady_(cameras) {}
+
+void LiveColorMatching::show(std::size_t camera, std::shared_ptr<const client::CameraFrame> frame) {
   std::lock_guard lock(mutex_);
-  cameras_[camera] = {std::move(received), placed};
+  newest_[camera] = std::move(frame);
 }
 
 void LiveColorMatching::forget(std::size_t camera) {
   std::lock_guard lock(mutex_);
-  cameras_[camera] = {};
+  newest_[camera].reset();
 }
 
 bool LiveColorMatching::is_matched(std::size_t camera) const {
@@ -41,9 +47,9 @@ LiveColorMatching::FirstMatch LiveColorMatching::first_match(std::span<const std
   return FirstMatch::kAwaited;
 }
 
-color_matching::ColorCorrection LiveColorMatching::map(std::size_t camera) const {
+ColorCorrection LiveColorMatching::correction(std::size_t camera) const {
   std::lock_guard lock(mutex_);
-  return steady_.map(camera);
+  return steady_.correction(camera);
 }
 
 void LiveColorMatching::run(std::stop_token stop) {
@@ -59,26 +65,26 @@ void LiveColorMatching::run(std::stop_token stop) {
 
 Duration LiveColorMatching::until_next_round() const {
   std::lock_guard lock(mutex_);
-  for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    if (cameras_[i].placed.frame && rounds_[i] == 0) return kFirstPeriod;
+  for (std::size_t i = 0; i < newest_.size(); ++i) {
+    if (newest_[i] && rounds_[i] == 0) return kFirstPeriod;
   }
   return kPeriod;
 }
 
 void LiveColorMatching::compare(Duration elapsed) {
-  std::vector<Camera> cameras;
+  Frames newest;
   {
     std::lock_guard lock(mutex_);
-    cameras = cameras_;  // which keeps the frames until they are compared
+    newest = newest_;
   }
-  std::vector<color_matching::PosedFrame> frames;
-  for (const Camera& camera : cameras) frames.push_back(camera.placed);
-  const auto takes_part = [](const color_matching::PosedFrame& frame) { return frame.frame != nullptr; };
+  std::vector<PosedFrame> frames;
+  for (const auto& frame : newest) frames.push_back(frame ? posed_frame(*frame) : PosedFrame{});
+  const auto takes_part = [](const PosedFrame& frame) { return frame.frame != nullptr; };
   if (std::count_if(frames.begin(), frames.end(), takes_part) < 2) return;
-  const auto found = color_matching::match_colors(frames);
+  const auto found = match_colors(frames);
   std::lock_guard lock(mutex_);
   steady_.follow(found, elapsed);
   for (std::size_t i = 0; i < frames.size(); ++i) rounds_[i] += takes_part(frames[i]);
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::color_matching

@@ -7,19 +7,20 @@
 #include <cstring>
 #include <limits>
 
-namespace copresence::client {
+namespace copresence::decoding {
 namespace {
 
 constexpr int kRadius = DepthSmoothing::kRadius;
-constexpr int kRowsAtATime = 32;  // so few stay in a core's second-level cache until they are taken down
+constexpr int kRowsAtATime = 32;  // few enough to stay in the second-level cache between the two passes
 
-// So that the differences to all taps fit 16 bits. Beyond what any Kinect sees.
+// The sum of the differences to all taps must fit 16 bits. The limit is beyond a Kinect's range.
 constexpr float kMostTolerance = std::numeric_limits<std::int16_t>::max() / (2 * kRadius);
 
-/// Differences are taken modulo 2^16: no nearer tap, or hole, may come out as one just behind.
+/// Differences are taken modulo 2^16. The limit keeps nearer taps and holes from looking like taps
+/// just behind.
 constexpr float kFarthest = std::numeric_limits<std::uint16_t>::max();
 
-/// How far a neighbour's depth may be off to lie on the same surface.
+/// The greatest difference in depth between a pixel and a neighbour on the same surface.
 void find_tolerances(const std::uint16_t* __restrict depth, float per_square, int width,
                      std::uint16_t* __restrict out) {
   for (int x = 0; x < width; ++x) {
@@ -29,7 +30,7 @@ void find_tolerances(const std::uint16_t* __restrict depth, float per_square, in
   }
 }
 
-// Sixteen pixels, as GCC and clang compute side by side.
+// Sixteen pixels, in vector types of GCC and clang.
 constexpr int kLanes = 16;
 using Depths = std::uint16_t __attribute__((vector_size(kLanes * sizeof(std::uint16_t))));
 using Numbers = std::int16_t __attribute__((vector_size(kLanes * sizeof(std::int16_t))));
@@ -41,9 +42,9 @@ void store(const Numbers& lanes, std::int16_t* to) {
   std::memcpy(to, &lanes, sizeof lanes);
 }
 
-/// For each pixel of a row: the sum of what taps are off the middle one, of those within its tolerance, and 2^15 / (their
-/// number and one). Tap i of pixel x is `first[i * distance + x]`; 0 is a hole, whose tolerance is 0. Works on whole
-/// groups of kLanes.
+/// For each pixel of a row, computes the sum of the differences to the taps within its tolerance,
+/// and 2^15 / (number of these taps + 1). Tap i of pixel x is `first[i * distance + x]`. A hole is
+/// 0, and its tolerance is 0. Works on whole groups of kLanes.
 void sum_same_surface(const std::uint16_t* first, std::size_t distance, const std::uint16_t* tolerance,
                       std::size_t width, std::int16_t* sums, std::int16_t* shares) {
   const std::uint16_t* const middle = first + kRadius * distance;
@@ -57,11 +58,12 @@ void sum_same_surface(const std::uint16_t* first, std::size_t distance, const st
       Depths tap;
       load(first + i * distance + x, tap);
       const auto off = reinterpret_cast<Numbers>(tap - z);
-      const Numbers on_surface = reinterpret_cast<Depths>(off < 0 ? -off : off) <= most;  // all bits or none
+      // All bits set, or none.
+      const Numbers on_surface = reinterpret_cast<Depths>(off < 0 ? -off : off) <= most;
       sum += off & on_surface;
       taps -= on_surface;
     }
-    Numbers share{};  // of a lone pixel, whose sum is 0
+    Numbers share{};  // stays 0 for a pixel without neighbours, whose sum is 0
     constexpr std::array<std::int16_t, 7> kShares{0, 16384, 10923, 8192, 6554, 5461, 4681};
     for (std::int16_t count = 1; count <= 2 * kRadius; ++count)
       share |= (Numbers{} + kShares[count]) & (taps == count);
@@ -70,7 +72,7 @@ void sum_same_surface(const std::uint16_t* first, std::size_t distance, const st
   }
 }
 
-/// out = middle + sum * share, to the nearest whole number.
+/// out = middle + sum * share, rounded.
 void add_means(const std::uint16_t* __restrict middle, const std::int16_t* __restrict sums,
                const std::int16_t* __restrict shares, int width, std::uint16_t* __restrict out) {
   for (int x = 0; x < width; ++x) {
@@ -83,10 +85,11 @@ void add_means(const std::uint16_t* __restrict middle, const std::int16_t* __res
 
 void DepthSmoothing::smooth(DepthImage& depth, DepthUnit unit, const DepthNoise& noise) {
   const int width = depth.width(), height = depth.height();
-  // In units a step at depth z is z² step_m(1) metres_per_unit.
+  // In units, a step at depth z is z² step_m(1) metres_per_unit.
   const float tolerance_per_square =
       kSameSurface * static_cast<float>(noise.step_m(1.0) * metres_per_unit(unit));
-  const auto row_pixels = static_cast<std::size_t>((width + kLanes - 1) / kLanes * kLanes);  // whole groups
+  // In whole groups.
+  const auto row_pixels = static_cast<std::size_t>((width + kLanes - 1) / kLanes * kLanes);
   padded_.assign(row_pixels + 2 * kRadius, 0);
   rows_.assign(row_pixels * (kRowsAtATime + 2 * kRadius), 0);
   tolerances_.resize(row_pixels);
@@ -98,7 +101,7 @@ void DepthSmoothing::smooth(DepthImage& depth, DepthUnit unit, const DepthNoise&
     sum_same_surface(first, distance, tolerances_.data(), row_pixels, sums_.data(), shares_.data());
     add_means(middle, sums_.data(), shares_.data(), width, out);
   };
-  // Across, into one of the rows at hand; rows beyond the image are holes.
+  // Smooths row y of the image into row `place` of rows_. Rows beyond the image are holes.
   const auto smooth_across = [&](int y, std::size_t place) {
     std::uint16_t* const out = rows_.data() + place * row_pixels;
     if (y >= height) {
@@ -118,4 +121,4 @@ void DepthSmoothing::smooth(DepthImage& depth, DepthUnit unit, const DepthNoise&
   }
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::decoding

@@ -2,7 +2,7 @@
 
 #include "common/color/yuv420.h"
 
-namespace copresence::client {
+namespace copresence::decoding {
 
 Result<FrameDecoding> FrameDecoding::open(const StreamDescription& description) {
   auto video = video::FrameDecoder::open(description);
@@ -43,4 +43,4 @@ bool FrameDecoding::repeat_color(RgbdFrame& frame) const {
   return true;
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::decoding

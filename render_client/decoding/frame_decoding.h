@@ -1,7 +1,7 @@
 #pragma once
 
-// The client's half of a frame's way up to the renderer, in one line: video decode, depth decode, colour.
-// The server's half is capture_server/encoding/frame_encoding.h.
+// Decodes a frame: video, depth and colour. The server's counterpart is
+// capture_server/encoding/frame_encoding.h.
 //
 // Thread: one thread decodes one stream.
 
@@ -14,28 +14,27 @@
 #include "common/result.h"
 #include "common/video/frame_decoder.h"
 
-namespace copresence::client {
+namespace copresence::decoding {
 
 class FrameDecoding {
  public:
-  /// Fails where the description names a codec that this program does not have.
+  /// Fails if this program does not have the codec that the description names.
   static Result<FrameDecoding> open(const StreamDescription& description);
 
   struct Durations {
     Duration video_decode{}, depth_decode{};
   };
 
-  /// Fails on damage, and on frames that need an earlier one that was lost: ask for a keyframe then. The
-  /// result lacks colour where the server sent none with this frame.
+  /// Fails for damaged frames, and for frames that depend on a lost one: request a keyframe then.
+  /// The result has no colour if the server sent none with this frame.
   Result<RgbdFrame> decode(const EncodedFrame& encoded, Durations& durations);
 
-  /// The longest time for which a colour picture stands in for missing ones.
+  /// The longest time for which an old colour picture is repeated.
   static constexpr std::chrono::milliseconds kLongestRepeat{1000};
 
-  /// For a viewer: gives a frame without colour the newest colour picture of the stream, so that the camera
-  /// does not flash grey. Returns whether it did. Does nothing where the frame has colour, where the stream
-  /// has had none yet, and where the newest is older than the frame by more than kLongestRepeat. `frame` is
-  /// the last that decode() returned.
+  /// Gives a frame without colour the newest colour picture of the stream, so that the camera does
+  /// not flash grey. Returns whether it did. A picture older than the frame by more than
+  /// kLongestRepeat is not used. `frame` must be the last result of decode().
   bool repeat_color(RgbdFrame& frame) const;
 
  private:
@@ -45,7 +44,7 @@ class FrameDecoding {
   video::FrameDecoder video_;
   depth::Decoder depth_;
   std::optional<Picture> newest_color_;
-  Instant newest_color_at_{};  // instant of its frame, on the server's clock
+  Instant newest_color_at_{};  // capture time of its frame, on the server's clock
 };
 
-}  // namespace copresence::client
+}  // namespace copresence::decoding

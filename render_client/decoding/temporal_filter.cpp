@@ -7,14 +7,14 @@
 #include <numeric>
 #include <utility>
 
-namespace copresence::client {
+namespace copresence::decoding {
 namespace {
 
 constexpr int kMeanShift = 3;
 static_assert(1 << kMeanShift == TemporalFilter::kFrames);
-constexpr int kColorBits = 7;      // of Kept::color after the point
-constexpr int kSumShift = 3;       // so that eight rows of colour differences fit
-constexpr int kFewestPixels = 16;  // of a block, whose mean difference says something
+constexpr int kColorBits = 7;      // fractional bits of Kept::color
+constexpr int kSumShift = 3;       // lets the colour differences of eight rows fit 16 bits
+constexpr int kFewestPixels = 16;  // least number of pixels of a block for a meaningful mean difference
 
 const std::uint8_t* bytes(const ColorImage& color) {
   static_assert(sizeof(Rgb8) == 3);
@@ -92,7 +92,7 @@ void TemporalFilter::sum_row(const RgbdFrame& frame, int y) {
 
 TemporalFilter::Block TemporalFilter::judge_block(int left, int rows) const {
   static_assert(kBlock == 8);
-  // In pairs: one sum that waits for the other takes most of the time otherwise.
+  // In pairs: a chain of sums, each waiting for the last, would take most of the time.
   const auto sum = [left](const std::vector<float>& of) {
     const float* const v = of.data() + left;
     return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
@@ -113,7 +113,7 @@ TemporalFilter::Block TemporalFilter::judge_block(int left, int rows) const {
 }
 
 bool TemporalFilter::judge(const RgbdFrame& frame, int every) {
-  const auto width = static_cast<std::size_t>(columns_ * kBlock);  // what lies beyond the image adds nothing
+  const auto width = static_cast<std::size_t>(columns_ * kBlock);  // columns beyond the image add nothing
   blocks_.clear();
   int moving = 0;
   for (int top = 0; top < height_; top += every * kBlock) {
@@ -129,7 +129,7 @@ bool TemporalFilter::judge(const RgbdFrame& frame, int every) {
   return static_cast<float>(moving) > kMovingShare * static_cast<float>(blocks_.size());
 }
 
-// Beside what moves, what a block says hangs on little: a codec's grain would decide it.
+// Near moving blocks the decision for a block is unreliable: it would depend on coding noise.
 void TemporalFilter::find_still() {
   const int rows = static_cast<int>(blocks_.size()) / columns_;
   for (int row = 0; row < rows; ++row) {
@@ -144,7 +144,7 @@ void TemporalFilter::find_still() {
   }
 }
 
-// A pixel that does not simply go on: it gained, lost or changed its state, or jumped.
+// Decides about a pixel that gained, lost or changed its state, or whose depth jumped.
 void TemporalFilter::decide(const RgbdFrame& frame, const Block& block, std::size_t at) {
   const DepthState before = kept_.state[at], now = frame.state.data()[at];
   const bool has_more =
@@ -163,7 +163,7 @@ void TemporalFilter::decide(const RgbdFrame& frame, const Block& block, std::siz
   kept_.missed[at] = 0;
 }
 
-// What the blocks say, pixel by pixel, for loops over whole rows.
+// Spreads the results of the blocks over their pixels, for loops over whole rows.
 void TemporalFilter::spread(int block_row) {
   const auto width = static_cast<std::size_t>(width_);
   spread_.gain.resize(width);
@@ -191,7 +191,7 @@ void TemporalFilter::mix_depth(RgbdFrame& frame, int y) {
   goes_on_.resize(width);
   std::uint8_t* __restrict const changed = changed_.data();
   float* __restrict const goes_on = goes_on_.data();
-  // One kind of number a loop, so that compilers take many pixels at a time.
+  // One number type per loop, so that the compiler can vectorise.
   for (std::size_t x = 0; x < width; ++x) changed[x] = state[x] != kept_state[x];
   for (std::size_t x = 0; x < width; ++x) goes_on[x] = 1.0F - static_cast<float>(changed[x]);
   for (std::size_t x = 0; x < width; ++x) {
@@ -233,14 +233,15 @@ void TemporalFilter::mix_color(ColorImage& color, int y) {
 
 void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise) {
   step_per_square_ = static_cast<float>(noise.step_m(1.0) * metres_per_unit(unit));
-  // Frames that were left out on the way have passed, too.
+  // Frames that were lost on the way count as well.
   frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.metadata.sequence - sequence_, 1, 255));
   sequence_ = frame.metadata.sequence;
   if (!fits(frame)) return begin(frame);
-  // Colour that was missing begins anew. It says nothing about motion in between, and depth goes on.
+  // Colour starts again after it was missing. Depth goes on, since missing colour is no sign of
+  // motion.
   if (frame.color && !has_color_) begin_color(*frame.color);
   has_color_ = frame.color.has_value();
-  // While the camera moves it is enough to see that it still does.
+  // While the camera moves, some blocks are enough to detect that it still moves.
   const bool moved = std::exchange(camera_moves_, judge(frame, camera_moves_ ? kGlance : 1));
   if (camera_moves_) return keep_pictures(frame, kGlance);
   if (moved) return begin(frame);
@@ -252,4 +253,4 @@ void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& n
   }
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::decoding

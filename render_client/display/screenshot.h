@@ -1,6 +1,7 @@
 #pragma once
 
-// A view as a PNG file.
+// Writes a view to a PNG file.
+//
 // Thread: pure.
 
 #include <string>
@@ -8,10 +9,9 @@
 #include "common/frame/image.h"
 #include "common/result.h"
 
-namespace copresence::client {
+namespace copresence::display {
 
-/// Fails with a sentence that names the file. What the view does not show is written in its own colour,
-/// opaque.
+/// Fails with a message that names the file. Alpha is dropped: all pixels are opaque.
 Result<void> write_png(const std::string& path, const Image<Rgba8>& image);
 
-}  // namespace copresence::client
+}  // namespace copresence::display

@@ -10,13 +10,14 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// An alpha-beta filter: it averages from the first arrival on and then forgets over some twenty frames, which
-// follows the drift between two cameras (0.1 %) and keeps a jitter of 3 ms out of the phase but for 1 ms.
+// An alpha-beta filter. It averages from the first arrival on, and later forgets over about twenty
+// frames. This follows the drift between two cameras (0.1 %). Of a jitter of 3 ms, 1 ms remains in
+// the phase.
 constexpr double kSettledPhaseGain = 0.1;
 constexpr double kSettledPeriodGain = 0.005;
 constexpr double kJitterGain = 0.05;
 constexpr int kSettledCount = 40;
-constexpr int kSkipsBeforeRestart = 4;  // so many lost frames in a row are a slower camera
+constexpr int kSkipsBeforeRestart = 4;  // this many lost frames in a row mean a slower camera
 constexpr Duration kShortestPeriod = milliseconds(4);
 constexpr Duration kLeastPatience = milliseconds(2), kMostPatience = milliseconds(8);
 constexpr Duration kPause = milliseconds(150);

@@ -1,7 +1,9 @@
 #pragma once
 
-// When a camera's next frame is to be expected: its period and phase from arrivals that jitter, pause and
-// drift. Thread: a value.
+// Predicts when a camera's next frame will arrive. It estimates period and phase from arrivals that
+// jitter, pause and drift.
+//
+// Thread: a value.
 
 #include "common/frame/rgbd_frame.h"
 
@@ -11,25 +13,25 @@ class ArrivalClock {
  public:
   void arrived(Instant now);
 
-  /// Whether it delivers: at least two frames, and the last one not long ago.
+  /// Whether the camera delivers frames: at least two have come, the last one recently.
   bool is_running(Instant now) const;
 
   /// Requires at least two arrivals.
   Duration period() const { return period_; }
-  Instant expected() const { return phase_ + period_; }  ///< the next frame, by the mean of those before
+  Instant expected() const { return phase_ + period_; }  ///< predicted arrival of the next frame
 
-  /// How late a frame may still be thought to be under way: about three standard deviations of the jitter.
+  /// How long a late frame is waited for: about three standard deviations of the jitter.
   Duration patience() const;
 
  private:
   void restart(Instant now);
 
-  int count_ = 0;    // arrivals since the estimate began, up to where it has settled
-  int skipped_ = 0;  // intervals in a row of more than one period
+  int count_ = 0;    // arrivals since the estimate began; stops at kSettledCount
+  int skipped_ = 0;  // consecutive intervals of more than one period
   Instant last_{};   // the last arrival
-  Instant phase_{};  // where it would have been without jitter
+  Instant phase_{};  // the last arrival without its jitter
   Duration period_{};
-  Duration jitter_{};  // mean distance of arrivals from where they were expected
+  Duration jitter_{};  // mean distance of arrivals from their predictions
 };
 
 }  // namespace copresence::pacing

@@ -2,19 +2,21 @@
 
 #include <algorithm>
 
-namespace copresence::client {
+namespace copresence::pacing {
 namespace {
 
-// Of one camera: a fast one waits for a slow one with as many, and more come only while the render thread is
-// far too slow.
+// Frames of one camera that wait for other cameras. More come only while the render thread is far
+// too slow.
 constexpr std::size_t kMostWaiting = 8;
-// A camera without a frame for so many of its periods has stopped, and nobody waits for it.
+// Periods without a frame after which a camera counts as stopped. The others no longer wait for it.
 constexpr int kStoppedAfter = 3;
-// Nobody waits for a slower camera: half of its period would be a delay that everybody sees.
+// Cameras do not wait for a camera with a longer period: half of its period would be a visible
+// delay.
 constexpr Duration kLongestPeriod = std::chrono::milliseconds(250);
 constexpr Duration kShortestPeriod = std::chrono::milliseconds(1);
-// Of the newest gaps between a camera's frames the second longest is its period: frames may come at half of
-// the announced rate, and a single lost frame changes nothing.
+// A camera's period is the second longest of this many newest gaps between its frames. The
+// announced rate is not enough, since frames may come at half of it. A single lost frame does not
+// change the result.
 constexpr std::size_t kGaps = 5;
 
 Duration announced_period(const StreamDescription& stream) {
@@ -24,26 +26,26 @@ Duration announced_period(const StreamDescription& stream) {
 
 }  // namespace
 
-void FrameSync::gather(flow::Mailboxes<Received>& board, std::deque<CameraStatistics>& statistics,
-                       Instant now) {
+void FrameSync::gather(flow::Mailboxes<client::CameraFrame>& mailboxes, Instant now) {
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    auto received = board.take(i);
+    auto received = mailboxes.take(i);
     if (!received) continue;
     if (sync_) {
-      add(cameras_[i], std::move(*received), statistics[i]);
+      add(i, std::move(*received));
     } else {
       cameras_[i].chosen = std::move(received);
     }
   }
-  if (sync_) choose(statistics, now);
+  if (sync_) choose(now);
 }
 
-void FrameSync::add(Camera& camera, Received received, CameraStatistics& statistics) {
+void FrameSync::add(std::size_t index, client::CameraFrame received) {
+  Camera& camera = cameras_[index];
   camera.announced = announced_period(*received.stream);
   camera.last_arrival = received.arrived_at;
   Instant instant = received.captured_at;
-  // A clock that is estimated anew may step back a little; the order of frames stays. It steps back far with
-  // a server that starts anew.
+  // A new estimate of the clock offset may set time back a little: the order of frames is kept. A
+  // restarted server may set it back far: then the history is cleared.
   if (camera.newest && *camera.newest - instant > kStoppedAfter * period(camera)) {
     camera.newest.reset();
     camera.gaps.clear();
@@ -60,7 +62,7 @@ void FrameSync::add(Camera& camera, Received received, CameraStatistics& statist
   if (camera.fresh.size() > kMostWaiting) {
     camera.fresh.pop_front();
     camera.instants.pop_front();
-    statistics.unshown();
+    passed_over_(index);
   }
 }
 
@@ -76,12 +78,12 @@ bool FrameSync::delivers(const Camera& camera, Instant now) {
          now - *camera.last_arrival < kStoppedAfter * period(camera);
 }
 
-void FrameSync::choose(std::deque<CameraStatistics>& statistics, Instant now) {
-  std::vector<pacing::CameraOffer> offers(cameras_.size());
+void FrameSync::choose(Instant now) {
+  std::vector<CameraOffer> offers(cameras_.size());
   Duration longest = kShortestPeriod;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     const Camera& camera = cameras_[i];
-    pacing::CameraOffer& offer = offers[i];
+    CameraOffer& offer = offers[i];
     if (camera.on_view) offer.captured.push_back(*camera.on_view);
     offer.captured.insert(offer.captured.end(), camera.instants.begin(), camera.instants.end());
     offer.first_is_on_view = camera.on_view.has_value();
@@ -89,15 +91,15 @@ void FrameSync::choose(std::deque<CameraStatistics>& statistics, Instant now) {
     offer.delivers = delivers(camera, now);
     if (offer.delivers) longest = std::max(longest, period(camera));
   }
-  const pacing::FrameChoice choice = pacing::nearest_instants(offers, longest, now);
+  const FrameChoice choice = nearest_instants(offers, longest, now);
   at_latest_ = choice.is_new ? std::nullopt : choice.at_latest;
   if (!choice.is_new) return;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     Camera& camera = cameras_[i];
     if (!choice.frames[i]) continue;
-    std::size_t steps = *choice.frames[i] + (camera.on_view ? 0 : 1);  // through the frames not yet shown
+    std::size_t steps = *choice.frames[i] + (camera.on_view ? 0 : 1);  // frames to take from `fresh`
     for (; steps > 0; --steps) {
-      if (camera.chosen) statistics[i].unshown();
+      if (camera.chosen) passed_over_(i);
       camera.on_view = camera.instants.front();
       camera.chosen = std::move(camera.fresh.front());
       camera.chosen->arrived_at = now;
@@ -108,7 +110,7 @@ void FrameSync::choose(std::deque<CameraStatistics>& statistics, Instant now) {
   }
 }
 
-std::optional<Received> FrameSync::take(std::size_t camera) {
+std::optional<client::CameraFrame> FrameSync::take(std::size_t camera) {
   return std::exchange(cameras_[camera].chosen, std::nullopt);
 }
 
@@ -120,4 +122,4 @@ Instant FrameSync::wake_by(Instant deadline) const {
   return at_latest_ ? std::min(deadline, *at_latest_) : deadline;
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::pacing

@@ -6,10 +6,12 @@
 namespace copresence::pacing {
 namespace {
 
-// Choices that span as little as the narrowest but for jitter count as equal; the newest wins.
+// Choices whose spans differ from the narrowest only by jitter count as equal; the newest of them
+// wins.
 constexpr int kJitterShare = 8;  // of a period
 
-/// The latest frame of every delivering camera up to an instant: the narrowest choice that ends there.
+/// The newest frames of all delivering cameras up to `end`. This is the narrowest choice that ends
+/// there.
 struct Candidate {
   Instant end;
   Duration span{};
@@ -56,7 +58,7 @@ FrameChoice nearest_instants(std::span<const CameraOffer> offers, Duration perio
   FrameChoice choice;
   choice.frames.resize(offers.size());
 
-  // Nothing that has waited for half a period waits any longer: the choice must reach that far.
+  // A frame that has waited for half a period must be shown: the choice must end at or after it.
   Instant reach = Instant::min();
   for (const CameraOffer& offer : offers) {
     if (!offer.has_fresh()) continue;

@@ -1,14 +1,17 @@
 #pragma once
 
-// Which frames of several cameras make one view, when they are to be of nearly one instant (--sync).
+// Chooses which frames of several cameras make one view, so that they are of nearly one instant
+// (--sync).
 //
-// Cameras deliver at phases of their own. Of two cameras of one rate, every frame has one of the other's
-// within half a period before or after it; of more, the narrowest choice spans less than a period. The rule:
-// the newest choice that spans at most half a period; where there is none, the newest of the narrowest. So a
-// frame whose neighbour is still under way waits for it, but never longer than half a period: then it is
-// shown with the nearest there is, and a camera that stops holds up nobody. Where rates differ, the period is
-// the longest, that of the slowest camera: between two of its frames the others' are shown for as long as
-// they are within half of it.
+// Every camera delivers at its own phase. For two cameras of one rate, each frame has a frame of
+// the other camera within half a period. For more cameras, the narrowest choice spans less than a
+// period. The rule is: take the newest choice that spans at most half a period. If there is none,
+// take the newest of the narrowest choices.
+//
+// So a frame whose neighbour is still on its way waits for it, but never longer than half a period.
+// Then it is shown with the nearest frames there are, and a stopped camera delays no other. If
+// rates differ, the period is the longest one. Between two frames of the slowest camera, the frames
+// of the others are shown while they lie within half of that period.
 //
 // Time comes in as an argument. Thread: pure.
 
@@ -21,26 +24,27 @@
 
 namespace copresence::pacing {
 
-/// What one camera has to show.
+/// The frames that one camera can show.
 struct CameraOffer {
-  std::vector<Instant> captured;  ///< on one clock, rising: the frame on view, if any, and those after it
-  bool first_is_on_view = false;  ///< `captured.front()` has been shown
-  Instant fresh_since{};  ///< when the oldest frame not yet shown arrived; meaningless where there is none
-  bool delivers = true;   ///< its frames come; false: it stopped, and what it has stays as it is
+  /// On one clock, rising: the frame on view, if any, and the frames after it.
+  std::vector<Instant> captured;
+  bool first_is_on_view = false;  ///< `captured.front()` is on view
+  Instant fresh_since{};          ///< arrival of the oldest frame not yet shown; meaningless if there is none
+  bool delivers = true;           ///< false: the camera has stopped, and its frame stays on view
 
   bool has_fresh() const { return captured.size() > (first_is_on_view ? 1u : 0u); }
 };
 
 struct FrameChoice {
-  /// By camera: which of `captured`; nothing where that is empty.
+  /// For each camera an index into `captured`; nothing if that is empty.
   std::vector<std::optional<std::size_t>> frames;
-  bool is_new = false;  ///< differs from what is on view: to be shown now
-  Duration skew{};      ///< between the latest and the earliest of the cameras that deliver
+  bool is_new = false;  ///< differs from the frames on view, so it is to be shown now
+  Duration skew{};      ///< between the latest and the earliest frame of the cameras that deliver
   std::optional<Instant>
-      at_latest;  ///< ask again then, if nothing arrives before; nothing while nothing waits
+      at_latest;  ///< choose again at this time if nothing arrives before; nothing if no frame waits
 };
 
-/// Requires period > 0: the cameras', the longest where they differ.
+/// `period` > 0 is the frame period of the cameras; if they differ, the longest.
 FrameChoice nearest_instants(std::span<const CameraOffer> offers, Duration period, Instant now);
 
 }  // namespace copresence::pacing

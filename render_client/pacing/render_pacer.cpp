@@ -8,15 +8,16 @@
 namespace copresence::pacing {
 namespace {
 
-/// Cameras are a little faster or slower than they say; a view for each of their frames is what is wanted.
+/// Real cameras are a little faster or slower than nominal. Each of their frames should get a view.
 constexpr double kRateTolerance = 1.01;
-/// Of the time between views: how much earlier than its turn a view may come after others came late.
+/// Greatest time by which a view may be early after others were late, as a fraction of the view
+/// interval.
 constexpr double kEarly = 1.0;
-/// A view that its token delays by more than this leaves its frames to the next one: else it would take the
-/// delay along.
+/// If a view's token comes later than this, its frames wait for the next view. Else the delay would
+/// stay.
 constexpr Duration kMostDelay = std::chrono::milliseconds(4);
-/// Of a period: how much longer another gap must be to take the anchor away; every change costs up to half a
-/// view.
+/// How much longer another gap must be to change the leader, as a fraction of a period. Every
+/// change costs up to half a view.
 constexpr double kHysteresis = 0.1;
 
 Duration seconds(double value) {
@@ -49,14 +50,14 @@ std::optional<Instant> RenderPacer::next_render_at(Instant now) {
   if (std::none_of(cameras_.begin(), cameras_.end(), [](const Camera& camera) { return camera.fresh; })) {
     return std::nullopt;
   }
-  choose_anchors(now);
+  choose_leaders(now);
   const Turn turn = next_turn(now);
   if (next_token_ <= turn.at + kMostDelay) return std::max(turn.at, next_token_);
-  if (turn.anchor && turn.anchor->fresh) turn.anchor->passed = true;
+  if (turn.leader && turn.leader->fresh) turn.leader->passed = true;
   return std::max(turn.next, next_token_);
 }
 
-void RenderPacer::choose_anchors(Instant now) {
+void RenderPacer::choose_leaders(Instant now) {
   round_.clear();
   Duration period = Duration::max();
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
@@ -65,7 +66,7 @@ void RenderPacer::choose_anchors(Instant now) {
       round_.push_back(static_cast<int>(i));
       period = std::min(period, camera.clock.period());
     } else {
-      camera.anchor = false;
+      camera.leader = false;
     }
   }
   if (round_.empty()) return;
@@ -76,13 +77,13 @@ void RenderPacer::choose_anchors(Instant now) {
   };
   std::sort(round_.begin(), round_.end(), [&](int a, int b) { return phase(a) < phase(b); });
 
-  // The gap after each camera, longer by the hysteresis where it is an anchor already.
+  // The gap after each camera; that of a leader counts for more, by the hysteresis.
   const std::size_t count = round_.size();
   std::vector<std::pair<Duration, std::size_t>> gaps;
   for (std::size_t place = 0; place < count; ++place) {
     Duration gap = phase(round_[(place + 1) % count]) - phase(round_[place]);
     if (place + 1 == count) gap += period;
-    if (camera_at(place).anchor) gap += std::chrono::duration_cast<Duration>(kHysteresis * period);
+    if (camera_at(place).leader) gap += std::chrono::duration_cast<Duration>(kHysteresis * period);
     if (camera_at(place).clock.period() > period + period / 2)
       gap = -period;  // too slow to be waited for each time
     gaps.emplace_back(gap, place);
@@ -92,36 +93,36 @@ void RenderPacer::choose_anchors(Instant now) {
       views_per_second_ * kRateTolerance * std::chrono::duration<double>(period).count();
   const auto wanted = std::clamp<std::size_t>(static_cast<std::size_t>(views_per_period + 0.05), 1, count);
   for (std::size_t i = 0; i < count; ++i) {
-    camera_at(gaps[i].second).anchor = i < wanted && gaps[i].first >= Duration::zero();
+    camera_at(gaps[i].second).leader = i < wanted && gaps[i].first >= Duration::zero();
   }
   std::rotate(round_.begin(), round_.begin() + static_cast<std::ptrdiff_t>(gaps[0].second + 1), round_.end());
 }
 
 RenderPacer::Turn RenderPacer::next_turn(Instant now) {
-  // In the order of phases every anchor closes the group of cameras since the anchor before it. A group with
-  // a new frame waits for its members that are due, not longer than their patience. The group that is
-  // complete first wins.
+  // In the order of phases, each leader closes the group of cameras since the leader before it. A
+  // group with a new frame waits for its members that are due, for their patience at most. The
+  // group that is complete first wins.
   Turn best{Instant::max(), now};
   for (std::size_t first = 0, last = 0; first < round_.size(); first = ++last) {
-    while (!camera_at(last).anchor) ++last;
-    Camera& anchor = camera_at(last);
-    const bool anchor_came = anchor.fresh && !anchor.passed;
-    const Instant anchors_turn =
-        anchor.clock.expected() - (anchor_came ? anchor.clock.period() : Duration::zero());
+    while (!camera_at(last).leader) ++last;
+    Camera& leader = camera_at(last);
+    const bool leader_came = leader.fresh && !leader.passed;
+    const Instant leaders_turn =
+        leader.clock.expected() - (leader_came ? leader.clock.period() : Duration::zero());
     Instant until = now;
     bool any_fresh = false;
     for (std::size_t place = first; place <= last; ++place) {
       const Camera& camera = camera_at(place);
       any_fresh = any_fresh || camera.fresh;
-      // A member expected well after its anchor has been shown this time and is not due.
+      // A member that is expected long after its leader has been shown already, so it is not due.
       const bool awaited = !camera.fresh || camera.passed;
-      const bool due = awaited && camera.clock.expected() <= anchors_turn + anchor.clock.patience();
+      const bool due = awaited && camera.clock.expected() <= leaders_turn + leader.clock.patience();
       if (due) until = std::max(until, camera.clock.expected() + camera.clock.patience());
     }
     if (any_fresh && until < best.at)
-      best = {until, anchor.clock.expected() + anchor.clock.patience(), &anchor};
+      best = {until, leader.clock.expected() + leader.clock.patience(), &leader};
   }
-  if (best.at == Instant::max()) best.at = now;  // only cameras that have just begun have something new
+  if (best.at == Instant::max()) best.at = now;  // only cameras that have just started have a new frame
   return best;
 }
 

@@ -6,11 +6,11 @@
 namespace copresence::pacing {
 namespace {
 
-constexpr int kFadeShare = 3;  // the fade begins after this part of the whole time
+constexpr int kFadeShare = 3;  // the fade begins after this fraction of the whole time, 1 / kFadeShare
 constexpr int kPeriodsBeforeFading = 2, kPeriodsBeforeGone = 3;
-/// While cameras fade and no frame comes, a view this often.
+/// Time between views while cameras fade and no frame comes.
 constexpr std::chrono::milliseconds kFadeStep{100};
-/// A camera that comes and goes is logged this often at most.
+/// Least time between two log lines about a camera that comes and goes.
 constexpr std::chrono::seconds kSayEvery{10};
 
 }  // namespace

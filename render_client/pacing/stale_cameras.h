@@ -1,12 +1,12 @@
 #pragma once
 
-// Fades a camera from the view while no new frame of it comes, so that an old picture does not pass for a
-// live one.
+// Fades a camera from the view while no new frame of it comes, so that an old picture does not look
+// live.
 //
-// A camera is stale once its newest frame is older than a third of the time that --stale gives: by default
-// after 1 s. From then on its opacity falls linearly, and it is 0 after the whole time: by default after 3 s.
-// A frame's age counts from its arrival, so that a slow but steady connection is not stale. Where frames are
-// rare the camera gets at least two of its frame periods before it fades and three before it is gone.
+// A camera is stale once its newest frame is older than a third of the time of --stale: by default
+// after 1 s. Its opacity then falls linearly, and is 0 after the whole time: by default after 3 s.
+// Age counts from the frame's arrival, so that a slow but steady connection is not stale. A camera
+// with few frames does not fade before two of its frame periods, and is not gone before three.
 //
 // Time comes in as an argument. Thread: one at a time.
 
@@ -23,23 +23,23 @@ class StaleCameras {
   /// Requires gone_after > 0.
   StaleCameras(std::size_t cameras, Duration gone_after) : gone_after_(gone_after), cameras_(cameras) {}
 
-  /// A new frame of the camera has arrived. `period`: nominal time between its frames.
+  /// A new frame of the camera has arrived. `period` is the nominal time between its frames.
   void frame_arrived(std::size_t camera, Duration period, Instant now);
 
-  /// How much of the camera is drawn: 1 all of it, 0 nothing, in between a faded picture. 1 before its first
-  /// frame.
+  /// Opacity of the camera: 1 is opaque, 0 is not drawn. 1 before its first frame.
   float opacity(std::size_t camera, Instant now) const;
 
-  /// When a view that was drawn at `drawn_at` is to be drawn anew although no frame comes; nothing if never.
+  /// When a view drawn at `drawn_at` is out of date because cameras fade. Nothing if none will
+  /// fade.
   std::optional<Instant> next_view(Instant drawn_at) const;
 
   enum class Change { kStale, kBack };
   struct Event {
     std::size_t camera;
     Change change;
-    bool worth_saying;  ///< false: said not long ago, keep it out of the log
+    bool worth_saying;  ///< false: it was logged a short time ago
   };
-  /// The cameras that have become stale or come back since the last call.
+  /// The cameras that have become stale or have come back since the last call.
   std::vector<Event> changes(Instant now);
 
  private:
@@ -47,7 +47,7 @@ class StaleCameras {
     std::optional<Instant> newest;
     Duration period{};
     bool is_stale = false;
-    bool is_said = false;  // that it is stale
+    bool is_said = false;  // it was logged that the camera is stale
     std::optional<Instant> said_at;
   };
   Instant fades_from(const Camera& camera) const;

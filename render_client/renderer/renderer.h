@@ -1,11 +1,12 @@
 #pragma once
 
-// The one interface of both renderers: the cameras' newest frames and a viewpoint in, a merged view out.
+// The interface of both renderers: draws the newest frames of all cameras, merged, as seen from one
+// pose.
 //
-// Each camera's depth becomes a mesh without triangles across discontinuities, is drawn from the eye, and the
-// drawings are merged in window space: of the fragments within the uncertainty range of the nearest one the
-// best quality index wins (thesis 2.6.1). Both implementations follow the same rules
-// (renderer/merge_rules.h), and a test holds their pictures together.
+// Each camera's depth image becomes a mesh without triangles across depth discontinuities. The
+// meshes are drawn from the eye, and the drawings are merged pixel by pixel: of the fragments
+// within the uncertainty range of the nearest one, those with the best quality index count (thesis
+// 2.6.1). Both implementations follow renderer/merge_rules.h, and a test compares their pictures.
 //
 // Thread: one thread makes, uses and destroys a renderer.
 
@@ -17,31 +18,61 @@
 #include <string_view>
 
 #include "common/frame/depth_unit.h"
+#include "common/frame/image.h"
 #include "common/frame/rgbd_frame.h"
 #include "common/result.h"
-#include "render_client/renderer/merged_view.h"
+#include "render_client/viewpoint/view_pose.h"
 
 namespace copresence::renderer {
 
-/// The most cameras that one view can show, in both renderers. Command line and scene file are checked.
+using viewpoint::ViewPose;
+
+/// The most cameras that one view can show, in both renderers. Command line and scene file are
+/// checked.
 inline constexpr std::size_t kMostCameras = 32;
 
-/// One camera as a renderer sees it.
+/// One camera as a renderer takes it.
 struct CameraView {
-  const RgbdFrame* frame =
-      nullptr;  ///< its newest; must outlive the call. Poses come from `world_from_camera` below
-  /// Cache key: the renderer reuses a slot's mesh and texture while `version` is unchanged. So every frame,
-  /// of any camera, must have a version of its own.
+  /// The newest frame. It must outlive the call. Its pose is not used.
+  const RgbdFrame* frame = nullptr;
+  /// Cache key: mesh and texture of a camera are reused while `version` is unchanged. So every
+  /// frame, of any camera, must have a version of its own.
   std::uint64_t version = 0;
   CameraModel model;  ///< same size as the frame's images
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthNoise noise;
   Rigid3 world_from_camera;
-  Eigen::Matrix<float, 3, 4> color_matching =
-      Eigen::Matrix<float, 3, 4>::Identity();  ///< to the reference camera's colours, RGB 0 to 1
-  double calibration_error_m = 0.005;          ///< widens the uncertainty range
-  /// 1 for a live camera. Below 1 it fades since no new frame has come (merge_rules.h, Stale). 0: not drawn.
+  /// To the reference camera's colours, RGB 0 to 1.
+  Eigen::Matrix<float, 3, 4> color_correction = Eigen::Matrix<float, 3, 4>::Identity();
+  double calibration_error_m = 0.005;  ///< widens the uncertainty range
+  /// 1 for a live camera. Below 1 the camera fades, because no new frame has come (merge_rules.h,
+  /// Stale). 0: not drawn.
   float opacity = 1;
+};
+
+inline constexpr std::uint8_t kNoCamera = 255;  ///< in MergedView::camera if nothing is shown
+
+/// Which images of a MergedView are filled.
+struct HostPixels {
+  bool color = false;
+  bool depth = false;  ///< depth, camera and quality
+};
+
+/// A view of the merged scene.
+struct MergedView {
+  /// Set by the caller. Pictures with different targets exist side by side: use one target for each
+  /// eye. From 0 up.
+  int target = 0;
+
+  int width = 0;
+  int height = 0;
+  Image<Rgba8> color;          ///< black with a = 0 if nothing is shown; empty unless wanted
+  Image<float> depth_m;        ///< along the eye's axis; 0 if nothing is shown; empty unless wanted
+  Image<std::uint8_t> camera;  ///< index of the camera that has the pixel; kNoCamera for none
+  Image<float> quality;        ///< quality index of that camera, cos(theta) / z^2 (thesis eq. 2.5), 1/m^2
+  /// OpenGL name of an RGBA8 texture with the colours, rows from the top. It holds the view until
+  /// the next render() to the same target. 0 for the CPU renderer.
+  std::uint32_t texture = 0;
 };
 
 class Renderer {
@@ -50,16 +81,16 @@ class Renderer {
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --renderer and the statistics
 
-  /// Makes meshes and textures of these cameras ahead, which need no eye. Call it while no view is due yet.
-  /// The next render() may be given newer frames or other cameras all the same.
+  /// Makes meshes and textures of these cameras ahead. Call it while no view is due. The next
+  /// render() may have newer frames or other cameras.
   virtual void prepare(std::span<const CameraView> cameras) = 0;
 
-  /// Draws the cameras in order (the index is what MergedView::camera names) as seen from `eye`. Cameras may
-  /// be fewer than before or have new models. `view` is reused: images keep their memory. A camera without
-  /// colour is shaded by its normals. Requires at most kMostCameras. Fails only where the graphics driver
-  /// does.
-  virtual Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye,
-                              HostPixels wanted, MergedView& view) = 0;
+  /// Draws the cameras as seen from `eye`. MergedView::camera is an index into `cameras`. The
+  /// number of cameras and their models may change between calls. The images of `view` keep their
+  /// memory. A camera without colour is shaded by its surface normals. Requires at most
+  /// kMostCameras. Fails only if the graphics driver does.
+  virtual Result<void> render(std::span<const CameraView> cameras, const ViewPose& eye, HostPixels wanted,
+                              MergedView& view) = 0;
 };
 
 }  // namespace copresence::renderer

@@ -9,7 +9,7 @@
 
 #include "render_client/stream/frame_times.h"
 
-namespace copresence::client {
+namespace copresence::statistics {
 namespace {
 
 using nlohmann::ordered_json;
@@ -29,10 +29,10 @@ constexpr auto kCounters = {&wire::FrameCounters::captured,
                             &wire::FrameCounters::late,
                             &wire::FrameCounters::dark};
 
-/// Whether an honest server's totals can have grown from `before` to `totals` in this time.
+/// Whether the totals of an honest server can grow from `before` to `totals` in this time.
 bool can_follow(const wire::FrameCounters& totals, const wire::FrameCounters& before, Duration elapsed) {
-  // Twice the fastest camera, since two pictures make a frame, and all that a server held back while it stood
-  // still.
+  // Twice the rate of the fastest camera, because a frame has two pictures. Plus the frames that a
+  // server may hold back while it is stopped.
   constexpr double kPicturesPerSecond = 2000, kHeldBack = 2000;
   const double most = kHeldBack + kPicturesPerSecond * std::chrono::duration<double>(elapsed).count();
   const bool plausible = std::all_of(kCounters.begin(), kCounters.end(), [&](const auto counter) {
@@ -56,8 +56,8 @@ ordered_json to_json(const CameraReport& report) {
                       {"frames_decoded", s.decoded},
                       {"frames_dropped", s.dropped},
                       {"drops", s.drops},
-                      {"frames_shown", s.shown},
-                      {"frames_unshown", s.unshown},
+                      {"frames_shown", s.displayed},
+                      {"frames_unshown", s.not_displayed},
                       {"times_not_believed", s.times_not_believed},
                       {"pictures",
                        {{"depth_without_color", s.totals.depth_without_color},
@@ -67,7 +67,7 @@ ordered_json to_json(const CameraReport& report) {
                         {"late", s.totals.late},
                         {"dark", s.totals.dark}}},
                       {"times_stale", s.times_stale},
-                      {"last_shown_sequence", s.last_shown_sequence},
+                      {"last_shown_sequence", s.last_displayed_sequence},
                       {"mbps", s.mbps},
                       {"latency_ms", percentiles(s.latency, {50, 95, 99})}};
   ordered_json stages;
@@ -101,7 +101,7 @@ void CameraStatistics::received(const wire::FrameCounters& totals, std::size_t b
   if (!first_) {
     first_ = now;
   } else {
-    bytes_ += bytes;  // the first frame opens the interval that the rate is measured over
+    bytes_ += bytes;  // without the first frame: it only begins the interval of the rate
   }
   newest_ = now;
 }
@@ -126,15 +126,15 @@ void CameraStatistics::not_decoded() {
   ++not_decoded_;
 }
 
-void CameraStatistics::unshown() {
+void CameraStatistics::not_displayed() {
   std::lock_guard lock(mutex_);
-  ++sums_.unshown;
+  ++sums_.not_displayed;
 }
 
-void CameraStatistics::shown(std::uint64_t sequence, std::optional<Duration> latency) {
+void CameraStatistics::displayed(std::uint64_t sequence, std::optional<Duration> latency) {
   std::lock_guard lock(mutex_);
-  ++sums_.shown;
-  sums_.last_shown_sequence = sequence;
+  ++sums_.displayed;
+  sums_.last_displayed_sequence = sequence;
   if (latency) sums_.latency.add(*latency);
 }
 
@@ -149,7 +149,7 @@ void CameraStatistics::timed(std::optional<Duration> wire, const StageDurations&
                                               {Stage::kFill, durations.fill},
                                               {Stage::kDepthEncode, durations.depth_encode},
                                               {Stage::kVideoEncode, durations.video_encode}}) {
-    if (took <= kOldestBelieved) stage(stage_of_server, took);
+    if (took <= stream::kOldestBelieved) stage(stage_of_server, took);
   }
 }
 
@@ -223,7 +223,7 @@ Result<void> write_statistics(const std::string& path, const std::vector<CameraR
                      {"uncertainty_us", microseconds(least_sure->statistics.clock_uncertainty)}};
   }
   std::ofstream file(path);
-  // Names and addresses may hold any bytes; JSON holds UTF-8.
+  // Names and addresses may contain any bytes, but JSON is UTF-8.
   file << root.dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
   file.flush();
   if (!file)
@@ -231,4 +231,4 @@ Result<void> write_statistics(const std::string& path, const std::vector<CameraR
   return {};
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::statistics

@@ -1,10 +1,10 @@
 #pragma once
 
-// What --stats writes: per camera what arrived, what was lost and why, how old it was when shown; per view
-// how often and how fast.
+// Counts and measures frames and views, and writes them as the JSON of --stats: for each camera the
+// frames that came, were lost, and were displayed, and their latency; for the views their rate and
+// rendering time.
 //
-// Thread: CameraStatistics may be used by its receiver and the renderer at once; ViewStatistics by the
-// renderer only.
+// Thread: CameraStatistics may be used by several threads at once, ViewStatistics by one.
 
 #include <array>
 #include <cstdint>
@@ -20,42 +20,44 @@
 #include "common/wire/message.h"
 #include "render_client/viewpoint/opentrack_view.h"
 
-namespace copresence::client {
+namespace copresence::statistics {
 
-/// The stages of one frame in frame order, as they are named in the JSON.
+/// The stages that a frame passes, in order; kStageNames are their names in the JSON.
 enum class Stage { kCapture, kFill, kDepthEncode, kVideoEncode, kWire, kVideoDecode, kDepthDecode };
 inline constexpr std::array<const char*, 7> kStageNames{
     "capture", "fill", "depth_encode", "video_encode", "wire", "video_decode", "depth_decode"};
 
 class CameraStatistics {
  public:
-  /// A connection to the camera's server begins. What the server captured before its first frame here, or
-  /// between two connections, is not ours to count: its totals are compared within one connection only.
+  /// A connection to the camera's server begins. The server's totals are compared within one
+  /// connection only: frames that it captured before or between connections are not counted.
   void connected();
-  /// `totals`: the server's running totals as they came with this frame. A server that makes totals up (they
-  /// fall, or grow faster than any camera delivers) begins anew with each of them.
+  /// A frame came. `totals` are the server's running totals that came with it. Impossible totals
+  /// (they fall, or grow faster than any camera delivers) are not added; counting goes on from
+  /// them.
   void received(const wire::FrameCounters& totals, std::size_t bytes, Instant now);
   void decoded();
-  void not_decoded();     ///< received, but damaged or dependent on something that is missing
-  void color_repeated();  ///< decoded without colour, and shown with an earlier frame's
-  void unshown();         ///< decoded, but replaced before any view
-  /// In a view. `latency`: nothing where the frame's times are not believed.
-  void shown(std::uint64_t sequence, std::optional<Duration> latency);
-  /// How long the server's stages and the wire took. Stages beyond any belief are left out; no `wire` means
-  /// that the frame's times are not believed, which is counted.
+  void not_decoded();     ///< received, but damaged, or a frame that it depends on is missing
+  void color_repeated();  ///< decoded without colour; an earlier frame's colour is displayed
+  void not_displayed();   ///< decoded, but replaced by a newer frame before any view
+  /// A view shows the frame. No `latency` if the frame's times are implausible.
+  void displayed(std::uint64_t sequence, std::optional<Duration> latency);
+  /// Durations of the server's stages and of the transport. Implausible stages are left out. No
+  /// `wire` means that the frame's times are implausible; such frames are counted.
   void timed(std::optional<Duration> wire, const StageDurations& durations);
   void stage(Stage stage, Duration duration);
   void clock(Duration offset, Duration uncertainty);
-  void stale();  ///< no frame has come for so long that the camera fades from the view
+  void stale();  ///< the camera begins to fade, because no frame has come for a while
 
   struct Snapshot {
     std::uint64_t connections = 0;
-    wire::FrameCounters
-        totals;  ///< growth since the first frame of each connection; `captured` counts that one, too
-    std::uint64_t received = 0, decoded = 0, shown = 0, unshown = 0, last_shown_sequence = 0;
+    /// Growth since the first frame of each connection, summed. `captured` includes that first
+    /// frame.
+    wire::FrameCounters totals;
+    std::uint64_t received = 0, decoded = 0, displayed = 0, not_displayed = 0, last_displayed_sequence = 0;
     std::uint64_t color_repeated = 0, times_stale = 0;
-    std::uint64_t times_not_believed = 0;        ///< decoded frames
-    std::map<std::string, std::uint64_t> drops;  ///< by cause; every cause is there, also with 0
+    std::uint64_t times_not_believed = 0;        ///< number of decoded frames
+    std::map<std::string, std::uint64_t> drops;  ///< by cause; contains every cause, also with 0
     std::uint64_t dropped = 0;
     double mbps = 0;
     flow::LatencyHistogram latency;
@@ -67,7 +69,7 @@ class CameraStatistics {
  private:
   mutable std::mutex mutex_;
   std::optional<wire::FrameCounters> last_;  // of this connection
-  Instant last_at_{};                        // when they came
+  Instant last_at_{};                        // when `last_` came
   std::uint64_t not_decoded_ = 0, bytes_ = 0;
   std::optional<Instant> first_, newest_;
   Snapshot sums_;
@@ -75,19 +77,20 @@ class CameraStatistics {
 
 class ViewStatistics {
  public:
-  /// `complete`: the view shows every listed camera. Views are counted from the first complete one.
+  /// A view was drawn. `complete` if it shows every listed camera. Views are counted from the first
+  /// complete one.
   void rendered(Instant begin, Instant end, bool complete);
 
-  /// Between the earliest and the latest instant that a view shows; of two cameras or more.
+  /// Time between the earliest and the latest frame in a view of two cameras or more.
   void skew(Duration skew) { skew_.add(skew); }
 
-  /// What came from the head tracker; not called where there is none.
+  /// Datagrams of the head tracker; call it only if there is one.
   void head_tracker(const viewpoint::OpentrackView::Counters& counters) { head_tracker_ = counters; }
   const std::optional<viewpoint::OpentrackView::Counters>& head_tracker() const { return head_tracker_; }
 
   std::uint64_t frames() const { return frames_; }
   const flow::LatencyHistogram& skew() const { return skew_; }
-  double fps() const;  ///< 0 below two views
+  double fps() const;  ///< 0 for fewer than two views
   const flow::LatencyHistogram& render_time() const { return render_time_; }
 
  private:
@@ -97,15 +100,15 @@ class ViewStatistics {
   std::optional<viewpoint::OpentrackView::Counters> head_tracker_;
 };
 
-/// One camera as the JSON tells of it.
+/// One camera in the JSON.
 struct CameraReport {
-  std::string name;      ///< or its address where no server has told a name
-  std::string left_out;  ///< why no view shows it; empty where views do
+  std::string name;      ///< its address if no server has sent a name
+  std::string left_out;  ///< why no view shows it; empty if views do
   CameraStatistics::Snapshot statistics;
 };
 
-/// Writes the JSON of --stats. Fails with a sentence that names the file.
+/// Writes the JSON of --stats. Fails with a message that names the file.
 Result<void> write_statistics(const std::string& path, const std::vector<CameraReport>& cameras,
                               const ViewStatistics& view, const std::string& renderer, int width, int height);
 
-}  // namespace copresence::client
+}  // namespace copresence::statistics

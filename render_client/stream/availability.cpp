@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <utility>
 
-namespace copresence::client {
+namespace copresence::stream {
 namespace {
 
-/// What the server's next life may do otherwise, but not this one.
+/// Errors that last as long as the server process. The next one may do better.
 bool is_refusal(ErrorCode code) {
   return code == ErrorCode::kRefused || code == ErrorCode::kUnsupported || code == ErrorCode::kInvalid;
 }
 
-/// The peer answered, and not as a server of frames does. Without an answer (nothing listens, a cut, an
-/// orderly end) the camera is awaited.
+/// Whether the peer answered, but not as a capture_server does. If it did not answer (nothing
+/// listens, the connection was cut or closed), the camera is awaited.
 bool is_trouble(ErrorCode code) {
   return code == ErrorCode::kCorrupt || code == ErrorCode::kUnavailable;
 }
@@ -61,4 +61,4 @@ void AvailabilityTracker::in_trouble(const std::string& why, Instant now) {
   reason_ = why;
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::stream

@@ -11,40 +11,42 @@
 #include "common/frame/rgbd_frame.h"
 #include "common/result.h"
 
-namespace copresence::client {
+namespace copresence::stream {
 
 enum class Availability {
   kAwaited,  ///< not connected, or without a frame yet: views wait for it
-  kShown,    ///< its frames come and decode
-  kLeftOut,  ///< its server answers, but for a while nothing has come that can be shown; views do without it
-  kRefused,  ///< cannot be shown as it is: another protocol version, an unknown codec; views do without it
+  kShown,    ///< its frames come and can be decoded
+  /// Its server answers, but has sent nothing that can be shown for a while; views do without the
+  /// camera.
+  kLeftOut,
+  kRefused,  ///< another protocol version or an unknown codec; views do without the camera
 };
 
 inline bool is_left_out(Availability availability) {
   return availability == Availability::kLeftOut || availability == Availability::kRefused;
 }
 
-/// Follows one camera's connections. Time comes in as an argument and never goes back.
+/// Follows the connections of one camera. Time comes in as an argument and never goes back.
 class AvailabilityTracker {
  public:
-  /// The pause before the next try doubles from the first to the longest with every failure. Only a
-  /// connection whose frames decode for kSteady makes it short again: a server that welcomes and hangs up
-  /// must not be reconnected to without end.
+  /// The pause before the next try doubles with every failure, from the first to the longest. It
+  /// becomes short again only after a connection whose frames decode for kSteady. So a server that
+  /// welcomes clients and hangs up is not reconnected to without pause.
   static constexpr std::chrono::milliseconds kFirstPause{50}, kLongestPause{500};
   static constexpr std::chrono::seconds kSteady{2};
-  /// How long a server may answer without one decodable frame before its camera is left out.
+  /// How long a server may answer without one decodable frame. Then its camera is left out.
   static constexpr std::chrono::seconds kPatience{3};
 
   void connected();
   void decoded(Instant now);
-  /// A frame came that does not decode.
+  /// A frame has come that cannot be decoded.
   void undecodable(const std::string& why, Instant now);
-  /// The connection ended or could not be made. Returns the pause before the next try, or nothing where
-  /// trying again is of no use: kRefused.
+  /// A connection has ended or could not be made. Returns the pause before the next try. Nothing if
+  /// trying again is of no use (kRefused).
   std::optional<Duration> failed(const Error& why, Instant now);
 
   Availability availability() const { return availability_; }
-  /// Why the camera is left out, one sentence; meaningless otherwise.
+  /// Why the camera is left out, as one sentence. Meaningless for other states.
   const std::string& reason() const { return reason_; }
 
  private:
@@ -55,7 +57,8 @@ class AvailabilityTracker {
   Duration next_pause_ = kFirstPause;
   std::optional<Instant> first_decoded_;  // of this connection
   std::optional<Instant> last_decoded_;
-  std::optional<Instant> trouble_since_;  // its server has answered since then, and nothing has decoded
+  // Since then the server has answered, and no frame has been decoded.
+  std::optional<Instant> trouble_since_;
 };
 
-}  // namespace copresence::client
+}  // namespace copresence::stream

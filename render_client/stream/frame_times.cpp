@@ -1,11 +1,11 @@
 #include "render_client/stream/frame_times.h"
 
-namespace copresence::client {
+namespace copresence::stream {
 namespace {
 
-// Two readings of one clock in the wrong order, or an arrival that the kernel rounded.
+// For two readings of one clock in the wrong order, and for arrival times that the kernel rounds.
 constexpr std::chrono::milliseconds kTolerance{5};
-// Far beyond what any clock reads, and sums of three of them do not overflow.
+// Far beyond the range of any clock. The sum of three such times does not overflow.
 constexpr Duration kLatest = Duration::max() / 8;
 
 bool is_sane(Instant instant) {
@@ -26,4 +26,4 @@ FrameTimes frame_times(Instant captured_at, Instant sent_at, Instant received_at
   return {clock.to_local(captured_at), on_the_way};
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::stream

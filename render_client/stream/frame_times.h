@@ -1,6 +1,6 @@
 #pragma once
 
-// A frame's times on this process's clock, as far as its server's can be believed.
+// The times of a frame on this process's clock, if the server's times are plausible.
 //
 // Thread: a pure function.
 
@@ -9,23 +9,24 @@
 #include "common/frame/rgbd_frame.h"
 #include "common/wire/clock_offset.h"
 
-namespace copresence::client {
+namespace copresence::stream {
 
-/// How long before its arrival a frame may have been captured, and a stage may have taken. Connections that
-/// stand still end sooner.
+/// The greatest plausible time from a frame's capture to its arrival, and for a stage. A connection
+/// without frames ends sooner.
 inline constexpr std::chrono::seconds kOldestBelieved{10};
 
 struct FrameTimes {
-  Instant captured_at;           ///< the arrival where the server's times are not believed
-  std::optional<Duration> wire;  ///< from the end of encoding to arrival; nothing where they are not believed
+  Instant captured_at;  ///< the time of arrival if the server's times are implausible
+  /// From the end of encoding to arrival; nothing if the times are implausible.
+  std::optional<Duration> wire;
 
   bool are_believed() const { return wire.has_value(); }
 };
 
-/// `captured_at` and `sent_at` on the server's clock, which is `clock` away from ours; any values. A frame is
-/// captured, sent and received in this order, and not longer than kOldestBelieved before it is received.
-/// Times that contradict this say nothing: the frame then counts as captured when it arrived.
+/// `captured_at` and `sent_at` are on the server's clock and may have any value; `clock` is its
+/// offset to this process's clock. Times are plausible if the frame was captured, sent and received
+/// in this order, within kOldestBelieved. Else the frame counts as captured when it arrived.
 FrameTimes frame_times(Instant captured_at, Instant sent_at, Instant received_at,
                        const wire::ClockOffset& clock);
 
-}  // namespace copresence::client
+}  // namespace copresence::stream

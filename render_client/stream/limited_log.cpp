@@ -6,12 +6,12 @@
 
 #include "common/text/excerpt.h"
 
-namespace copresence::client {
+namespace copresence::stream {
 namespace {
 
 std::string bounded(std::string_view text) {
   std::string line = text::sanitise(text, LimitedLog::kMostBytes);
-  // A byte that is not printable becomes one byte, so only a cut makes the line shorter.
+  // Replacing a byte keeps the length, so only a cut makes the line shorter.
   if (line.size() < text.size()) line += "...";
   return line;
 }
@@ -62,4 +62,4 @@ void LimitedLog::release(Held& held) {
   held.last_said = held.latest;
 }
 
-}  // namespace copresence::client
+}  // namespace copresence::stream

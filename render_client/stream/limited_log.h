@@ -1,7 +1,7 @@
 #pragma once
 
-// Lines in the log about one camera. What a server says or does causes them, so a hostile or broken one could
-// fill a disk: everything that a peer causes goes through here.
+// Limits the log lines about one camera. Its server causes them, so a hostile or broken server
+// could fill the disk. Everything that a server causes is logged through this class.
 //
 // Thread: a value of one thread.
 
@@ -13,12 +13,12 @@
 
 #include "common/frame/rgbd_frame.h"
 
-namespace copresence::client {
+namespace copresence::stream {
 
-/// Of each topic kAtOnce lines pass at once and then one in kBetween; the same line again waits that long in
-/// any case. The latest line that was held back is said when its turn comes, with the number of others that
-/// it stands for: "127.0.0.1:7001: unplugged (1204 more like this)". A line is cut to kMostBytes and
-/// printable whatever it was made of.
+/// Of each topic, kAtOnce lines pass at once, and then one in kBetween. A line that repeats the
+/// last one waits for kBetween in any case. Of the lines held back, the latest is written when its
+/// turn comes, with the number of the others: "127.0.0.1:7001: unplugged (1204 more like this)".
+/// Lines are cut to kMostBytes, and unprintable characters are replaced.
 class LimitedLog {
  public:
   enum class Topic { kConnection, kSetup, kNotice, kAvailability, kTimes };
@@ -31,13 +31,13 @@ class LimitedLog {
 
   explicit LimitedLog(Sink sink) : sink_(std::move(sink)) {}
 
-  /// Time never goes back.
+  /// Logs a line or holds it back. `now` never goes back.
   void say(Topic topic, Severity severity, std::string_view text, Instant now);
 
-  /// Says what was held back and may be said by now. Call it now and then.
+  /// Writes lines that were held back and are due. Call it about once a second.
   void catch_up(Instant now);
 
-  /// Says all that is held back.
+  /// Writes all lines that were held back.
   void finish();
 
  private:
@@ -45,8 +45,8 @@ class LimitedLog {
     std::uint64_t lines = 0;
     Severity severity{};
     std::string latest, last_said;
-    double allowed = kAtOnce;  // lines that may pass now
-    Instant counted_at{};      // `allowed` holds for this instant
+    double allowed = kAtOnce;  // lines that may pass at `counted_at`
+    Instant counted_at{};
     Instant said_at{};
   };
   static void refill(Held& held, Instant now);
@@ -57,4 +57,4 @@ class LimitedLog {
   std::array<Held, 5> topics_;  // by Topic
 };
 
-}  // namespace copresence::client
+}  // namespace copresence::stream

@@ -1,12 +1,12 @@
 #pragma once
 
-// A path of the eye, as people write it: `--view path:FILE` of render_client, `--truth FILE` of
+// A scripted path of the eye: `--view path:FILE` of render_client, `--truth FILE` of
 // simulate_kinect.
 //
-// Lines `view x y z look_x look_y look_z`: from the view with that index on, the eye stands at x y z and
-// looks at the point look. Positions are world coordinates in metres. Between two lines both points move
-// linearly; before the first line and after the last the eye stands still. Indices rise. A # begins a
-// comment; empty lines are allowed.
+// The text has lines `view x y z look_x look_y look_z`. From the view with index `view` on, the eye
+// is at x y z and looks at the point look. Positions are world coordinates in metres. Both points
+// move linearly between two lines. Before the first line and after the last the eye stays. Indices
+// must rise. A # begins a comment; empty lines are allowed.
 //
 // Thread: values.
 
@@ -23,13 +23,13 @@ namespace copresence::viewpoint {
 class EyePath {
  public:
   struct Place {
-    Eigen::Vector3d eye, look;  ///< metres, apart from each other
+    Eigen::Vector3d eye, look;  ///< metres; the two points differ
   };
 
-  /// Fails where there is no such file (kNotFound), and as parse() does.
+  /// Fails with kNotFound if there is no such file, and as parse().
   static Result<EyePath> load(const std::filesystem::path& path);
 
-  /// `name` is what errors call the text. Fails with kInvalid, "NAME:LINE: what is wrong".
+  /// `name` is the name of the text in errors. Fails with kInvalid and "NAME:LINE: what is wrong".
   static Result<EyePath> parse(std::string_view text, std::string_view name);
 
   Place at(std::uint64_t view) const;
@@ -41,7 +41,7 @@ class EyePath {
   };
   explicit EyePath(std::vector<Stop> stops) : stops_(std::move(stops)) {}
 
-  std::vector<Stop> stops_;  // at least one, by view
+  std::vector<Stop> stops_;  // at least one, by rising view
 };
 
 }  // namespace copresence::viewpoint

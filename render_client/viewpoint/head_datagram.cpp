@@ -40,7 +40,8 @@ Values read_values(std::span<const std::uint8_t> bytes, bool big_endian) {
   return values;
 }
 
-/// The first value that is not finite, or else the first that is out of range.
+/// The axis of the first value that is not finite; if there is none, of the first value out of
+/// range.
 std::optional<std::size_t> first_wrong(const Values& values) {
   const auto first = [&](auto is_wrong) {
     for (std::size_t axis = 0; axis < values.size(); ++axis) {
@@ -53,8 +54,8 @@ std::optional<std::size_t> first_wrong(const Values& values) {
                     : first([&](std::size_t axis) { return std::abs(values[axis]) > kAxes[axis].most; });
 }
 
-/// Small numbers of the other byte order are denormal ones: 128 becomes 1.2e-319. A tracker whose filter
-/// fades to zero may send such a number, too, but not one that makes sense in both orders.
+/// Small numbers in the other byte order look denormal: 128 becomes 1.2e-319. A tracker whose
+/// filter fades to zero may send such numbers, too, but they are not plausible in both byte orders.
 bool is_swapped(const Values& values, const Values& swapped) {
   constexpr double kTooSmall = 1e-100, kLeast = 1e-6;
   const bool is_odd = first_wrong(values) || std::any_of(values.begin(), values.end(), [](double value) {

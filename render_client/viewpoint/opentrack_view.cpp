@@ -17,8 +17,8 @@
 namespace copresence::viewpoint {
 namespace {
 
-/// Trackers send 250 a second; beyond this many at one view somebody floods the port, and the view must go
-/// on.
+/// Trackers send 250 datagrams a second. The limit lets the view go on when somebody floods the
+/// port.
 constexpr int kMostDatagramsAtOnce = 1000;
 
 auto failure(std::uint16_t port, int error) {
@@ -30,7 +30,7 @@ auto failure(std::uint16_t port, int error) {
 
 }  // namespace
 
-Rigid3 home_from_eye(const HeadPose& head) {
+Rigid3 reset_from_eye(const HeadPose& head) {
   constexpr double kRadians = std::numbers::pi / 180;
   Rigid3 pose;
   pose.rotation = (Eigen::AngleAxisd(head.yaw_degrees * kRadians, Eigen::Vector3d::UnitY()) *
@@ -41,10 +41,10 @@ Rigid3 home_from_eye(const HeadPose& head) {
   return pose;
 }
 
-Result<OpentrackView> OpentrackView::open(std::uint16_t port) {
+Result<OpentrackView> OpentrackView::open(const CameraModel& intrinsics, std::uint16_t port) {
   const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return failure(port, errno);
-  OpentrackView view(descriptor, port);  // owns the descriptor from here on
+  OpentrackView view(intrinsics, descriptor, port);  // from here on `view` owns the descriptor
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -59,17 +59,19 @@ Result<OpentrackView> OpentrackView::open(std::uint16_t port) {
 }
 
 OpentrackView::OpentrackView(OpentrackView&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)),
+    : Viewpoint(other),
+      socket_(std::exchange(other.socket_, -1)),
       port_(other.port_),
-      world_from_home_(std::move(other.world_from_home_)),
+      world_from_reset_(std::move(other.world_from_reset_)),
       head_(other.head_),
       counters_(other.counters_),
       report_(std::move(other.report_)) {}
 
 OpentrackView& OpentrackView::operator=(OpentrackView&& other) noexcept {
+  Viewpoint::operator=(other);
   std::swap(socket_, other.socket_);
   port_ = other.port_;
-  world_from_home_ = other.world_from_home_;
+  world_from_reset_ = other.world_from_reset_;
   head_ = other.head_;
   counters_ = other.counters_;
   report_ = std::move(other.report_);
@@ -80,22 +82,22 @@ OpentrackView::~OpentrackView() {
   if (socket_ >= 0) ::close(socket_);
 }
 
-Eye OpentrackView::at(std::uint64_t, Instant now) {
-  take_what_has_come(now);
-  return {world_from_home_ * home_from_eye(head_)};
+ViewPose OpentrackView::at(std::uint64_t, Instant display_time) {
+  receive(display_time);
+  return pose_at(world_from_reset_ * reset_from_eye(head_));
 }
 
 std::optional<News> OpentrackView::news(Instant now) {
-  take_what_has_come(now);
+  receive(now);
   return report_.next(now);
 }
 
-void OpentrackView::take_what_has_come(Instant now) {
+void OpentrackView::receive(Instant now) {
   std::array<std::uint8_t, 256> bytes;
   for (int i = 0; i < kMostDatagramsAtOnce; ++i) {
-    // With MSG_TRUNC the size is the whole datagram's, however little of it fits.
+    // With MSG_TRUNC, recv() returns the size of the whole datagram even if only a part of it fits.
     const ssize_t size = ::recv(socket_, bytes.data(), bytes.size(), MSG_TRUNC);
-    if (size < 0) break;  // nothing more now
+    if (size < 0) break;  // no more datagrams
     const auto whole = static_cast<std::size_t>(size);
     take(std::span(bytes).first(std::min(whole, bytes.size())), whole, now);
   }

@@ -1,15 +1,18 @@
 #pragma once
 
-// An eye that follows a head tracker: opentrack's output "UDP over network" (head_datagram.h,
-// docs/guide/viewing.md).
+// An eye that follows a head tracker, through opentrack's output "UDP over network"
+// (head_datagram.h, docs/guide/viewing.md).
 //
-// The head moves the eye from home by
+// The head moves the eye from the reset pose by
 //
-//   translation (x, -y, z) / 100 in metres,  rotation Ry(yaw) Rx(pitch) Rz(roll) in the eye's frame (x right,
-//   y down, z forward), so that the head first turns, then nods, then tilts.
+//   translation  (x, -y, z) / 100 in metres
+//   rotation     Ry(yaw) Rx(pitch) Rz(roll): the head turns, then nods, then tilts
 //
-// An axis that a tracker gives the other way round is inverted in opentrack's mapping. Anything may arrive on
-// a port: what is no head pose is counted and named in news(). Thread: one at a time.
+// in the eye's frame (x right, y down, z forward). If a tracker's axis has the opposite sign,
+// invert it in opentrack's mapping. Datagrams that are no head pose are counted and reported by
+// news().
+//
+// Thread: one at a time.
 
 #include <cstdint>
 
@@ -20,42 +23,44 @@
 
 namespace copresence::viewpoint {
 
-/// The head's pose as a transform of the eye's frame.
-Rigid3 home_from_eye(const HeadPose& head);
+/// The motion of the head from the reset pose.
+Rigid3 reset_from_eye(const HeadPose& head);
 
 class OpentrackView final : public Viewpoint {
  public:
   static constexpr std::uint16_t kPort = 4242;
 
   struct Counters {
-    std::uint64_t taken = 0;  ///< valid datagrams, shown or replaced by a newer one before a view
-    std::uint64_t wrong_size = 0, wrong_byte_order = 0, not_finite = 0, out_of_range = 0;  ///< ignored ones
+    std::uint64_t taken = 0;  ///< valid datagrams, also those that a newer one replaced before a view
+    /// Ignored datagrams.
+    std::uint64_t wrong_size = 0, wrong_byte_order = 0, not_finite = 0, out_of_range = 0;
   };
 
-  /// Listens on the loopback interface; port 0 takes any free one.
-  /// Fails with kUnavailable and a sentence when the port is in use.
-  static Result<OpentrackView> open(std::uint16_t port = kPort);
+  /// Listens on the loopback interface. Port 0 takes any free port.
+  /// Fails with kUnavailable if the port is in use.
+  static Result<OpentrackView> open(const CameraModel& intrinsics, std::uint16_t port);
 
   OpentrackView(OpentrackView&& other) noexcept;
   OpentrackView& operator=(OpentrackView&& other) noexcept;
   ~OpentrackView() override;
 
-  /// Takes what has arrived; the newest valid datagram counts, and stays until the next. Never waits.
-  Eye at(std::uint64_t view_index, Instant now) override;
-  void set_home(const Rigid3& world_from_home) override { world_from_home_ = world_from_home; }
+  /// The pose of the newest valid datagram. It is not extrapolated to `display_time`. Never waits.
+  ViewPose at(std::uint64_t view_index, Instant display_time) override;
+  void set_reset_pose(const Rigid3& world_from_eye) override { world_from_reset_ = world_from_eye; }
   std::optional<News> news(Instant now) override;
 
   const Counters& counters() const { return counters_; }
   std::uint16_t port() const { return port_; }
 
  private:
-  OpentrackView(int socket, std::uint16_t port) : socket_(socket), port_(port), report_(port) {}
-  void take_what_has_come(Instant now);
+  OpentrackView(const CameraModel& intrinsics, int socket, std::uint16_t port)
+      : Viewpoint(intrinsics), socket_(socket), port_(port), report_(port) {}
+  void receive(Instant now);
   void take(std::span<const std::uint8_t> received, std::size_t size, Instant now);
 
   int socket_ = -1;
   std::uint16_t port_ = 0;
-  Rigid3 world_from_home_;
+  Rigid3 world_from_reset_;
   HeadPose head_;
   Counters counters_;
   TrackerReport report_;

@@ -10,60 +10,75 @@ namespace copresence::viewpoint {
 namespace {
 
 constexpr double kTurnPerHeight = std::numbers::pi;
-constexpr double kClosestToPole = 2.0 * std::numbers::pi / 180;  // to straight up and down
+// Least angle to straight up and straight down.
+constexpr double kClosestToPole = 2.0 * std::numbers::pi / 180;
 constexpr double kZoomPerNotch = 0.9;
 constexpr double kNearest = 0.1, kFarthest = 30;  // metres between eye and pivot
 
 }  // namespace
 
-OrbitView::OrbitView(const Eigen::Vector3d& up, double pivot_m, double fov_degrees)
-    : up_(up.normalized()),
+OrbitView::OrbitView(const CameraModel& intrinsics, const Eigen::Vector3d& up, double pivot_m)
+    : Viewpoint(intrinsics),
+      up_(up.normalized()),
       pivot_m_(pivot_m),
-      metres_per_height_(2 * std::tan(fov_degrees * std::numbers::pi / 360)),
+      metres_per_height_(intrinsics.height / intrinsics.fy),
       distance_m_(pivot_m) {
-  assert(up.norm() > 0 && pivot_m > 0 && fov_degrees > 0 && fov_degrees < 180);
+  assert(up.norm() > 0 && pivot_m > 0 && intrinsics.fy > 0);
 }
 
-void OrbitView::set_home(const Rigid3& world_from_home) {
-  const bool is_moved = has_home_ && (!(world_from_eye_ == world_from_home_) || distance_m_ != pivot_m_);
-  has_home_ = true;
-  world_from_home_ = world_from_home;
-  if (!is_moved) go_home();
+void OrbitView::set_reset_pose(const Rigid3& world_from_eye) {
+  const bool is_moved = has_reset_pose_ && (!(world_from_eye_ == reset_pose_) || distance_m_ != pivot_m_);
+  has_reset_pose_ = true;
+  reset_pose_ = world_from_eye;
+  if (!is_moved) reset();
 }
 
-void OrbitView::go_home() {
-  world_from_eye_ = world_from_home_;
+void OrbitView::apply(const Gesture& gesture) {
+  if (const auto* orbit_by = std::get_if<Orbit>(&gesture)) {
+    orbit(*orbit_by);
+  } else if (const auto* pan_by = std::get_if<Pan>(&gesture)) {
+    pan(*pan_by);
+  } else if (const auto* zoom_by = std::get_if<Zoom>(&gesture)) {
+    zoom(*zoom_by);
+  } else {
+    reset();
+  }
+}
+
+void OrbitView::reset() {
+  world_from_eye_ = reset_pose_;
   distance_m_ = pivot_m_;
 }
 
 void OrbitView::turn_about_pivot(const Eigen::Vector3d& axis, double angle) {
   const Eigen::Vector3d fixed = pivot();
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-  // Through a quaternion, so that a day of mouse moves adds up to a rotation still.
+  // Normalised, since rounding errors of many mouse moves would add up to more than a rotation.
   world_from_eye_.rotation =
       Eigen::Quaterniond(Eigen::Matrix3d(turn * world_from_eye_.rotation)).normalized().toRotationMatrix();
   world_from_eye_.translation = fixed - world_from_eye_.rotation.col(2) * distance_m_;
 }
 
-void OrbitView::orbit(double right, double down) {
-  turn_about_pivot(up_, -right * kTurnPerHeight);
-  // The angle between forward and up shrinks when the pointer goes up: the scene's front turns up, the eye
-  // sinks.
+void OrbitView::orbit(const Orbit& by) {
+  turn_about_pivot(up_, -by.right * kTurnPerHeight);
+  // When the pointer goes up, the front of the scene turns up: the eye sinks, and looks more
+  // upward.
   const double from_up = std::acos(std::clamp(world_from_eye_.rotation.col(2).dot(up_), -1.0, 1.0));
   const double lowest = std::min(kClosestToPole, from_up);
   const double highest = std::max(std::numbers::pi - kClosestToPole, from_up);
-  const double wanted = std::clamp(from_up + down * kTurnPerHeight, lowest, highest);
+  const double wanted = std::clamp(from_up + by.down * kTurnPerHeight, lowest, highest);
   turn_about_pivot(world_from_eye_.rotation.col(0), from_up - wanted);
 }
 
-void OrbitView::pan(double right, double down) {
+void OrbitView::pan(const Pan& by) {
   const double metres = metres_per_height_ * distance_m_;
-  world_from_eye_.translation -= world_from_eye_.rotation * Eigen::Vector3d(right * metres, down * metres, 0);
+  world_from_eye_.translation -=
+      world_from_eye_.rotation * Eigen::Vector3d(by.right * metres, by.down * metres, 0);
 }
 
-void OrbitView::zoom(double notches) {
+void OrbitView::zoom(const Zoom& by) {
   const Eigen::Vector3d fixed = pivot();
-  distance_m_ = std::clamp(distance_m_ * std::pow(kZoomPerNotch, notches), kNearest, kFarthest);
+  distance_m_ = std::clamp(distance_m_ * std::pow(kZoomPerNotch, by.notches), kNearest, kFarthest);
   world_from_eye_.translation = fixed - world_from_eye_.rotation.col(2) * distance_m_;
 }
 

@@ -1,8 +1,9 @@
 #pragma once
 
-// An eye moved by hand: it circles a pivot, slides across the picture, goes nearer and farther. Knows no
-// window: the program turns its events into these verbs. Distances are shares of the picture's height, so
-// that what is under the pointer stays there at any window size.
+// An eye moved by hand: it circles a pivot, slides sideways, and moves closer or farther.
+//
+// Distances are fractions of the picture's height, so that the scene follows the pointer at any
+// window size.
 
 #include <Eigen/Core>
 
@@ -12,36 +13,36 @@ namespace copresence::viewpoint {
 
 class OrbitView final : public Viewpoint {
  public:
-  /// `up` is the world's; the pivot lies `pivot_m` before the eye at home. `fov_degrees` is vertical: what
-  /// pan() needs. Requires up of some length, pivot_m > 0, 0 < fov_degrees < 180.
-  OrbitView(const Eigen::Vector3d& up, double pivot_m, double fov_degrees);
+  /// `up` is the world's. In the reset pose the pivot lies `pivot_m` in front of the eye. Requires
+  /// an `up` that is not zero, pivot_m > 0.
+  OrbitView(const CameraModel& intrinsics, const Eigen::Vector3d& up, double pivot_m);
 
-  /// Moves the eye to the new home, unless the person has moved it away from the old one: then it stays.
-  /// The first home always takes the eye there, since nothing was to be seen before.
-  void set_home(const Rigid3& world_from_home) override;
-  /// Takes the eye to the home that was set last.
-  void go_home();
+  /// Moves the eye to the new pose, unless a gesture has moved it away from the old one. The first
+  /// call always moves the eye, since nothing was visible before.
+  void set_reset_pose(const Rigid3& world_from_eye) override;
 
-  /// The scene turns with the pointer, half a turn over the picture's height; never over the top.
-  void orbit(double right, double down);
-  /// The scene at the pivot's distance moves with the pointer.
-  void pan(double right, double down);
-  /// Nearer to the pivot, a tenth of the way with each notch of a wheel; negative: away.
-  void zoom(double notches);
+  /// Orbit turns the scene with the pointer: half a turn over the picture's height, never over the
+  /// top. Pan moves the scene at the pivot's distance with the pointer. A notch of zoom goes a
+  /// tenth of the way to the pivot. ResetPose returns to the last reset pose.
+  void apply(const Gesture& gesture) override;
 
-  Eye at(std::uint64_t, Instant) override { return {world_from_eye_}; }
+  ViewPose at(std::uint64_t, Instant) override { return pose_at(world_from_eye_); }
 
  private:
+  void orbit(const Orbit& by);
+  void pan(const Pan& by);
+  void zoom(const Zoom& by);
+  void reset();
   Eigen::Vector3d pivot() const { return world_from_eye_ * Eigen::Vector3d(0, 0, distance_m_); }
   void turn_about_pivot(const Eigen::Vector3d& axis, double angle);
 
   Eigen::Vector3d up_;
   double pivot_m_;
-  double metres_per_height_;  // height of what is seen at a distance of one metre
-  bool has_home_ = false;
-  Rigid3 world_from_home_;
+  double metres_per_height_;  // visible height at a distance of one metre
+  bool has_reset_pose_ = false;
+  Rigid3 reset_pose_;
   Rigid3 world_from_eye_;
-  double distance_m_;
+  double distance_m_;  // from the eye to the pivot
 };
 
 }  // namespace copresence::viewpoint

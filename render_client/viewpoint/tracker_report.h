@@ -1,7 +1,7 @@
 #pragma once
 
-// What the log says about a head tracker: that nothing comes, that poses come, what comes instead of poses.
-// Each kind of wrong datagram is named at once and then at most once a minute, however many arrive.
+// The log lines about a head tracker: that no datagrams come, that poses come, or what comes
+// instead of poses. Each kind of wrong datagram is logged at once, and then at most once a minute.
 //
 // Thread: one at a time.
 
@@ -20,7 +20,7 @@ namespace copresence::viewpoint {
 
 class TrackerReport {
  public:
-  /// Nothing for this long is worth a line.
+  /// After this long without a datagram a line is logged.
   static constexpr std::chrono::seconds kSilence{5};
   /// The least time between two lines of one kind.
   static constexpr std::chrono::seconds kBetweenLines{60};
@@ -28,16 +28,16 @@ class TrackerReport {
   explicit TrackerReport(std::uint16_t port) : port_(port) {}
 
   void took_pose(Instant now);
-  /// Arguments as of read_head_pose().
+  /// Takes the arguments of read_head_pose().
   void refused(DatagramFault fault, std::span<const std::uint8_t> received, std::size_t size, Instant now);
 
-  /// The next line, if there is one to write at `now`.
+  /// The next line to log at `now`, if there is one.
   std::optional<News> next(Instant now);
 
  private:
   struct Kind {
     std::uint64_t unsaid = 0;  ///< datagrams since the last line
-    std::string latest;        ///< what was received; empty where it has been said
+    std::string latest;        ///< description of the last datagram; empty once it is logged
     std::optional<Instant> said_at;
   };
   bool may_say(const std::optional<Instant>& said_at, Instant now) const {
@@ -46,7 +46,7 @@ class TrackerReport {
   std::string where() const;
 
   std::uint16_t port_;
-  std::optional<Instant> began_at_, heard_at_;  ///< heard: any datagram
+  std::optional<Instant> began_at_, heard_at_;  ///< `heard_at_`: of any datagram
   bool has_pose_ = false, is_silent_ = false, pose_is_unsaid_ = false;
   std::optional<Instant> silence_said_at_;
   std::array<Kind, kDatagramFaults> kinds_;

@@ -1,77 +1,76 @@
 #include "render_client/viewpoint/viewer.h"
 
-#include <spdlog/spdlog.h>
+#include <charconv>
 
-#include "render_client/viewpoint/fixed_view.h"
-#include "render_client/viewpoint/path_view.h"
+#include "render_client/viewpoint/orbit_view.h"
+#include "render_client/viewpoint/scripted_views.h"
 
-namespace copresence::client {
+namespace copresence::viewpoint {
 namespace {
 
-constexpr double kPivotM = 2.0;  // about where a person stands before a Kinect
-constexpr std::string_view kPath = "path:";
+constexpr double kPivotM = 2.0;  // a typical distance of a person from a Kinect
+
+using Kind = ViewChoice::Kind;
+
+/// From 1 to 65535; nothing for other texts.
+std::optional<std::uint16_t> parse_port(std::string_view text) {
+  std::uint16_t port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  const bool is_port = error == std::errc() && end == text.data() + text.size() && port > 0;
+  return is_port ? std::optional(port) : std::nullopt;
+}
 
 }  // namespace
 
-Result<Eye> Eye::open(const ClientSettings& settings, const scene::Scene* scene) {
-  const CameraModel lens = renderer::lens_from_fov(settings.width, settings.height, settings.fov_degrees);
-  const Eigen::Vector3d up = scene ? scene->up : scene::Scene{}.up;
-  if (settings.view == "mouse" || (settings.view.empty() && !settings.headless)) {
-    return Eye(lens, std::make_unique<viewpoint::OrbitView>(up, kPivotM, settings.fov_degrees));
-  }
-  if (settings.view.empty()) return Eye(lens, std::make_unique<viewpoint::FixedView>());
-  if (settings.view.starts_with(kPath)) {
-    auto path = viewpoint::EyePath::load(settings.view.substr(kPath.size()));
-    if (!path) return fail(path.error());
-    return Eye(lens, std::make_unique<viewpoint::PathView>(std::move(*path), up));
-  }
-  auto tracker = viewpoint::OpentrackView::open(*opentrack_port(settings.view));
-  if (!tracker) return fail(tracker.error());
-  return Eye(lens, std::make_unique<viewpoint::OpentrackView>(std::move(*tracker)));
+std::optional<ViewChoice> parse_view(std::string_view text) {
+  constexpr std::string_view kPath = "path:", kTracker = "opentrack", kTrackerPort = "opentrack:";
+  if (text == "mouse") return ViewChoice{Kind::kMouse, {}};
+  if (text == kTracker) return ViewChoice{Kind::kOpentrack, {}};
+  if (text.starts_with(kPath) && text.size() > kPath.size())
+    return ViewChoice{Kind::kPath, std::string(text.substr(kPath.size()))};
+  if (!text.starts_with(kTrackerPort)) return std::nullopt;
+  const auto port = parse_port(text.substr(kTrackerPort.size()));
+  return port ? std::optional(ViewChoice{Kind::kOpentrack, {}, *port}) : std::nullopt;
 }
 
-void Eye::see_camera(std::size_t index, const Rigid3& world_from_camera) {
-  if (home_ && *home_ <= index) return;
-  home_ = index;
-  viewpoint_->set_home(world_from_camera);
-}
-
-void Eye::handle(const std::vector<window::Event>& events, int picture_height) {
-  for (const window::Event& event : events) {
-    if (const auto* move = std::get_if<window::MoveEvent>(&event)) {
-      drag(*move, picture_height);
-    } else if (const auto* scroll = std::get_if<window::ScrollEvent>(&event); scroll && orbit_) {
-      orbit_->zoom(scroll->y);
-    } else if (const auto* key = std::get_if<window::KeyEvent>(&event); key && key->pressed && orbit_) {
-      if (key->key == window::Key{'R'} || key->key == window::Key::kHome) orbit_->go_home();
+Result<Viewer> Viewer::open(const ViewChoice& choice, const CameraModel& intrinsics,
+                            const Eigen::Vector3d& up) {
+  switch (choice.kind) {
+    case Kind::kFixed:
+      break;
+    case Kind::kMouse:
+      return Viewer(std::make_unique<OrbitView>(intrinsics, up, kPivotM));
+    case Kind::kPath: {
+      auto path = EyePath::load(choice.path_file);
+      if (!path) return fail(path.error());
+      return Viewer(std::make_unique<PathView>(intrinsics, std::move(*path), up));
+    }
+    case Kind::kOpentrack: {
+      auto opened = OpentrackView::open(intrinsics, choice.tracker_port);
+      if (!opened) return fail(opened.error());
+      auto tracker = std::make_unique<OpentrackView>(std::move(*opened));
+      const OpentrackView* const counted = tracker.get();
+      Viewer viewer(std::move(tracker));
+      viewer.tracker_ = counted;
+      return viewer;
     }
   }
+  return Viewer(std::make_unique<FixedView>(intrinsics));
 }
 
-void Eye::drag(const window::MoveEvent& move, int picture_height) {
-  if (orbit_ && last_move_ && picture_height > 0) {
-    const double right = (move.x - last_move_->x) / picture_height;
-    const double down = (move.y - last_move_->y) / picture_height;
-    if (move.left) {
-      orbit_->orbit(right, down);
-    } else if (move.right || move.middle) {
-      orbit_->pan(right, down);
-    }
-  }
-  last_move_ = move;
+void Viewer::on_camera_pose(std::size_t index, const Rigid3& world_from_camera) {
+  if (reset_camera_ && *reset_camera_ <= index) return;
+  reset_camera_ = index;
+  viewpoint_->set_reset_pose(world_from_camera);
 }
 
-renderer::VirtualCamera Eye::at(std::uint64_t view_index, Instant now) {
-  renderer::VirtualCamera camera;
-  camera.lens = lens_;
-  camera.world_from_eye = viewpoint_->at(view_index, now).world_from_eye;
-  return camera;
+std::vector<ViewPose> Viewer::at(std::uint64_t view_index, Instant display_time,
+                                 std::span<const Rigid3> head_from_eyes) {
+  const ViewPose head = viewpoint_->at(view_index, display_time);
+  std::vector<ViewPose> eyes(head_from_eyes.size(), head);
+  for (std::size_t i = 0; i < eyes.size(); ++i)
+    eyes[i].world_from_eye = head.world_from_eye * head_from_eyes[i];
+  return eyes;
 }
 
-void Eye::log_news(Instant now) {
-  while (const auto news = viewpoint_->news(now)) {
-    spdlog::log(news->is_trouble ? spdlog::level::warn : spdlog::level::info, "{}", news->text);
-  }
-}
-
-}  // namespace copresence::client
+}  // namespace copresence::viewpoint

@@ -1,61 +1,63 @@
 #pragma once
 
-// The viewer's eye: the viewpoint that --view names, seen through the lens that --size and --fov give; and
-// what the mouse does to it.
+// The viewer: the viewpoint that --view names, and the poses of the viewer's eyes.
 //
-// Thread: the render thread's.
+// Thread: one at a time.
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/result.h"
-#include "common/scene/scene.h"
-#include "common/window/event.h"
-#include "render_client/renderer/merged_view.h"
-#include "render_client/settings.h"
 #include "render_client/viewpoint/opentrack_view.h"
-#include "render_client/viewpoint/orbit_view.h"
+#include "render_client/viewpoint/viewpoint.h"
 
-namespace copresence::client {
+namespace copresence::viewpoint {
 
-class Eye {
- public:
-  /// Fails where the path file is none, or the head tracker's port is in use.
-  static Result<Eye> open(const ClientSettings& settings, const scene::Scene* scene);
-
-  /// Where a camera stands. The eye is at home at the first listed camera, or until that is there at the
-  /// first to come.
-  void see_camera(std::size_t index, const Rigid3& world_from_camera);
-
-  /// Left drag orbits, right or middle drag pans, the wheel comes closer, R or Home goes home.
-  /// `picture_height`: of the window, pixels.
-  void handle(const std::vector<window::Event>& events, int picture_height);
-
-  renderer::VirtualCamera at(std::uint64_t view_index, Instant now);
-
-  /// Writes to the log what the viewpoint has to say. To be called a few times a second, views or not.
-  void log_news(Instant now);
-
-  /// What came from the head tracker, where --view names one.
-  const viewpoint::OpentrackView::Counters* head_tracker() const {
-    return tracker_ ? &tracker_->counters() : nullptr;
-  }
-
- private:
-  Eye(const CameraModel& lens, std::unique_ptr<viewpoint::Viewpoint> viewpoint)
-      : lens_(lens),
-        viewpoint_(std::move(viewpoint)),
-        orbit_(dynamic_cast<viewpoint::OrbitView*>(viewpoint_.get())),
-        tracker_(dynamic_cast<viewpoint::OpentrackView*>(viewpoint_.get())) {}
-  void drag(const window::MoveEvent& move, int picture_height);
-
-  CameraModel lens_;
-  std::unique_ptr<viewpoint::Viewpoint> viewpoint_;
-  viewpoint::OrbitView* orbit_;                 // the viewpoint, where it is the mouse's
-  viewpoint::OpentrackView* tracker_;           // the viewpoint, where it is a head tracker's
-  std::optional<std::size_t> home_;             // index of the camera at which home is
-  std::optional<window::MoveEvent> last_move_;  // where the pointer was
+/// A value of --view: mouse, path:FILE or opentrack[:PORT]; or kFixed, which has no name.
+struct ViewChoice {
+  enum class Kind { kFixed, kMouse, kPath, kOpentrack };
+  Kind kind = Kind::kFixed;
+  std::string path_file;                              ///< of kPath
+  std::uint16_t tracker_port = OpentrackView::kPort;  ///< of kOpentrack
 };
 
-}  // namespace copresence::client
+/// Nothing if `text` is not a value of --view.
+std::optional<ViewChoice> parse_view(std::string_view text);
+
+class Viewer {
+ public:
+  /// `intrinsics` of the views; `up` is the world's.
+  /// Fails if the path file is unreadable or invalid, or if the head tracker's port is in use.
+  static Result<Viewer> open(const ViewChoice& choice, const CameraModel& intrinsics,
+                             const Eigen::Vector3d& up);
+
+  /// Tells the viewer a camera's pose. The reset pose is that of the first listed camera. Until
+  /// that camera has come, it is the pose of the first listed camera among those that have.
+  void on_camera_pose(std::size_t index, const Rigid3& world_from_camera);
+
+  void apply(const Gesture& gesture) { viewpoint_->apply(gesture); }
+
+  /// A pose for each of `head_from_eyes`, the poses of a display's eyes in the viewer's head. A
+  /// display with one picture has one eye, at the identity. Other parameters as in Viewpoint::at().
+  std::vector<ViewPose> at(std::uint64_t view_index, Instant display_time,
+                           std::span<const Rigid3> head_from_eyes);
+
+  std::optional<News> news(Instant now) { return viewpoint_->news(now); }
+
+  /// Datagrams of the head tracker; null unless --view names one.
+  const OpentrackView::Counters* head_tracker() const { return tracker_ ? &tracker_->counters() : nullptr; }
+
+ private:
+  explicit Viewer(std::unique_ptr<Viewpoint> viewpoint) : viewpoint_(std::move(viewpoint)) {}
+
+  std::unique_ptr<Viewpoint> viewpoint_;
+  const OpentrackView* tracker_ = nullptr;   // the viewpoint, if it is a head tracker
+  std::optional<std::size_t> reset_camera_;  // index of the camera whose pose is the reset pose
+};
+
+}  // namespace copresence::viewpoint

@@ -109,7 +109,7 @@ class Fidelity : public ::testing::Test {
     const DepthUnit unit = (*source)->description().unit;
     const auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
                                            {camera.model.width, camera.model.height, unit, DepthRange{}});
-    client::TemporalFilter temporal_filter;
+    decoding::TemporalFilter temporal_filter;
     RgbdFrame frame;
     while (frame.metadata.sequence < sequence) {
       frame = *(*source)->next({});
@@ -118,7 +118,7 @@ class Fidelity : public ::testing::Test {
       EXPECT_TRUE((*filler)->fill(frame));
       temporal_filter.apply(frame, unit, kKinectV1Noise);
     }
-    client::DepthSmoothing().smooth(frame.depth, unit, kKinectV1Noise);
+    decoding::DepthSmoothing().smooth(frame.depth, unit, kKinectV1Noise);
     return frame;
   }
 
@@ -141,8 +141,8 @@ class Fidelity : public ::testing::Test {
       views.push_back(view);
     }
     flow::WorkerPool workers(2, "reference");
-    renderer::VirtualCamera eye;
-    eye.lens = renderer::lens_from_fov(kWidth, kHeight, 50);
+    viewpoint::ViewPose eye;
+    eye.intrinsics = camera_from_field_of_view(kWidth, kHeight, 50 * std::numbers::pi / 180);
     eye.world_from_eye = world_from_eye;
     renderer::MergedView merged;
     EXPECT_TRUE(renderer::make_cpu_renderer(workers)->render(views, eye, {.color = true}, merged));

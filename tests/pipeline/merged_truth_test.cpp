@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -65,7 +66,7 @@ class MergedTruth : public ::testing::Test {
     const Eigen::Vector3d middle = 0.5 * (poses_[0].translation + poses_[1].translation);
     const Eigen::Vector3d target =
         0.5 * (poses_[0] * Eigen::Vector3d(0, 0, 2.4) + poses_[1] * Eigen::Vector3d(0, 0, 2.4));
-    eye_.lens = renderer::lens_from_fov(kWidth, kHeight, 50);
+    eye_.intrinsics = camera_from_field_of_view(kWidth, kHeight, 50 * std::numbers::pi / 180);
     // Not on the line between the cameras, where a wardrobe stands.
     eye_.world_from_eye = viewpoint::look_at(middle + 0.2 * (target - middle), target, {0, -1, 0});
   }
@@ -88,7 +89,7 @@ class MergedTruth : public ::testing::Test {
                                              {640, 480, DepthUnit::kMillimetre, DepthRange{}});
       EXPECT_TRUE((*filler)->fill(frame));
       filters_[i].apply(frame, DepthUnit::kMillimetre, kKinectV1Noise);
-      client::DepthSmoothing().smooth(frame.depth, DepthUnit::kMillimetre, kKinectV1Noise);
+      decoding::DepthSmoothing().smooth(frame.depth, DepthUnit::kMillimetre, kKinectV1Noise);
       result.push_back(std::move(frame));
     }
     return result;
@@ -120,7 +121,7 @@ class MergedTruth : public ::testing::Test {
       view.model = kinects_[i].model();
       view.world_from_camera = poses_[i];
       view.calibration_error_m = kCalibrationErrorM;
-      if (maps[i]) view.color_matching = *maps[i];
+      if (maps[i]) view.color_correction = *maps[i];
       views.push_back(view);
     }
     flow::WorkerPool workers(2, "view");
@@ -160,11 +161,11 @@ class MergedTruth : public ::testing::Test {
     return 10 * std::log10(255.0 * 255.0 * 3 * areas / squares);
   }
 
-  std::array<client::TemporalFilter, 2> filters_;
+  std::array<decoding::TemporalFilter, 2> filters_;
   static inline std::shared_ptr<const simulation::LitScene> world_;
   static inline std::vector<Rigid3> poses_;
   static inline std::vector<simulation::SimulatedKinect> kinects_;
-  static inline renderer::VirtualCamera eye_;
+  static inline viewpoint::ViewPose eye_;
 };
 
 TEST_F(MergedTruth, ColourMatchingBringsTheViewNearTheTruth) {
@@ -173,7 +174,7 @@ TEST_F(MergedTruth, ColourMatchingBringsTheViewNearTheTruth) {
   ASSERT_TRUE(maps[1]);
   const std::vector<std::optional<color_matching::ColorCorrection>> none(2);
   const auto matched = show(captured, maps), unmatched = show(captured, none);
-  auto eye = true_camera(eye_.lens, eye_.world_from_eye);
+  auto eye = true_camera(eye_.intrinsics, eye_.world_from_eye);
   const ColorImage& truth = eye.trace(kPhase).color;
   const double with = psnr_of_shown(matched, truth, 1), without = psnr_of_shown(unmatched, truth, 1);
   const double areas_with = psnr_of_shown(matched, truth, 16),
@@ -214,7 +215,7 @@ TEST_F(MergedTruth, AStillSceneStandsStill) {
 TEST_F(MergedTruth, ShowsWhatACameraSees) {
   const auto captured = frames_after_half_a_second();
   const auto view = show(captured, match(captured));
-  auto eye = true_camera(eye_.lens, eye_.world_from_eye);
+  auto eye = true_camera(eye_.intrinsics, eye_.world_from_eye);
   const Image<float> truth = eye.trace(kPhase).depth_m;
   std::vector<Image<float>> seen;
   for (const auto& kinect : kinects_) {
@@ -226,7 +227,7 @@ TEST_F(MergedTruth, ShowsWhatACameraSees) {
     for (int x = 0; x < kWidth; ++x) {
       if (truth(x, y) <= 0) continue;
       const Eigen::Vector3d point =
-          eye_.world_from_eye * unproject(eye_.lens, {double(x), double(y)}, truth(x, y));
+          eye_.world_from_eye * unproject(eye_.intrinsics, {double(x), double(y)}, truth(x, y));
       bool in_sight = false;
       for (std::size_t i = 0; i < seen.size(); ++i) {
         const Eigen::Vector3d there = poses_[i].inverse() * point;

@@ -17,12 +17,12 @@ constexpr std::chrono::seconds kPatience{10};  // a camera that is plugged in ag
 
 class StreamSource : public sensor::FrameSource {
  public:
-  StreamSource(const std::string& address, wire::FrameClient client, client::FrameDecoding decoding)
+  StreamSource(const std::string& address, wire::FrameClient client, decoding::FrameDecoding decoding)
       : client_(std::move(client)), decoding_(std::move(decoding)) {
     client_.on_camera_status([this, address](const std::string& notice) {
       notice_ = notice;
       if (notice.empty()) return;
-      log_.say(client::LimitedLog::Topic::kNotice, client::LimitedLog::Severity::kWarning,
+      log_.say(stream::LimitedLog::Topic::kNotice, stream::LimitedLog::Severity::kWarning,
                fmt::format("{}: {}", address, notice), std::chrono::steady_clock::now());
     });
     const StreamDescription& stream = client_.description();
@@ -47,7 +47,7 @@ class StreamSource : public sensor::FrameSource {
                     notice_.empty() ? received.error().what : received.error().what + ": " + notice_);
       }
       if (!received) return fail(received.error());
-      client::FrameDecoding::Durations durations;
+      decoding::FrameDecoding::Durations durations;
       auto frame = decoding_.decode(received->frame, durations);
       if (!frame) {
         ++counters_.damaged;
@@ -69,10 +69,10 @@ class StreamSource : public sensor::FrameSource {
   StreamSource& operator=(const StreamSource&) = delete;
 
   wire::FrameClient client_;
-  client::LimitedLog log_{
-      [](client::LimitedLog::Severity, const std::string& line) { fmt::print(stderr, "{}\n", line); }};
+  stream::LimitedLog log_{
+      [](stream::LimitedLog::Severity, const std::string& line) { fmt::print(stderr, "{}\n", line); }};
   std::string notice_;  // what keeps the camera from sending, in the server's words; empty where nothing does
-  client::FrameDecoding decoding_;
+  decoding::FrameDecoding decoding_;
   sensor::SensorDescription description_;
   sensor::SourceCounters counters_;
 };
@@ -82,7 +82,7 @@ class StreamSource : public sensor::FrameSource {
 Result<std::unique_ptr<sensor::FrameSource>> open_stream(const std::string& address) {
   auto client = wire::FrameClient::connect(address, kConnectTimeout, {});
   if (!client) return fail(client.error());
-  auto decoding = client::FrameDecoding::open(client->description());
+  auto decoding = decoding::FrameDecoding::open(client->description());
   if (!decoding) return fail(decoding.error());
   return std::make_unique<StreamSource>(address, std::move(*client), std::move(*decoding));
 }

@@ -1,5 +1,6 @@
-// What a view costs on the CPU: 640x480 frames of a furnished room as a Kinect measures it, a new one for
-// every view. "Time" is the wall's and "CPU" that of all threads together, milliseconds per view.
+// Cost of a view on the CPU. The cameras have 640x480 frames of a furnished room as a Kinect
+// measures it, and new ones for every view. "Time" is elapsed time and "CPU" that of all threads
+// together, in milliseconds per view.
 
 #include <benchmark/benchmark.h>
 
@@ -10,17 +11,17 @@
 #include <vector>
 
 #include "common/flow/worker_pool.h"
-#include "render_client/renderer/cpu/band_merge.h"
+#include "render_client/renderer/cpu/block_stitching.h"
+#include "render_client/renderer/cpu/camera_texture.h"
 #include "render_client/renderer/cpu/cpu_renderer.h"
 #include "render_client/renderer/cpu/depth_mesh.h"
-#include "render_client/renderer/cpu/source_texture.h"
+#include "render_client/renderer/cpu/tile_merge.h"
 #include "tests/render_client/renderer/surfaces.h"
 
 namespace copresence::renderer {
 namespace {
 
-// Two walls, a floor, somebody in the middle and a table's worth of round things, for a camera moved
-// sideways.
+// Two walls, a floor, a person in the middle and some round objects, for a camera moved sideways.
 Surface room_seen_from(double x_m) {
   std::vector<Surface> parts = {wall(3.5), plane({0, 1, 0}, 1.1), plane({-1, 0, 0}, 1.6 + x_m)};
   parts.push_back(sphere({0.1 - x_m, -0.35, 1.9}, 0.13));
@@ -32,7 +33,7 @@ Surface room_seen_from(double x_m) {
   return together(parts);
 }
 
-// Cameras in a row, 40 cm apart, and everything they see.
+// Cameras in a row, 40 cm apart, with all that they see.
 struct Room {
   std::vector<RgbdFrame> frames;
   std::vector<CameraView> cameras;
@@ -57,7 +58,7 @@ struct Room {
 // Arguments: cameras, width and height of the view, threads.
 void whole_view(benchmark::State& state) {
   Room room(int(state.range(0)));
-  const VirtualCamera eye = orbiting_eye(int(state.range(1)), int(state.range(2)), 10, 2);
+  const ViewPose eye = orbiting_eye(int(state.range(1)), int(state.range(2)), 10, 2);
   flow::WorkerPool workers(int(state.range(3)), "render");
   const auto renderer = make_cpu_renderer(workers);
   MergedView view;
@@ -74,10 +75,10 @@ BENCHMARK(whole_view)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
 
-// The same without new frames: what moving the eye costs.
+// The same without new frames: the cost of moving the eye.
 void moved_eye(benchmark::State& state) {
   Room room(int(state.range(0)));
-  const VirtualCamera eye = orbiting_eye(1280, 720, 10, 2);
+  const ViewPose eye = orbiting_eye(1280, 720, 10, 2);
   InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
   MergedView view;
@@ -85,24 +86,24 @@ void moved_eye(benchmark::State& state) {
 }
 BENCHMARK(moved_eye)->ArgName("cameras")->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
 
-// One camera's frame to a mesh and a texture.
+// Cost of making mesh and texture of one camera's frame.
 void new_frame(benchmark::State& state) {
   Room room(1);
   const auto ray = rays(kinect_model());
   InverseDepth inverse;
-  FlatBlocks flat;
+  PlanarBlocks planar;
   MeshBlocks blocks;
-  Image<float> cosines;
-  Texture texture;
-  BlockOutlines outlines;
+  Image<float> incidences;
+  CameraTexture texture;
+  BlockStitching stitching;
   DepthMesh mesh;
   for (auto _ : state) {
     invert_depth(room.frames[0].depth, 1e-4, inverse);
-    find_flat_blocks(inverse, {kKinectV1Noise, 1 / 585.0F}, flat);
-    measure_tilts(inverse, flat, kinect_model(), cosines);
-    make_texture(room.frames[0], cosines, Eigen::Matrix<float, 3, 4>::Identity(), texture);
-    list_blocks(inverse, flat, 16, blocks);
-    outlines.draw(flat, blocks, inverse);
+    find_planar_blocks(inverse, {kKinectV1Noise, 1 / 585.0F}, planar);
+    measure_incidence(inverse, planar, kinect_model(), incidences);
+    make_texture(room.frames[0], incidences, Eigen::Matrix<float, 3, 4>::Identity(), texture);
+    list_blocks(inverse, planar, 16, blocks);
+    stitching.draw(planar, blocks, inverse);
     build_mesh(inverse, blocks, {ray, false}, {kKinectV1Noise, 1 / 585.0F}, mesh);
     benchmark::DoNotOptimize(mesh);
   }
@@ -111,63 +112,64 @@ void new_frame(benchmark::State& state) {
 }
 BENCHMARK(new_frame)->Unit(benchmark::kMillisecond);
 
-// Merging alone, colours and outlines included, on one thread of a 1280x720 view: each band is merged when it has just been drawn, as
-// the renderer does it, and only that is timed. What a second camera adds to one is the difference. `one_room`: whether
-// the cameras see the same surfaces, which are mixed nearly everywhere, or walls behind each other.
+// Cost of merging alone, with colours and silhouettes, on one thread for a 1280x720 view. As in the
+// renderer, each tile is merged right after it is drawn; only the merge is timed. The cost of a
+// second camera is the difference to one. `one_room`: the cameras see the same surfaces, so that
+// nearly all pixels are mixed. Else they see walls behind each other.
 void merge(benchmark::State& state) {
   constexpr int kRows = 16;
   Room room(int(state.range(0)), state.range(1) != 0);
-  const VirtualCamera eye = orbiting_eye(1280, 720, 10, 2);
+  const ViewPose eye = orbiting_eye(1280, 720, 10, 2);
   const auto near_m = float(eye.near_m);
   const auto ray = rays(kinect_model());
   struct Drawn {
     DepthMesh mesh;
-    Texture texture;
+    CameraTexture texture;
     ProjectionMatrix matrix;
     std::vector<ViewVertex> vertices;
     std::vector<PatchExtent> extents;
   };
   std::vector<Drawn> drawn(room.cameras.size());
-  std::vector<MergeSource> sources;
+  std::vector<MergeCamera> sources;
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     InverseDepth inverse;
-    FlatBlocks flat;
+    PlanarBlocks planar;
     MeshBlocks blocks;
-    Image<float> cosines;
-    BlockOutlines outlines;
+    Image<float> incidences;
+    BlockStitching stitching;
     Drawn& d = drawn[i];
     invert_depth(room.frames[i].depth, 1e-4, inverse);
-    find_flat_blocks(inverse, {kKinectV1Noise, 1 / 585.0F}, flat);
-    measure_tilts(inverse, flat, kinect_model(), cosines);
-    make_texture(room.frames[i], cosines, Eigen::Matrix<float, 3, 4>::Identity(), d.texture);
-    list_blocks(inverse, flat, 16, blocks);
-    outlines.draw(flat, blocks, inverse);
+    find_planar_blocks(inverse, {kKinectV1Noise, 1 / 585.0F}, planar);
+    measure_incidence(inverse, planar, kinect_model(), incidences);
+    make_texture(room.frames[i], incidences, Eigen::Matrix<float, 3, 4>::Identity(), d.texture);
+    list_blocks(inverse, planar, 16, blocks);
+    stitching.draw(planar, blocks, inverse);
     build_mesh(inverse, blocks, {ray, false}, {kKinectV1Noise, 1 / 585.0F}, d.mesh);
     d.matrix = projection_matrix(eye, room.cameras[i].world_from_camera);
     d.vertices.resize(d.mesh.vertices());
     d.extents.resize(d.mesh.patches.size());
     project_patches(d.mesh, 0, d.mesh.patches.size(), d.matrix, near_m, d.vertices, d.extents);
-    sources.push_back(merge_source(room.cameras[i], eye, d.texture));
+    sources.push_back(merge_camera(room.cameras[i], eye, d.texture));
   }
   MergedView view;
-  view.width = eye.lens.width;
-  view.height = eye.lens.height;
+  view.width = eye.intrinsics.width;
+  view.height = eye.intrinsics.height;
   view.color.resize(view.width, view.height);
-  std::vector<Band> bands(drawn.size());
+  std::vector<Tile> tiles(drawn.size());
   for (auto _ : state) {
     std::chrono::duration<double> merging{};
     for (int top = 0; top < view.height; top += kRows) {
       for (std::size_t i = 0; i < drawn.size(); ++i) {
         const Drawn& d = drawn[i];
-        bands[i].begin(view.width, top, kRows, float(eye.far_m), 640, 480);
+        tiles[i].begin(view.width, top, kRows, float(eye.far_m), 640, 480);
         for (std::size_t p = 0; p < d.extents.size(); ++p) {
           const PatchExtent& extent = d.extents[p];
           if (extent.behind || extent.bottom < float(top - 1) || extent.top > float(top + kRows)) continue;
-          draw_patch(d.mesh, d.mesh.patches[p], extent, d.vertices, d.matrix, near_m, bands[i]);
+          draw_patch(d.mesh, d.mesh.patches[p], extent, d.vertices, d.matrix, near_m, tiles[i]);
         }
       }
       const auto begin = std::chrono::steady_clock::now();
-      merge_band(sources, bands, {.color = true}, view);
+      merge_tile(sources, tiles, {.color = true}, view);
       merging += std::chrono::steady_clock::now() - begin;
     }
     state.SetIterationTime(merging.count());

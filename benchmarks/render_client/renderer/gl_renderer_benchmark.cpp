@@ -1,5 +1,5 @@
-// The GL renderer, cameras of 640x480 and a view of 1280x720. On a machine without a graphics card these are
-// the software rasteriser's figures.
+// Cost of a view by the GL renderer: cameras of 640x480 and a view of 1280x720. Without a graphics
+// card the software rasteriser is measured.
 
 #include <benchmark/benchmark.h>
 
@@ -20,7 +20,8 @@ std::vector<RgbdFrame> frames_of(int cameras) {
   return frames;
 }
 
-// Arguments: cameras; whether each has a new frame; whether the colour comes back to the host.
+// Arguments: number of cameras; whether each has a new frame; whether the colours are copied to the
+// host.
 void gl_renderer_1280x720(benchmark::State& state) {
   const auto context = gl::Context::headless();
   if (!context) return state.SkipWithError(context.error().what.c_str());
@@ -36,9 +37,9 @@ void gl_renderer_1280x720(benchmark::State& state) {
     cameras[i].unit = DepthUnit::k100Micrometres;
     cameras[i].world_from_camera.translation.x() = 0.002 * double(i);
   }
-  const VirtualCamera eye = orbiting_eye(1280, 720, 15, 2);
+  const ViewPose eye = orbiting_eye(1280, 720, 15, 2);
   MergedView view;
-  (void)(*renderer)->render(cameras, eye, {}, view);  // compiles what is compiled on first use
+  (void)(*renderer)->render(cameras, eye, {}, view);  // the first call compiles shaders
   for (auto _ : state) {
     if (state.range(1)) {
       for (CameraView& camera : cameras) ++camera.version;

@@ -1,11 +1,11 @@
 #pragma once
 
-// The renderer without a GPU: every camera's surface is drawn by band of rows, and a band is merged and
-// coloured while it is in the cache. The fast one wherever OpenGL is software; docs/internals/rendering.md has the
-// method and the figures.
+// The renderer without a GPU. It draws the view in tiles of rows, and merges each tile while it is
+// in the cache. It is the faster one wherever OpenGL is software. docs/internals/rendering.md has
+// the method and its measurements.
 //
-// Thread: as any Renderer. It uses the workers only inside render(). The pictures do not depend on how many
-// there are.
+// Thread: as any Renderer. It uses the workers only inside render() and prepare(). The pictures do
+// not depend on the number of workers.
 
 #include <memory>
 
@@ -15,7 +15,8 @@
 namespace copresence::renderer {
 
 struct CpuRendererSettings {
-  /// Flat regions are drawn in blocks of up to so many pixels a side: 1, 4, 8 or 16. 1 draws every pixel.
+  /// Planar regions are drawn in blocks of up to this many pixels a side: 1, 4, 8 or 16. 1 draws
+  /// every pixel.
   int largest_block = 16;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr FourInts kBits{1, 2, 4, 8};
 
-// A number of each of the four quads of a block of 2, from its upper left one on.
+// One value of each of the four quads of a block of 2, the upper left one first.
 Four pairs(const float* upper, const float* lower) {
   using Two = float __attribute__((vector_size(8)));
   Two first, second;
@@ -25,36 +25,37 @@ Four pairs(const float* upper, const float* lower) {
 
 // What is drawn between four neighbouring pixels a, b, c and d, clockwise from the upper left one.
 struct Shape {
-  std::array<std::uint8_t, 4> corners;  // numbers of a to d; a triangle's first again at its end
+  std::array<std::uint8_t, 4> corners;  // indices of a to d; a triangle repeats one
   std::uint8_t quads, triangles;
 };
 
-// By which three of them are joined: bit 0 a, b, d; bit 1 b, c, d; bit 2 a, b, c; bit 3 a, c, d. Two triangles on either
-// side of b and d are the rule, others where those are not (merge_rules.h).
+// Indexed by the triples of pixels that are connected: bit 0 a, b, d; bit 1 b, c, d; bit 2 a, b, c;
+// bit 3 a, c, d. The diagonal from b to d is preferred (merge_rules.h).
 constexpr std::array<Shape, 16> kShapes = [] {
   constexpr Shape kNone{{0, 0, 0, 0}, 0, 0}, kQuad{{0, 1, 2, 3}, 1, 0}, kOther{{1, 2, 3, 0}, 1, 0};
   std::array<Shape, 16> shapes{};
-  for (int joined = 0; joined < 16; ++joined) {
-    Shape& shape = shapes[joined];
-    if ((joined & 3) == 3) {
+  for (int connected = 0; connected < 16; ++connected) {
+    Shape& shape = shapes[connected];
+    if ((connected & 3) == 3) {
       shape = kQuad;
-    } else if ((joined & 12) == 12) {
+    } else if ((connected & 12) == 12) {
       shape = kOther;
-    } else if (joined & 1) {
+    } else if (connected & 1) {
       shape = {{0, 1, 3, 0}, 0, 1};
-    } else if (joined & 2) {
+    } else if (connected & 2) {
       shape = {{1, 2, 3, 1}, 0, 1};
-    } else if (joined & 4) {
+    } else if (connected & 4) {
       shape = {{0, 1, 2, 0}, 0, 1};
     } else {
-      shape = joined & 8 ? Shape{{0, 2, 3, 0}, 0, 1} : kNone;
+      shape = connected & 8 ? Shape{{0, 2, 3, 0}, 0, 1} : kNone;
     }
   }
   return shapes;
 }();
 
-// Makes one patch after the other, at most 17 x 17 vertices and a quad or a triangle per pixel, at the end of a mesh that
-// has room for it. What comes next in a patch can hardly be foretold, so nothing here asks where it can do without.
+// Makes one patch after the other at the end of a mesh that has room for it: at most 17 x 17
+// vertices, and a quad or a triangle per pixel. Branches would be unpredictable here, so most of
+// this code has none.
 class PatchBuilder {
  public:
   PatchBuilder(const InverseDepth& inverse, const PixelRays& rays, const SurfaceLimits& limits,
@@ -71,7 +72,7 @@ class PatchBuilder {
         slope_(limits.slope),
         mesh_(mesh) {}
 
-  // The patch whose first pixel is (left, top).
+  // Makes the patch whose first pixel is (left, top).
   void build(int left, int top, std::span<const MeshBlocks::Part> parts) {
     left_ = left;
     top_ = top;
@@ -94,7 +95,7 @@ class PatchBuilder {
     first_vertex_ += vertices_;
   }
 
-  // Leaves nothing in the mesh but the patches, and what is spare.
+  // Cuts off the unused memory of the mesh.
   void finish() {
     for (auto* numbers : {&mesh_.x, &mesh_.y, &mesh_.w, &mesh_.u, &mesh_.v}) {
       numbers->resize(first_vertex_ + DepthMesh::kSpare);
@@ -106,13 +107,14 @@ class PatchBuilder {
 
  private:
   static constexpr int kSide = 17;
-  static constexpr std::uint16_t kUnused = 0xFFFE;  // of two bytes: g++ fills with one by a slow instruction
-  static constexpr int kRowBit = 5;                 // of a vertex's place in the patch: y, then x below it
+  // Both bytes differ: g++ would fill equal bytes by a slow instruction.
+  static constexpr std::uint16_t kUnused = 0xFFFE;
+  static constexpr int kRowBit = 5;  // bits of x in a vertex's position within the patch; y follows
 
   void add(const MeshBlocks::Part& part) {
     const int size = kBlockSizes[part.level];
     const int x0 = size * part.block.i, y0 = size * part.block.j;
-    if (part.is_flat) {
+    if (part.is_planar) {
       const int x1 = std::min(x0 + size, last_x_), y1 = std::min(y0 + size, last_y_);
       *quad_++ = {vertex(x0, y0), vertex(x1, y0), vertex(x1, y1), vertex(x0, y1)};
     } else {
@@ -120,30 +122,30 @@ class PatchBuilder {
     }
   }
 
-  // The quads of a block of 2, as far as their pixels are joined.
+  // Adds the quads of a block of 2 whose pixels are connected.
   void add_pixels(int x, int y) {
     const float* const row = w_from_ + static_cast<std::ptrdiff_t>(y) * w_row_ + x;
     const float *const row1 = row + w_row_, *const row2 = row1 + w_row_;
     const Four a = pairs(row, row1), b = pairs(row + 1, row1 + 1), c = pairs(row1 + 1, row2 + 1),
                d = pairs(row1, row2);
-    const auto are_joined = [this](const Four& p, const Four& q,
-                                   const Four& r) {  // joined() of merge_rules.h
+    const auto are_connected = [this](const Four& p, const Four& q,
+                                      const Four& r) {  // connected() of merge_rules.h
       const Four nearest = larger(larger(p, q), r), farthest = smaller(smaller(p, q), r);
       return (farthest > 0.0F) & (nearest - farthest <= gap_ + slope_ * farthest);
     };
-    const FourInts abd = are_joined(a, b, d), bcd = are_joined(b, c, d), abc = are_joined(a, b, c),
-                   acd = are_joined(a, c, d);
-    const FourInts joined = (abd & kBits[0]) | (bcd & kBits[1]) | (abc & kBits[2]) | (acd & kBits[3]);
-    add_shape(x, y, joined[0]);
-    if (x + 1 < last_x_) add_shape(x + 1, y, joined[1]);
+    const FourInts abd = are_connected(a, b, d), bcd = are_connected(b, c, d), abc = are_connected(a, b, c),
+                   acd = are_connected(a, c, d);
+    const FourInts connected = (abd & kBits[0]) | (bcd & kBits[1]) | (abc & kBits[2]) | (acd & kBits[3]);
+    add_shape(x, y, connected[0]);
+    if (x + 1 < last_x_) add_shape(x + 1, y, connected[1]);
     if (y + 1 >= last_y_) return;
-    add_shape(x, y + 1, joined[2]);
-    if (x + 1 < last_x_) add_shape(x + 1, y + 1, joined[3]);
+    add_shape(x, y + 1, connected[2]);
+    if (x + 1 < last_x_) add_shape(x + 1, y + 1, connected[3]);
   }
 
-  void add_shape(int x, int y, int joined) {
-    if (joined == 0) return;
-    const Shape& shape = kShapes[joined];
+  void add_shape(int x, int y, int connected) {
+    if (connected == 0) return;
+    const Shape& shape = kShapes[connected];
     const int at = place(x, y);
     const auto corner = [&](int i) {
       constexpr std::array<int, 4> kPlaces{0, 1, (1 << kRowBit) + 1, 1 << kRowBit};
@@ -159,7 +161,7 @@ class PatchBuilder {
   int place(int x, int y) const { return (y - top_) << kRowBit | (x - left_); }
   std::uint16_t vertex(int x, int y) { return vertex_at(place(x, y)); }
 
-  // The number of the vertex there, the next one where it had none yet.
+  // The number of the vertex at this position. A new vertex gets the next number.
   std::uint16_t vertex_at(int place) {
     const auto next = static_cast<std::uint16_t>(vertices_);
     std::uint16_t& number = numbers_[place];
@@ -174,7 +176,7 @@ class PatchBuilder {
     float *const x = mesh_.x.data() + first_vertex_, *const y = mesh_.y.data() + first_vertex_,
                  *const w = mesh_.w.data() + first_vertex_, *const u = mesh_.u.data() + first_vertex_,
                  *const v = mesh_.v.data() + first_vertex_;
-    // In groups, the last of which goes on into what the next patch, or nobody, has.
+    // In groups. The last one may write into the memory of the next patch, or into spare memory.
     for (std::uint32_t i = 0; i < vertices_; i += kLanes) {
       std::array<std::uint16_t, kLanes> place;
       std::copy_n(places_.begin() + i, kLanes, place.begin());
@@ -196,24 +198,24 @@ class PatchBuilder {
     return result;
   }
 
-  // Without a check of every pixel: build_mesh() has checked the shapes.
+  // Pixels are not checked one by one: build_mesh() has checked the sizes.
   const float* const rays_;  // x and y by pixel
-  // 0 where x is the same all down a column, and y along a row: those of the first row and column are then enough, and
-  // stay in the cache.
+  // 0 if x is equal within each column and y within each row. Then the first row and column are
+  // enough, and stay in the cache.
   const int column_step_, row_step_;
   const float* const w_from_;
   const int w_row_, width_, last_x_, last_y_;
   const float gap_, slope_;
   DepthMesh& mesh_;
-  std::uint32_t first_vertex_ = 0, quads_ = 0, triangles_ = 0;  // of all patches before
+  std::uint32_t first_vertex_ = 0, quads_ = 0, triangles_ = 0;  // of all earlier patches
 
   int left_ = 0, top_ = 0;
   std::uint32_t vertices_ = 0;
   DepthMesh::Quad* quad_ = nullptr;
   DepthMesh::Triangle* triangle_ = nullptr;
-  std::array<std::uint16_t, kSide << kRowBit> numbers_{};  // by place
+  std::array<std::uint16_t, kSide << kRowBit> numbers_{};  // by position
   std::array<std::uint16_t, kSide * kSide + kLanes>
-      places_{};  // by number, and of what turned out to be none
+      places_{};  // by number; one more, for a position that got no number
 };
 
 }  // namespace
@@ -222,8 +224,9 @@ void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const Pix
                 const SurfaceLimits& limits, DepthMesh& mesh) {
   assert(rays.of_pixels.size() == static_cast<std::size_t>(inverse.width) * inverse.height);
   assert(blocks.ends.size() == static_cast<std::size_t>(inverse.patches_x()) * inverse.patches_y());
-  // Room for the most that there can be: a block of 2 in pixels has 9 vertices and 4 quads or triangles, any flat one 4 and
-  // a quad. One more, where what turns out to be none is written.
+  // Room for the largest mesh. A block of 2 with connected pixels has 9 vertices and 4 quads or
+  // triangles. A planar block has 4 vertices and one quad. One more, because shapes without a quad
+  // or triangle are written, too.
   const std::size_t parts = blocks.parts.size();
   for (auto* numbers : {&mesh.x, &mesh.y, &mesh.w, &mesh.u, &mesh.v})
     numbers->resize(9 * parts + DepthMesh::kSpare);

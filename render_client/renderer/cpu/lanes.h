@@ -1,8 +1,9 @@
 #pragma once
 
-// Eight numbers at a time, in the compiler's own vector types: AVX2 where the build has it, two SSE halves
-// where it does not, with the same results, since every lane is plain IEEE arithmetic. Private to the CPU
-// renderer.
+// Eight numbers at a time, in the compiler's own vector types. They use AVX2 if the build has it,
+// else two SSE halves. The results are equal, since every lane is plain IEEE arithmetic.
+//
+// Thread: pure functions.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +13,7 @@
 #include <immintrin.h>
 #endif
 
-// Everything here is inlined, so that no call's ABI depends on the instruction set.
+// All functions are inlined, so that no call's ABI depends on the instruction set.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -23,9 +24,9 @@ inline constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(kLanes * 4)));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * 4)));
 using UnsignedInts = std::uint32_t __attribute__((vector_size(kLanes * 4)));
-using Words = std::uint16_t __attribute__((vector_size(kLanes * 4)));  // two to a lane
+using Words = std::uint16_t __attribute__((vector_size(kLanes * 4)));  // two per lane
 
-/// Half as many, for what comes in fours.
+/// Vectors of four numbers.
 using Four = float __attribute__((vector_size(16)));
 using FourInts = std::int32_t __attribute__((vector_size(16)));
 
@@ -55,7 +56,7 @@ void store(Scalar* to, const Vector& v) {
   std::memcpy(to, &v, sizeof v);
 }
 
-/// Lanes 0 to 3 from one place and 4 to 7 from another, `second_half` numbers on.
+/// Lanes 0 to 3 come from `from`, lanes 4 to 7 from `second_half` elements further on.
 template <class Vector, class Scalar>
 Vector load_halves(const Scalar* from, std::ptrdiff_t second_half) {
   static_assert(sizeof(Scalar) * kLanes == sizeof(Vector));

@@ -6,13 +6,13 @@
 
 namespace copresence::renderer {
 
-ProjectionMatrix projection_matrix(const VirtualCamera& eye, const Rigid3& world_from_camera) {
+ProjectionMatrix projection_matrix(const ViewPose& eye, const Rigid3& world_from_camera) {
   const Rigid3 eye_from_camera = eye.world_from_eye.inverse() * world_from_camera;
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
-  K(0, 0) = eye.lens.fx;
-  K(1, 1) = eye.lens.fy;
-  K(0, 2) = eye.lens.cx;
-  K(1, 2) = eye.lens.cy;
+  K(0, 0) = eye.intrinsics.fx;
+  K(1, 1) = eye.intrinsics.fy;
+  K(0, 2) = eye.intrinsics.cx;
+  K(1, 2) = eye.intrinsics.cy;
   Eigen::Matrix<double, 3, 4> Rt;
   Rt << eye_from_camera.rotation, eye_from_camera.translation;
   return (K * Rt).cast<float>();
@@ -37,7 +37,7 @@ ViewVertex to_view(const ClipVertex& vertex) {
 
 namespace {
 
-// Eight vertices at a time; the last of a patch come in a group of fewer.
+// Eight vertices at a time. The last group of a patch may have fewer.
 struct Group {
   Floats x, y, w, k, u, v;
   Ints in_front;

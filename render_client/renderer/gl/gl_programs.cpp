@@ -6,18 +6,18 @@
 #include <string>
 #include <utility>
 
-#include "render_client/renderer/cpu/flat_blocks.h"
+#include "render_client/renderer/cpu/planar_blocks.h"
 #include "render_client/renderer/merge_rules.h"
 #include "shaders/build_mesh.comp.h"
 #include "shaders/draw_mesh.frag.h"
 #include "shaders/draw_mesh.vert.h"
 #include "shaders/fade_layers.comp.h"
-#include "shaders/find_flat_blocks.comp.h"
-#include "shaders/make_source.comp.h"
-#include "shaders/measure_tilts.comp.h"
+#include "shaders/find_planar_blocks.comp.h"
+#include "shaders/make_camera_texture.comp.h"
+#include "shaders/measure_incidence.comp.h"
 #include "shaders/merge_layers.comp.h"
-#include "shaders/outline_flat_blocks.comp.h"
-#include "shaders/soften_outlines.comp.h"
+#include "shaders/soften_silhouettes.comp.h"
+#include "shaders/stitch_planar_blocks.comp.h"
 
 namespace copresence::renderer {
 namespace {
@@ -25,7 +25,7 @@ namespace {
 using gl::Access;
 using gl::Define;
 
-// As GLSL writes it, exact to the last bit.
+// As a GLSL literal, exact to the last bit.
 std::string literal(float value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.9e", double(value));
@@ -40,14 +40,14 @@ std::string element(const char* array, std::size_t index) {
 
 }  // namespace
 
-Result<FindFlatBlocks> FindFlatBlocks::make(gl::Context& context) {
-  auto program = gl::Program::compute(context, shaders::find_flat_blocks_comp);
+Result<FindPlanarBlocks> FindPlanarBlocks::make(gl::Context& context) {
+  auto program = gl::Program::compute(context, shaders::find_planar_blocks_comp);
   if (!program) return fail(program.error());
-  return FindFlatBlocks(std::move(*program));
+  return FindPlanarBlocks(std::move(*program));
 }
 
-void FindFlatBlocks::run(const gl::Texture& depth, float units_per_metre, const SurfaceLimits& limits,
-                         const GlPlanes& planes) {
+void FindPlanarBlocks::run(const gl::Texture& depth, float units_per_metre, const SurfaceLimits& limits,
+                           const GlPlanes& planes) {
   depth.bind(0);
   for (int level = 0; level < 3; ++level) planes[level].bind_image(level, Access::kWrite);
   program_.set("units_per_metre", units_per_metre);
@@ -58,56 +58,57 @@ void FindFlatBlocks::run(const gl::Texture& depth, float units_per_metre, const 
   program_.dispatch(planes[2].width(), planes[2].height());
 }
 
-Result<MeasureTilts> MeasureTilts::make(gl::Context& context) {
+Result<MeasureIncidence> MeasureIncidence::make(gl::Context& context) {
   const std::array defines = {Define{"CELL", std::to_string(kCell)},
                               Define{"CELL_PIXELS", std::to_string(kCellPixels)},
-                              Define{"UNKNOWN_COSINE", literal(kUnknownCosine)}};
-  auto program = gl::Program::compute(context, shaders::measure_tilts_comp, defines);
+                              Define{"UNKNOWN_INCIDENCE", literal(kUnknownIncidence)}};
+  auto program = gl::Program::compute(context, shaders::measure_incidence_comp, defines);
   if (!program) return fail(program.error());
-  return MeasureTilts(std::move(*program));
+  return MeasureIncidence(std::move(*program));
 }
 
-void MeasureTilts::run(const gl::Texture& depth, const GlPlanes& planes, const CameraModel& model,
-                       float units_per_metre, const gl::Texture& cosines) {
+void MeasureIncidence::run(const gl::Texture& depth, const GlPlanes& planes, const CameraModel& model,
+                           float units_per_metre, const gl::Texture& incidences) {
   constexpr int kLevel = 1;
   static_assert(kBlockSizes[kLevel + kFirstGlLevel] == kCell);
   depth.bind(0);
   planes[kLevel].bind(1);
-  cosines.bind_image(0, Access::kWrite);
+  incidences.bind_image(0, Access::kWrite);
   program_.set("units_per_metre", units_per_metre);
   program_.set("focal", Eigen::Vector2d(model.fx, model.fy).cast<float>().eval());
   program_.set("center", Eigen::Vector2d(model.cx, model.cy).cast<float>().eval());
-  program_.dispatch_over(cosines.width(), cosines.height());
+  program_.dispatch_over(incidences.width(), incidences.height());
 }
 
-Result<MakeSource> MakeSource::make(gl::Context& context) {
+Result<MakeCameraTexture> MakeCameraTexture::make(gl::Context& context) {
   const std::array defines = {Define{"CELL", std::to_string(kCell)},
-                              Define{"FILLED_WORTH", literal(kFilledWorth)},
+                              Define{"FILLED_WEIGHT", literal(kFilledWeight)},
                               Define{"AMBIENT", literal(kAmbient)}};
-  auto program = gl::Program::compute(context, shaders::make_source_comp, defines);
+  auto program = gl::Program::compute(context, shaders::make_camera_texture_comp, defines);
   if (!program) return fail(program.error());
-  return MakeSource(std::move(*program));
+  return MakeCameraTexture(std::move(*program));
 }
 
-void MakeSource::run(const gl::Texture& cosines, const gl::Texture& state, const gl::Texture* color,
-                     const Eigen::Matrix<float, 3, 4>& color_matching, const gl::Texture& source) {
-  cosines.bind(0);
+void MakeCameraTexture::run(const gl::Texture& incidences, const gl::Texture& state, const gl::Texture* color,
+                            const Eigen::Matrix<float, 3, 4>& color_correction,
+                            const gl::Texture& camera_texture) {
+  incidences.bind(0);
   state.bind(1);
   if (color) color->bind(2);
-  source.bind_image(0, Access::kWrite);
+  camera_texture.bind_image(0, Access::kWrite);
   program_.set("has_color", color ? 1 : 0);
-  program_.set("color_matching", color_matching);
-  program_.dispatch_over(source.width(), source.height());
+  program_.set("color_correction", color_correction);
+  program_.dispatch_over(camera_texture.width(), camera_texture.height());
 }
 
-Result<OutlineFlatBlocks> OutlineFlatBlocks::make(gl::Context& context) {
-  auto program = gl::Program::compute(context, shaders::outline_flat_blocks_comp);
+Result<StitchPlanarBlocks> StitchPlanarBlocks::make(gl::Context& context) {
+  auto program = gl::Program::compute(context, shaders::stitch_planar_blocks_comp);
   if (!program) return fail(program.error());
-  return OutlineFlatBlocks(std::move(*program));
+  return StitchPlanarBlocks(std::move(*program));
 }
 
-void OutlineFlatBlocks::run(const gl::Texture& depth, const GlPlanes& planes, float units_per_metre,
-                            int largest_block, const gl::Texture& inverse) {
+void StitchPlanarBlocks::run(const gl::Texture& depth, const GlPlanes& planes, float units_per_metre,
+                             int largest_block, const gl::Texture& inverse) {
   depth.bind(0);
   for (int level = 0; level < 3; ++level) planes[level].bind(1 + level);
   inverse.bind_image(0, Access::kWrite);
@@ -141,12 +142,12 @@ Result<DrawMesh> DrawMesh::make(gl::Context& context) {
   return DrawMesh(std::move(*program));
 }
 
-void DrawMesh::run(const gl::Texture& inverse, const gl::Texture& rays, const gl::Texture& source,
+void DrawMesh::run(const gl::Texture& inverse, const gl::Texture& rays, const gl::Texture& camera_texture,
                    const Eigen::Matrix4f& clip_from_camera, const gl::Buffer& command,
                    const gl::Buffer& indices, gl::Framebuffer& layer) {
   inverse.bind(0);
   rays.bind(1);
-  source.bind(2);
+  camera_texture.bind(2);
   program_.set("clip_from_camera", clip_from_camera);
   layer.draw_indirect(program_, indices, command);
 }
@@ -166,15 +167,16 @@ Result<void> FadeLayers::run(std::span<const float> opacities, const gl::Texture
   return {};
 }
 
-Result<void> MergeLayers::run(std::span<const Source> sources, const Eye& eye, const gl::Texture& fragments,
-                              const gl::Texture& depths, bool wants_depth, const Target& target) {
-  auto compiled = programs_.find(sources.size());
+Result<void> MergeLayers::run(std::span<const Camera> cameras, const ViewUniforms& view,
+                              const gl::Texture& fragments, const gl::Texture& depths, bool wants_depth,
+                              const Target& target) {
+  auto compiled = programs_.find(cameras.size());
   if (compiled == programs_.end()) {
-    const std::array defines = {Define{"LAYERS", std::to_string(sources.size())},
+    const std::array defines = {Define{"LAYERS", std::to_string(cameras.size())},
                                 Define{"TIE_RATIO", literal(kTieRatio)}};
     auto program = gl::Program::compute(*context_, shaders::merge_layers_comp, defines);
     if (!program) return fail(program.error());
-    compiled = programs_.emplace(sources.size(), std::move(*program)).first;
+    compiled = programs_.emplace(cameras.size(), std::move(*program)).first;
   }
   gl::Program& program = compiled->second;
   fragments.bind(0);
@@ -184,38 +186,39 @@ Result<void> MergeLayers::run(std::span<const Source> sources, const Eye& eye, c
   target.camera.bind_image(2, Access::kWrite);
   target.quality.bind_image(3, Access::kWrite);
   program.set("wants_depth", wants_depth ? 1 : 0);
-  program.set("w_near_far", eye.w_near_far);
-  program.set("ray_from_pixel", eye.ray_from_pixel);
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    program.set(element("source_axis", i).c_str(), sources[i].axis);
-    program.set(element("calibration_error", i).c_str(), sources[i].calibration_error_m);
-    program.set(element("noise_per_square", i).c_str(), uncertainty_per_square(sources[i].noise));
-    program.set(element("precision_factor", i).c_str(), precision(sources[i].noise));
+  program.set("w_near_far", view.w_near_far);
+  program.set("ray_from_pixel", view.ray_from_pixel);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    program.set(element("camera_axis", i).c_str(), cameras[i].axis);
+    program.set(element("calibration_error", i).c_str(), cameras[i].calibration_error_m);
+    program.set(element("noise_per_square", i).c_str(), uncertainty_per_square(cameras[i].noise));
+    program.set(element("precision_factor", i).c_str(), precision(cameras[i].noise));
   }
   program.dispatch_over(target.color.width(), target.color.height());
   return {};
 }
 
-Result<void> SoftenOutlines::run(std::span<const MergeLayers::Source> sources,
-                                 const Eigen::Vector2f& w_near_far, const gl::Texture& fragments,
-                                 const gl::Texture& depths, const gl::Texture& merged,
-                                 const gl::Texture& softened) {
-  auto compiled = programs_.find(sources.size());
+Result<void> SoftenSilhouettes::run(std::span<const MergeLayers::Camera> cameras,
+                                    const Eigen::Vector2f& w_near_far, const gl::Texture& fragments,
+                                    const gl::Texture& depths, const gl::Texture& merged,
+                                    const gl::Texture& softened) {
+  auto compiled = programs_.find(cameras.size());
   if (compiled == programs_.end()) {
-    const std::array defines = {Define{"LAYERS", std::to_string(sources.size())},
-                                Define{"SHARE", literal(1.0F / kOutlineDivisor)}};
-    auto program = gl::Program::compute(*context_, shaders::soften_outlines_comp, defines);
+    const std::array defines = {Define{"LAYERS", std::to_string(cameras.size())},
+                                Define{"SHARE", literal(1.0F / kSilhouetteDivisor)}};
+    auto program = gl::Program::compute(*context_, shaders::soften_silhouettes_comp, defines);
     if (!program) return fail(program.error());
-    compiled = programs_.emplace(sources.size(), std::move(*program)).first;
+    compiled = programs_.emplace(cameras.size(), std::move(*program)).first;
   }
   fragments.bind(0);
   depths.bind(1);
   merged.bind(2);
   softened.bind_image(0, Access::kWrite);
   float coarsest = 0;
-  for (const MergeLayers::Source& source : sources) coarsest = std::max(coarsest, inverse_step(source.noise));
+  for (const MergeLayers::Camera& camera_texture : cameras)
+    coarsest = std::max(coarsest, inverse_step(camera_texture.noise));
   compiled->second.set("w_near_far", w_near_far);
-  compiled->second.set("apart", kOutlineSteps * coarsest);
+  compiled->second.set("apart", kSilhouetteSteps * coarsest);
   compiled->second.dispatch_over(softened.width(), softened.height());
   return {};
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// The shaders of the GL renderer, a class each: their setters' arguments are the uniforms and bindings of
-// shaders/<name>. Constants of merge_rules.h are compiled in. Private to the GL renderer.
+// The shaders of the GL renderer, one class each. The arguments of run() are the uniforms and
+// bindings of shaders/<name>. Constants of merge_rules.h are compiled in.
 //
 // Thread: the context's.
 
@@ -22,65 +22,69 @@
 
 namespace copresence::renderer {
 
-/// Planes of inverse depth by block of 4, 8, 16 pixels (kRgba32f), FlatBlocks on the card.
+/// Planes of inverse depth for blocks of 4, 8 and 16 pixels (kRgba32f): PlanarBlocks on the
+/// graphics card.
 using GlPlanes = std::array<gl::Texture, 3>;
-/// The level of kBlockSizes that they begin with: blocks of 2 are not worth a pass on the card.
+/// The first of these levels in kBlockSizes. On a graphics card, blocks of 2 would cost more than
+/// they save.
 inline constexpr int kFirstGlLevel = 1;
 
-/// find_flat_blocks.comp: depth (kR16ui) to planes.
-class FindFlatBlocks {
+/// find_planar_blocks.comp: makes planes from depth (kR16ui).
+class FindPlanarBlocks {
  public:
-  static Result<FindFlatBlocks> make(gl::Context& context);
+  static Result<FindPlanarBlocks> make(gl::Context& context);
   void run(const gl::Texture& depth, float units_per_metre, const SurfaceLimits& limits,
            const GlPlanes& planes);
 
  private:
-  explicit FindFlatBlocks(gl::Program program) : program_(std::move(program)) {}
+  explicit FindPlanarBlocks(gl::Program program) : program_(std::move(program)) {}
   gl::Program program_;
 };
 
-/// measure_tilts.comp: depth and planes to cos(theta) by cell (kR32f).
-class MeasureTilts {
+/// measure_incidence.comp: makes cos(theta) of each cell (kR32f) from depth and planes.
+class MeasureIncidence {
  public:
-  static Result<MeasureTilts> make(gl::Context& context);
+  static Result<MeasureIncidence> make(gl::Context& context);
   void run(const gl::Texture& depth, const GlPlanes& planes, const CameraModel& model, float units_per_metre,
-           const gl::Texture& cosines);
+           const gl::Texture& incidences);
 
  private:
-  explicit MeasureTilts(gl::Program program) : program_(std::move(program)) {}
+  explicit MeasureIncidence(gl::Program program) : program_(std::move(program)) {}
   gl::Program program_;
 };
 
-/// make_source.comp: matched colour, or gray where `color` is null, and worth (kRgba8).
-class MakeSource {
+/// make_camera_texture.comp: makes corrected colours, or gray if `color` is null, and weights
+/// (kRgba8).
+class MakeCameraTexture {
  public:
-  static Result<MakeSource> make(gl::Context& context);
-  void run(const gl::Texture& cosines, const gl::Texture& state, const gl::Texture* color,
-           const Eigen::Matrix<float, 3, 4>& color_matching, const gl::Texture& source);
+  static Result<MakeCameraTexture> make(gl::Context& context);
+  void run(const gl::Texture& incidences, const gl::Texture& state, const gl::Texture* color,
+           const Eigen::Matrix<float, 3, 4>& color_correction, const gl::Texture& camera_texture);
 
  private:
-  explicit MakeSource(gl::Program program) : program_(std::move(program)) {}
+  explicit MakeCameraTexture(gl::Program program) : program_(std::move(program)) {}
   gl::Program program_;
 };
 
-/// outline_flat_blocks.comp: depth and planes to inverse depth (kR32f) that agrees where blocks meet.
-class OutlineFlatBlocks {
+/// stitch_planar_blocks.comp: makes inverse depth (kR32f) without cracks between blocks, from depth
+/// and planes.
+class StitchPlanarBlocks {
  public:
-  static Result<OutlineFlatBlocks> make(gl::Context& context);
-  /// Blocks larger than `largest_block` pixels a side count as not flat.
+  static Result<StitchPlanarBlocks> make(gl::Context& context);
+  /// Blocks larger than `largest_block` pixels a side are divided.
   void run(const gl::Texture& depth, const GlPlanes& planes, float units_per_metre, int largest_block,
            const gl::Texture& inverse);
 
  private:
-  explicit OutlineFlatBlocks(gl::Program program) : program_(std::move(program)) {}
+  explicit StitchPlanarBlocks(gl::Program program) : program_(std::move(program)) {}
   gl::Program program_;
 };
 
-/// build_mesh.comp: inverse depth and planes to triangles.
+/// build_mesh.comp: makes triangles from inverse depth and planes.
 class BuildMesh {
  public:
   static Result<BuildMesh> make(gl::Context& context);
-  /// `command` gets a gl::DrawCommand; `indices` has room for six per pixel.
+  /// `command` becomes a gl::DrawCommand. `indices` must have room for six per pixel.
   void run(const gl::Texture& inverse, const GlPlanes& planes, const SurfaceLimits& limits, int largest_block,
            gl::Buffer& command, const gl::Buffer& indices);
 
@@ -89,11 +93,11 @@ class BuildMesh {
   gl::Program program_;
 };
 
-/// draw_mesh.vert and .frag: triangles into a layer of colour and worth.
+/// draw_mesh.vert and .frag: draws triangles into a layer of colours and weights.
 class DrawMesh {
  public:
   static Result<DrawMesh> make(gl::Context& context);
-  void run(const gl::Texture& inverse, const gl::Texture& rays, const gl::Texture& source,
+  void run(const gl::Texture& inverse, const gl::Texture& rays, const gl::Texture& camera_texture,
            const Eigen::Matrix4f& clip_from_camera, const gl::Buffer& command, const gl::Buffer& indices,
            gl::Framebuffer& layer);
 
@@ -102,12 +106,14 @@ class DrawMesh {
   gl::Program program_;
 };
 
-/// fade_layers.comp: fades the layers of stale cameras and removes them where a live camera shows anything.
+/// fade_layers.comp: fades the layers of stale cameras, and clears them where a live camera shows
+/// anything.
 class FadeLayers {
  public:
   explicit FadeLayers(gl::Context& context) : context_(&context) {}
 
-  /// `opacities`, one per layer: 1 of a live camera. A shader is compiled for each number of layers once.
+  /// `opacities`, one per layer; 1 for a live camera. A shader is compiled once for each number of
+  /// layers.
   Result<void> run(std::span<const float> opacities, const gl::Texture& fragments);
 
  private:
@@ -115,17 +121,20 @@ class FadeLayers {
   std::map<std::size_t, gl::Program> programs_;
 };
 
-/// merge_layers.comp: the layers to the view.
+/// Uniforms that depend on the view's pose and projection only.
+struct ViewUniforms {
+  Eigen::Vector2f w_near_far;      ///< inverse depth of the near and the far plane, 1/m
+  Eigen::Vector4f ray_from_pixel;  ///< xy * pixel + zw is (x, y) at z = 1
+};
+
+/// merge_layers.comp: merges the layers into the view.
 class MergeLayers {
  public:
-  struct Source {
-    Eigen::Vector4f axis;  ///< dot with (point in the eye's frame, 1) is the depth along the camera's axis, m
+  struct Camera {
+    /// Dot product with (point in the eye's frame, 1): depth along the camera's axis, m.
+    Eigen::Vector4f axis;
     float calibration_error_m;
     DepthNoise noise;
-  };
-  struct Eye {
-    Eigen::Vector2f w_near_far;      ///< 1/m
-    Eigen::Vector4f ray_from_pixel;  ///< xy * pixel + zw
   };
   struct Target {
     const gl::Texture &color, &depth, &camera, &quality;
@@ -133,8 +142,9 @@ class MergeLayers {
 
   explicit MergeLayers(gl::Context& context) : context_(&context) {}
 
-  /// A shader is compiled for each number of sources once. `wants_depth`: else only the colour is written.
-  Result<void> run(std::span<const Source> sources, const Eye& eye, const gl::Texture& fragments,
+  /// A shader is compiled once for each number of cameras. Without `wants_depth` only the colour is
+  /// written.
+  Result<void> run(std::span<const Camera> cameras, const ViewUniforms& view, const gl::Texture& fragments,
                    const gl::Texture& depths, bool wants_depth, const Target& target);
 
  private:
@@ -142,13 +152,14 @@ class MergeLayers {
   std::map<std::size_t, gl::Program> programs_;
 };
 
-/// soften_outlines.comp: a merged view's colours to those shown.
-class SoftenOutlines {
+/// soften_silhouettes.comp: softens the silhouette edges of a merged view.
+class SoftenSilhouettes {
  public:
-  explicit SoftenOutlines(gl::Context& context) : context_(&context) {}
+  explicit SoftenSilhouettes(gl::Context& context) : context_(&context) {}
 
-  /// Sources, layers and `w_near_far` as in MergeLayers. A shader is compiled for each number of sources once.
-  Result<void> run(std::span<const MergeLayers::Source> sources, const Eigen::Vector2f& w_near_far,
+  /// Cameras, layers and `w_near_far` as in MergeLayers. A shader is compiled once for each number
+  /// of cameras.
+  Result<void> run(std::span<const MergeLayers::Camera> cameras, const Eigen::Vector2f& w_near_far,
                    const gl::Texture& fragments, const gl::Texture& depths, const gl::Texture& merged,
                    const gl::Texture& softened);
 

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "common/gl/framebuffer.h"
 #include "common/gl/texture.h"
+#include "render_client/renderer/gl/gl_camera.h"
 #include "render_client/renderer/gl/gl_programs.h"
-#include "render_client/renderer/gl/gl_source.h"
 
 namespace copresence::renderer {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 using gl::Format;
 using gl::Reader;
 
-// What is made for a size of the view and a number of cameras.
+// Made for one size of the view and one number of cameras.
 struct Layers {
   gl::Texture fragments, depths;
   std::vector<gl::Framebuffer> by_camera;  // empty until attach()
@@ -33,9 +34,9 @@ struct Layers {
   }
 };
 
-// What is made for a size of the view.
+// The pictures of one eye, made for one size of the view.
 struct Target {
-  gl::Texture merged, color, depth, camera, quality;  // `merged` before its outlines are softened
+  gl::Texture merged, color, depth, camera, quality;  // `merged` is the colour before softening
 
   Target(gl::Context& context, int width, int height)
       : merged(context, Format::kRgba8, width, height),
@@ -45,10 +46,11 @@ struct Target {
         quality(context, Format::kR32f, width, height) {}
 };
 
-// Clip coordinates whose pixels' centres are whole numbers and whose rows run from the top. Depth is linear
-// in w = 1/z, from 0 at near to 1 at far, so that the merge gets w back by one multiplication.
-Eigen::Matrix4d clip_from_eye(const VirtualCamera& eye) {
-  const CameraModel& lens = eye.lens;
+// To clip coordinates in which pixel centres are whole numbers and rows run from the top. Depth is
+// linear in w = 1/z, from 0 at the near plane to 1 at the far plane. So the merge gets w back by
+// one multiplication.
+Eigen::Matrix4d clip_from_eye(const ViewPose& eye) {
+  const CameraModel& lens = eye.intrinsics;
   const double per_w = 1.0 / (1.0 / eye.near_m - 1.0 / eye.far_m);
   Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
   clip(0, 0) = 2 * lens.fx / lens.width;
@@ -61,15 +63,15 @@ Eigen::Matrix4d clip_from_eye(const VirtualCamera& eye) {
   return clip;
 }
 
-MergeLayers::Eye merge_eye(const VirtualCamera& eye) {
-  const CameraModel& lens = eye.lens;
+ViewUniforms view_uniforms(const ViewPose& eye) {
+  const CameraModel& lens = eye.intrinsics;
   return {
       .w_near_far = Eigen::Vector2d(1 / eye.near_m, 1 / eye.far_m).cast<float>(),
       .ray_from_pixel =
           Eigen::Vector4d(1 / lens.fx, 1 / lens.fy, -lens.cx / lens.fx, -lens.cy / lens.fy).cast<float>()};
 }
 
-MergeLayers::Source merge_source(const CameraView& camera, const VirtualCamera& eye) {
+MergeLayers::Camera merge_camera(const CameraView& camera, const ViewPose& eye) {
   const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
   return {.axis = camera_from_eye.matrix().row(2).transpose().cast<float>(),
           .calibration_error_m = static_cast<float>(camera.calibration_error_m),
@@ -78,7 +80,7 @@ MergeLayers::Source merge_source(const CameraView& camera, const VirtualCamera& 
 
 class GlRenderer final : public Renderer {
  public:
-  GlRenderer(gl::Context& context, const GlRendererSettings& settings, GlSource::Shaders shaders,
+  GlRenderer(gl::Context& context, const GlRendererSettings& settings, GlCamera::Shaders shaders,
              DrawMesh draw)
       : context_(context),
         settings_(settings),
@@ -92,42 +94,50 @@ class GlRenderer final : public Renderer {
 
   void prepare(std::span<const CameraView> cameras) override {
     assert(cameras.size() <= kMostCameras);
-    make_sources(cameras);
+    make_cameras(cameras);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      if (cameras[i].opacity > 0) sources_[i].update(cameras[i], shaders_);
+      if (cameras[i].opacity > 0) cameras_[i].update(cameras[i], shaders_);
     }
   }
 
-  Result<void> render(std::span<const CameraView> cameras, const VirtualCamera& eye, HostPixels wanted,
+  Result<void> render(std::span<const CameraView> cameras, const ViewPose& eye, HostPixels wanted,
                       MergedView& view) override {
     assert(eye.near_m > 0 && eye.near_m < eye.far_m);
+    assert(view.target >= 0);
     prepare(cameras);
-    if (auto made = make_layers(cameras.size(), eye.lens.width, eye.lens.height); !made) return made;
+    const auto index = static_cast<std::size_t>(view.target);
+    if (auto made = make_room(cameras.size(), eye.intrinsics.width, eye.intrinsics.height, index); !made)
+      return made;
+    Target& target = *targets_[index];
     if (cameras.empty()) {
-      show_nothing();
+      show_nothing(target);
     } else {
       draw_layers(cameras, eye);
       if (auto faded = fade_layers(cameras); !faded) return faded;
-      if (auto merged = merge_layers(cameras, eye, wanted); !merged) return merged;
+      if (auto merged = merge_layers(cameras, eye, wanted, target); !merged) return merged;
     }
-    read_back(wanted, view);
+    read_back(wanted, target, view);
     return context_.check("drawing the view");
   }
 
  private:
-  Result<void> make_layers(std::size_t cameras, int width, int height) {
-    if (!target_ || target_->color.width() != width || target_->color.height() != height) {
-      target_.reset();
+  Result<void> make_room(std::size_t cameras, int width, int height, std::size_t index) {
+    if (targets_.size() <= index) targets_.resize(index + 1);
+    std::optional<Target>& target = targets_[index];
+    if (!target || target->color.width() != width || target->color.height() != height) {
+      target.reset();  // frees its memory before the new one needs some
       layers_.reset();
-      target_.emplace(context_, width, height);
+      target.emplace(context_, width, height);
     }
-    if (cameras > 0 && (!layers_ || layers_->by_camera.size() != cameras)) {
-      layers_.reset();  // before the new ones ask for memory
+    const bool fits = layers_ && layers_->by_camera.size() == cameras &&
+                      layers_->fragments.width() == width && layers_->fragments.height() == height;
+    if (cameras > 0 && !fits) {
+      layers_.reset();
       layers_.emplace(context_, width, height, static_cast<int>(cameras));
       auto made = context_.check("making room for the cameras and the view (a smaller --size needs less)");
       if (!made) {
         layers_.reset();
-        target_.reset();
+        target.reset();
         return made;
       }
       layers_->attach(context_);
@@ -135,26 +145,26 @@ class GlRenderer final : public Renderer {
     return {};
   }
 
-  void make_sources(std::span<const CameraView> cameras) {
+  void make_cameras(std::span<const CameraView> cameras) {
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const CameraModel& model = cameras[i].model;
-      if (i == sources_.size()) {
-        sources_.emplace_back(context_, model, settings_.largest_block);
-      } else if (sources_[i].width() != model.width || sources_[i].height() != model.height) {
-        sources_[i] = GlSource(context_, model, settings_.largest_block);
+      if (i == cameras_.size()) {
+        cameras_.emplace_back(context_, model, settings_.largest_block);
+      } else if (cameras_[i].width() != model.width || cameras_[i].height() != model.height) {
+        cameras_[i] = GlCamera(context_, model, settings_.largest_block);
       }
     }
-    if (sources_.size() > cameras.size()) sources_.erase(sources_.begin() + cameras.size(), sources_.end());
+    if (cameras_.size() > cameras.size()) cameras_.erase(cameras_.begin() + cameras.size(), cameras_.end());
   }
 
-  void draw_layers(std::span<const CameraView> cameras, const VirtualCamera& eye) {
+  void draw_layers(std::span<const CameraView> cameras, const ViewPose& eye) {
     const Eigen::Matrix4d clip_from_world = clip_from_eye(eye) * eye.world_from_eye.inverse().matrix();
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       gl::Framebuffer& layer = layers_->by_camera[i];
       layer.clear_color(0, {0, 0, 0, 0});
       layer.clear_depth(1);
       if (!(cameras[i].opacity > 0)) continue;
-      sources_[i].draw((clip_from_world * cameras[i].world_from_camera.matrix()).cast<float>(), draw_, layer);
+      cameras_[i].draw((clip_from_world * cameras[i].world_from_camera.matrix()).cast<float>(), draw_, layer);
     }
   }
 
@@ -168,34 +178,34 @@ class GlRenderer final : public Renderer {
     return faded;
   }
 
-  Result<void> merge_layers(std::span<const CameraView> cameras, const VirtualCamera& eye,
-                            HostPixels wanted) {
-    merge_sources_.clear();
-    for (const CameraView& camera : cameras) merge_sources_.push_back(merge_source(camera, eye));
-    const MergeLayers::Eye seen = merge_eye(eye);
-    if (auto merged = merge_.run(merge_sources_, seen, layers_->fragments, layers_->depths, wanted.depth,
-                                 {target_->merged, target_->depth, target_->camera, target_->quality});
+  Result<void> merge_layers(std::span<const CameraView> cameras, const ViewPose& eye, HostPixels wanted,
+                            const Target& target) {
+    merge_cameras_.clear();
+    for (const CameraView& camera : cameras) merge_cameras_.push_back(merge_camera(camera, eye));
+    const ViewUniforms uniforms = view_uniforms(eye);
+    if (auto merged = merge_.run(merge_cameras_, uniforms, layers_->fragments, layers_->depths, wanted.depth,
+                                 {target.merged, target.depth, target.camera, target.quality});
         !merged) {
       return merged;
     }
     context_.barrier(Reader::kFetch);
-    auto softened = soften_.run(merge_sources_, seen.w_near_far, layers_->fragments, layers_->depths,
-                                target_->merged, target_->color);
+    auto softened = soften_.run(merge_cameras_, uniforms.w_near_far, layers_->fragments, layers_->depths,
+                                target.merged, target.color);
     context_.barrier(Reader::kFetch | Reader::kFramebuffer | Reader::kHost);
     return softened;
   }
 
-  void show_nothing() {
-    target_->color.clear();
-    target_->depth.clear();
-    target_->quality.clear();
-    target_->camera.upload(Image<std::uint8_t>(target_->camera.width(), target_->camera.height(), kNoCamera));
+  static void show_nothing(Target& target) {
+    target.color.clear();
+    target.depth.clear();
+    target.quality.clear();
+    target.camera.upload(Image<std::uint8_t>(target.camera.width(), target.camera.height(), kNoCamera));
   }
 
-  void read_back(HostPixels wanted, MergedView& view) const {
-    view.width = target_->color.width();
-    view.height = target_->color.height();
-    view.texture = target_->color.id();
+  static void read_back(HostPixels wanted, const Target& target, MergedView& view) {
+    view.width = target.color.width();
+    view.height = target.color.height();
+    view.texture = target.color.id();
     const auto fetch = [](bool asked_for, const gl::Texture& texture, auto& image) {
       if (asked_for) {
         texture.read(image);
@@ -203,45 +213,45 @@ class GlRenderer final : public Renderer {
         image.resize(0, 0);
       }
     };
-    fetch(wanted.color, target_->color, view.color);
-    fetch(wanted.depth, target_->depth, view.depth_m);
-    fetch(wanted.depth, target_->camera, view.camera);
-    fetch(wanted.depth, target_->quality, view.quality);
+    fetch(wanted.color, target.color, view.color);
+    fetch(wanted.depth, target.depth, view.depth_m);
+    fetch(wanted.depth, target.camera, view.camera);
+    fetch(wanted.depth, target.quality, view.quality);
   }
 
   gl::Context& context_;
   GlRendererSettings settings_;
-  GlSource::Shaders shaders_;
+  GlCamera::Shaders shaders_;
   DrawMesh draw_;
   FadeLayers fade_;
   MergeLayers merge_;
-  SoftenOutlines soften_;
-  std::vector<GlSource> sources_;  // by camera
+  SoftenSilhouettes soften_;
+  std::vector<GlCamera> cameras_;  // by camera
   std::vector<float> opacities_;
-  std::vector<MergeLayers::Source> merge_sources_;
+  std::vector<MergeLayers::Camera> merge_cameras_;
   std::optional<Layers> layers_;
-  std::optional<Target> target_;
+  std::vector<std::optional<Target>> targets_;  // by MergedView::target
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context, const GlRendererSettings& settings) {
-  auto flat_blocks = FindFlatBlocks::make(context);
-  if (!flat_blocks) return fail(flat_blocks.error());
-  auto tilts = MeasureTilts::make(context);
-  if (!tilts) return fail(tilts.error());
-  auto outlines = OutlineFlatBlocks::make(context);
-  if (!outlines) return fail(outlines.error());
+  auto planar_blocks = FindPlanarBlocks::make(context);
+  if (!planar_blocks) return fail(planar_blocks.error());
+  auto incidence = MeasureIncidence::make(context);
+  if (!incidence) return fail(incidence.error());
+  auto stitching = StitchPlanarBlocks::make(context);
+  if (!stitching) return fail(stitching.error());
   auto mesh = BuildMesh::make(context);
   if (!mesh) return fail(mesh.error());
-  auto look = MakeSource::make(context);
-  if (!look) return fail(look.error());
+  auto texture = MakeCameraTexture::make(context);
+  if (!texture) return fail(texture.error());
   auto draw = DrawMesh::make(context);
   if (!draw) return fail(draw.error());
   return std::make_unique<GlRenderer>(
       context, settings,
-      GlSource::Shaders{std::move(*flat_blocks), std::move(*tilts), std::move(*outlines), std::move(*mesh),
-                        std::move(*look)},
+      GlCamera::Shaders{std::move(*planar_blocks), std::move(*incidence), std::move(*stitching),
+                        std::move(*mesh), std::move(*texture)},
       std::move(*draw));
 }
 

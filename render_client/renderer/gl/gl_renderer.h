@@ -1,17 +1,19 @@
 #pragma once
 
-// The renderer on a graphics card, by the same rules and with the same meshes as the CPU renderer. In
-// shaders/:
+// The renderer on a graphics card. It follows the same rules and draws the same meshes as the CPU
+// renderer. Its steps are shaders in shaders/:
 //
-//   once a frame    find_flat_blocks     depth to planes of inverse depth by block
-//                   measure_tilts        planes to cos(theta)
-//                   outline_flat_blocks  depth and planes to inverse depth without cracks between blocks
-//                   build_mesh           that to triangles
-//                   make_source          colour, state and cos(theta) to what a fragment shows and is worth
-//   once a view     draw_mesh            every camera's triangles into a layer of their own
-//                   fade_layers          what stale cameras show, where there are any
-//                   merge_layers         the layers to the view
-//                   soften_outlines      the view without steps where depth jumps
+//   once a frame
+//     find_planar_blocks    fits planes of inverse depth to blocks
+//     measure_incidence     computes cos(theta) from planes and depth
+//     stitch_planar_blocks  closes cracks between blocks
+//     build_mesh            makes triangles
+//     make_camera_texture   computes the colours and weights of fragments
+//   once a view
+//     draw_mesh             draws each camera's triangles into its own layer
+//     fade_layers           fades stale cameras, if there are any
+//     merge_layers          merges the layers into the view
+//     soften_silhouettes    softens edges where depth jumps
 //
 // Thread: the context's.
 
@@ -24,13 +26,13 @@
 namespace copresence::renderer {
 
 struct GlRendererSettings {
-  /// Flat regions are drawn in blocks of up to so many pixels a side: 1, 4, 8 or 16. 1 draws every pixel.
+  /// Planar regions are drawn in blocks of up to this many pixels a side: 1, 4, 8 or 16. 1 draws
+  /// every pixel.
   int largest_block = 16;
 };
 
-/// `context` must outlive the renderer. MergedView::texture is the renderer's own: it holds the view until
-/// the next render() or the renderer's end.
-/// Fails: kInvalid where the driver does not compile the shaders, in the driver's words.
+/// `context` must outlive the renderer. Fails with kInvalid if the driver does not compile the
+/// shaders, in the driver's words.
 Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context,
                                                    const GlRendererSettings& settings = {});
 

@@ -15,7 +15,7 @@ CameraModel small_model() {
   return {320, 240, 290, 290, 160, 120, {}};
 }
 
-// What the wall at z = 2.5 m shows at a place of it, metres: large soft spots of many colours.
+// Colour of the wall at z = 2.5 m at a position in metres: large soft spots of many colours.
 Eigen::Vector3f wall_color(double x, double y) {
   const auto wave = [](double v) { return static_cast<float>(0.45 + 0.25 * std::sin(v)); };
   return {wave(3 * x + y), wave(2 * y - x + 1), wave(2.5 * x - 2 * y + 2)};
@@ -28,7 +28,7 @@ Rgb8 to_pixel(const Eigen::Vector3f& color) {
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 
-// A camera at `x_m` that sees the wall with its own colours: `response` maps the true ones to its own.
+// A camera at `x_m` that sees the wall. `response` maps true colours to those of the camera.
 struct Camera {
   RgbdFrame frame;
   PosedFrame posed;
@@ -61,7 +61,8 @@ ColorCorrection gains(float r, float g, float b, float offset) {
   return map;
 }
 
-// How far a camera's mapped colours are from the reference's, worst channel on the wall, of 255.
+// Greatest difference of a channel between the corrected colours of a camera and those of the
+// reference, on the wall, of 255.
 float worst_error(const ColorCorrection& found, const ColorCorrection& response,
                   const ColorCorrection& reference) {
   float worst = 0;
@@ -83,7 +84,8 @@ TEST(ColorMatcher, MapsASecondCameraToTheReference) {
 }
 
 TEST(ColorMatcher, ReachesCamerasThatOnlyTheirNeighboursOverlap) {
-  // In a row, 1.4 m apart, each seeing 2.8 m of the wall: the fourth shares nothing with the first.
+  // In a row, 1.4 m apart; each sees 2.8 m of the wall. The fourth camera has no overlap with the
+  // first.
   const ColorCorrection responses[] = {gains(1, 1, 1, 0), gains(0.9F, 1.05F, 1.1F, 0.01F),
                                        gains(1.1F, 0.95F, 1, -0.01F), gains(0.95F, 1, 0.88F, 0.02F)};
   std::vector<Camera> cameras;
@@ -112,7 +114,7 @@ TEST(ColorMatcher, SaysNothingOfCamerasWithoutColourOrPlace) {
 }
 
 TEST(ColorMatcher, IsNotMisledByColoursThatAreCutOff) {
-  // The second camera is overexposed: much of the wall is white in it.
+  // The second camera is overexposed: much of the wall is white.
   const ColorCorrection bright = gains(1.6F, 1.6F, 1.6F, 0.1F);
   const Camera a(0, gains(1, 1, 1, 0)), b(0.3, bright);
   const auto maps = match_colors(std::vector{a.view(), b.view()});
@@ -123,7 +125,8 @@ TEST(ColorMatcher, IsNotMisledByColoursThatAreCutOff) {
 
 TEST(ColorMatcher, IsNotMisledBySomebodyWhomOnlyOneCameraSees) {
   Camera a(0, gains(1, 1, 1, 0)), b(0.3, gains(0.9F, 1, 1.1F, 0));
-  // Before the wall in the first camera's frame only, and of one colour; a third of the picture.
+  // An object of one colour in front of the wall, in the first camera's frame only; a third of the
+  // picture.
   for (int y = 0; y < 240; ++y) {
     for (int x = 100; x < 200; ++x) {
       a.frame.depth(x, y) = 1200;
@@ -135,28 +138,28 @@ TEST(ColorMatcher, IsNotMisledBySomebodyWhomOnlyOneCameraSees) {
   EXPECT_LT(worst_error(*maps[1], gains(0.9F, 1, 1.1F, 0), gains(1, 1, 1, 0)), 3.0F);
 }
 
-TEST(SteadyMaps, TakeTheFirstMatchAtOnceAndEaseInLaterOnes) {
-  SteadyMaps maps(2);
-  EXPECT_EQ(maps.map(1), ColorCorrection::Identity());
-  maps.follow(
+TEST(SteadyCorrections, TakeTheFirstMatchAtOnceAndEaseInLaterOnes) {
+  SteadyCorrections steady(2);
+  EXPECT_EQ(steady.correction(1), ColorCorrection::Identity());
+  steady.follow(
       std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), gains(0.9F, 0.9F, 0.9F, 0)},
       milliseconds(0));
-  EXPECT_FLOAT_EQ(maps.map(1)(0, 0), 0.9F);
-  maps.follow(
+  EXPECT_FLOAT_EQ(steady.correction(1)(0, 0), 0.9F);
+  steady.follow(
       std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), gains(1.1F, 1.1F, 1.1F, 0)},
       milliseconds(500));
-  EXPECT_GT(maps.map(1)(0, 0), 0.9F);
-  EXPECT_LT(maps.map(1)(0, 0), 1.0F);
+  EXPECT_GT(steady.correction(1)(0, 0), 0.9F);
+  EXPECT_LT(steady.correction(1)(0, 0), 1.0F);
 }
 
-TEST(SteadyMaps, KeepTheLastMatchWhereTheOverlapIsGone) {
-  SteadyMaps maps(2);
-  maps.follow(
+TEST(SteadyCorrections, KeepTheLastMatchWhereTheOverlapIsGone) {
+  SteadyCorrections steady(2);
+  steady.follow(
       std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), gains(0.9F, 0.9F, 0.9F, 0)},
       milliseconds(0));
-  maps.follow(std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), std::nullopt},
-              milliseconds(500));
-  EXPECT_FLOAT_EQ(maps.map(1)(0, 0), 0.9F);
+  steady.follow(std::vector<std::optional<ColorCorrection>>{ColorCorrection::Identity(), std::nullopt},
+                milliseconds(500));
+  EXPECT_FLOAT_EQ(steady.correction(1)(0, 0), 0.9F);
 }
 
 }  // namespace

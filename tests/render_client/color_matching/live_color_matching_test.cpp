@@ -6,16 +6,16 @@
 #include <cmath>
 #include <thread>
 
-namespace copresence::client {
+namespace copresence::color_matching {
 namespace {
 
 using FirstMatch = LiveColorMatching::FirstMatch;
 using std::chrono::milliseconds;
 
-/// A camera at `x_m` before a wall of many colours at 2.5 m; `gain` is its own red.
-std::shared_ptr<const Received> wall_seen_from(double x_m, double gain) {
-  auto received = std::make_shared<Received>();
-  CameraSetup setup;
+/// A camera at `x_m` in front of a colourful wall at 2.5 m. `gain` is the gain of its red channel.
+std::shared_ptr<const client::CameraFrame> wall_seen_from(double x_m, double gain) {
+  auto received = std::make_shared<client::CameraFrame>();
+  client::CameraSetup setup;
   setup.model = {320, 240, 290, 290, 160, 120, {}};
   setup.has_pose = true;
   setup.fixed_pose.emplace().translation.x() = x_m;
@@ -33,12 +33,8 @@ std::shared_ptr<const Received> wall_seen_from(double x_m, double gain) {
                               byte(wave(2.5 * x - 2 * y + 2))};
     }
   }
-  received->setup = std::make_shared<const CameraSetup>(setup);
+  received->setup = std::make_shared<const client::CameraSetup>(setup);
   return received;
-}
-
-void show(LiveColorMatching& matching, std::size_t camera, const std::shared_ptr<const Received>& received) {
-  matching.show(camera, received, posed_frame(*received->setup, received->frame));
 }
 
 bool is_awaited_for(const LiveColorMatching& matching, std::span<const std::size_t> cameras) {
@@ -55,21 +51,21 @@ constexpr std::size_t kBoth[] = {0, 1};
 TEST(LiveColorMatching, FindsTheFirstMatchOfCamerasThatOverlap) {
   LiveColorMatching matching(2);
   EXPECT_EQ(matching.first_match(kBoth), FirstMatch::kAwaited);
-  show(matching, 0, wall_seen_from(0, 1));
-  show(matching, 1, wall_seen_from(0.4, 0.8));
+  matching.show(0, wall_seen_from(0, 1));
+  matching.show(1, wall_seen_from(0.4, 0.8));
   const std::jthread thread([&](const std::stop_token& stop) { matching.run(stop); });
   ASSERT_FALSE(is_awaited_for(matching, kBoth));
   EXPECT_EQ(matching.first_match(kBoth), FirstMatch::kFound);
   EXPECT_TRUE(matching.is_matched(1));
-  EXPECT_NEAR(matching.map(1)(0, 0), 1 / 0.8, 0.1);
+  EXPECT_NEAR(matching.correction(1)(0, 0), 1 / 0.8, 0.1);
   matching.forget(1);
-  EXPECT_NEAR(matching.map(1)(0, 0), 1 / 0.8, 0.1) << "a camera that is stale keeps its map";
+  EXPECT_NEAR(matching.correction(1)(0, 0), 1 / 0.8, 0.1) << "a camera that is stale keeps its correction";
 }
 
 TEST(LiveColorMatching, GivesUpOnCamerasThatSeeNothingInCommon) {
   LiveColorMatching matching(2);
-  show(matching, 0, wall_seen_from(0, 1));
-  show(matching, 1, wall_seen_from(40, 0.8));
+  matching.show(0, wall_seen_from(0, 1));
+  matching.show(1, wall_seen_from(40, 0.8));
   const std::jthread thread([&](const std::stop_token& stop) { matching.run(stop); });
   ASSERT_FALSE(is_awaited_for(matching, kBoth));
   EXPECT_EQ(matching.first_match(kBoth), FirstMatch::kGivenUp);
@@ -77,4 +73,4 @@ TEST(LiveColorMatching, GivesUpOnCamerasThatSeeNothingInCommon) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::color_matching

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace copresence::client {
+namespace copresence::decoding {
 namespace {
 
 TEST(DepthSmoothing, LeavesAPlaneAcrossTheAxisAsItIs) {
@@ -52,18 +52,18 @@ TEST(DepthSmoothing, KeepsHolesAndDoesNotLetThemPull) {
 
 TEST(DepthSmoothing, KnowsTheUnit) {
   DepthImage depth(16, 16, 20000);  // 2 m; a step is 11.4 mm
-  depth(8, 8) = 20200;              // 20 mm off: the same surface
+  depth(8, 8) = 20200;              // 20 mm away: the same surface
   DepthSmoothing smoothing;
   smoothing.smooth(depth, DepthUnit::k100Micrometres, kKinectV1Noise);
   EXPECT_LT(depth(8, 8), 20060);
   DepthImage far(16, 16, 20000);
-  far(8, 8) = 20600;  // 60 mm off: another one
+  far(8, 8) = 20600;  // 60 mm away: another surface
   smoothing.smooth(far, DepthUnit::k100Micrometres, kKinectV1Noise);
   EXPECT_EQ(far(8, 8), 20600);
 }
 
 TEST(DepthSmoothing, IsNotPulledByTheFarEndOfTheNumbers) {
-  // What is behind everything and a hole beside it are one step apart where numbers wrap around.
+  // The farthest depth and a hole beside it differ by one step modulo 2^16.
   for (const int beside : {0, 1, 500, 3000}) {
     DepthImage depth(32, 32, 65000);
     for (int y = 0; y < 32; ++y) {
@@ -75,7 +75,7 @@ TEST(DepthSmoothing, IsNotPulledByTheFarEndOfTheNumbers) {
   }
 }
 
-// The mean along one axis as the header defines it.
+// The mean along one axis, as the header defines it.
 std::vector<double> smoothed_along(const std::vector<double>& depth, double tolerance_per_square) {
   std::vector<double> out = depth;
   const int count = static_cast<int>(depth.size());
@@ -94,7 +94,8 @@ std::vector<double> smoothed_along(const std::vector<double>& depth, double tole
 }
 
 TEST(DepthSmoothing, TakesTheMeanAlongRowsThenColumns) {
-  // Levels far enough from the tolerance that rounding after the rows does not decide what belongs to a surface.
+  // Levels so far from the tolerance that rounding between rows and columns does not change which
+  // pixels belong to a surface.
   const int width = 75, height = 41;
   DepthImage depth(width, height);
   std::minstd_rand random(3);
@@ -126,4 +127,4 @@ TEST(DepthSmoothing, TakesImagesSmallerThanItself) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::decoding

@@ -7,7 +7,7 @@
 
 #include "capture_server/encoding/frame_encoding.h"
 
-namespace copresence::client {
+namespace copresence::decoding {
 namespace {
 
 using std::chrono::milliseconds;
@@ -16,11 +16,11 @@ constexpr int kWidth = 160, kHeight = 120;
 constexpr Rgb8 kOrange{220, 120, 40};
 
 bool is_near(const Rgb8& a, const Rgb8& b) {
-  constexpr int kCoding = 12;  // of 255, that video coding may change
+  constexpr int kCoding = 12;  // of 255; greatest change by video coding
   return std::abs(a.r - b.r) < kCoding && std::abs(a.g - b.g) < kCoding && std::abs(a.b - b.b) < kCoding;
 }
 
-/// A stream of a wall whose colour is missing from some frames.
+/// A stream of a wall. Some frames have no colour.
 class MissingColor : public testing::Test {
  protected:
   void SetUp() override {
@@ -37,7 +37,7 @@ class MissingColor : public testing::Test {
     decoding_.emplace(std::move(*decoding));
   }
 
-  /// The next frame as the client decodes it, captured `at` after the beginning.
+  /// The next frame, decoded as by the client. It was captured `at` after the beginning.
   RgbdFrame next(milliseconds at, std::optional<Rgb8> color) {
     RgbdFrame frame;
     frame.metadata.sequence = ++sequence_;
@@ -92,4 +92,4 @@ TEST_F(MissingColor, AFrameWithColorKeepsItsOwn) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::decoding

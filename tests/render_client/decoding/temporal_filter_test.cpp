@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace copresence::client {
+namespace copresence::decoding {
 namespace {
 
 constexpr int kWidth = 64, kHeight = 48;
@@ -19,7 +19,8 @@ RgbdFrame wall(std::uint16_t z = kWall, Rgb8 color = {90, 120, 150}) {
   return frame;
 }
 
-/// What a still Kinect makes of it: a level up or down here and there, grain in the colours.
+/// The wall as a still Kinect measures it: some depths are a level higher or lower, and the colours
+/// have grain.
 RgbdFrame noisy_wall(std::minstd_rand& random) {
   std::uniform_int_distribution<int> level(-1, 1), grain(-3, 3);
   RgbdFrame frame = wall();
@@ -121,7 +122,8 @@ TEST_F(TemporalFilterTest, FollowsWhatComesNearerByLessThanAStepAFrame) {
   RgbdFrame frame = wall();
   for (int i = 0; i < 30; ++i) {
     frame = wall(static_cast<std::uint16_t>(kWall - 20 * i));
-    for (int y = 0; y < kHeight; ++y) {  // beside a part that stands, so that it is not the camera that moves
+    // One part stands still, so that the camera does not count as moving.
+    for (int y = 0; y < kHeight; ++y) {
       for (int x = 24; x < kWidth; ++x) frame.depth(x, y) = kWall;
     }
     frame = show(frame);
@@ -149,7 +151,7 @@ TEST_F(TemporalFilterTest, LetsGoOfDepthBesideWhatMoves) {
   RgbdFrame frame = wall();
   set_hole(frame, 10, 10);
   set_hole(frame, 50, 40);
-  for (int y = 0; y < 8; ++y) {  // the block to the right of the first hole's
+  for (int y = 0; y < 8; ++y) {  // the block to the right of the block with the first hole
     for (int x = 16; x < 24; ++x) (*frame.color)(x, y) = {20, 20, 20};
   }
   const RgbdFrame shown = show(frame);
@@ -242,4 +244,4 @@ TEST_F(TemporalFilterTest, TakesOddShapesAndFramesWithoutColour) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::decoding

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
-namespace copresence::client {
+namespace copresence::display {
 namespace {
 
 TEST(Screenshot, EveryPixelIsInTheFileAndOpaque) {
@@ -40,4 +40,4 @@ TEST(Screenshot, APlaceThatCannotBeWrittenIsNamed) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::display

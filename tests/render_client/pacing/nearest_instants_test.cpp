@@ -38,7 +38,7 @@ TEST(NearestInstants, ShowsFramesOfOneInstantAtOnce) {
 }
 
 TEST(NearestInstants, WaitsForANearerFrameThatIsUnderWay) {
-  // The other camera's frame of 13 ms is 20 ms away, its next one at 46 ms would be 13.
+  // The other camera's frame at 13 ms is 20 ms away. Its next one at 46 ms would be 13 ms away.
   const CameraOffer cameras[] = {offer({0, 33.3}, true, 40), offer({13}, true)};
   const FrameChoice choice = nearest_instants(cameras, kPeriod, at_ms(41));
   EXPECT_FALSE(choice.is_new);
@@ -83,7 +83,7 @@ TEST(NearestInstants, NothingNewIsNothingToShow) {
   EXPECT_FALSE(choice.at_latest);
 }
 
-/// Cameras that run freely, and a client that shows them as the rule says.
+/// Free-running cameras, and a client that shows their frames by the rule.
 class Playing {
  public:
   Playing(std::vector<double> phases_ms, double jitter_ms)

@@ -29,13 +29,13 @@ struct SimulatedCamera {
 
 struct Outcome {
   double views_per_second = 0;
-  std::vector<double> p95_wait_ms;  ///< per camera, from a frame's arrival to the view that shows it
-  std::vector<double> shown;        ///< per camera, share of its frames that a view showed
+  std::vector<double> p95_wait_ms;  ///< for each camera, from a frame's arrival to the view that shows it
+  std::vector<double> shown;        ///< for each camera, fraction of its frames that a view shows
   double worst_p95() const { return *std::max_element(p95_wait_ms.begin(), p95_wait_ms.end()); }
 };
 
-/// Runs cameras, a pacer and a renderer that takes `render_ms` for a minute of fake time; the first two
-/// seconds don't count.
+/// Simulates one minute of cameras, a pacer and a renderer that takes `render_ms`. The first two
+/// seconds do not count.
 Outcome run(const std::vector<SimulatedCamera>& cameras, double views_per_second = 30, double render_ms = 10,
             unsigned seed = 1) {
   constexpr double kEndMs = 60'000, kCountFromMs = 2'000;

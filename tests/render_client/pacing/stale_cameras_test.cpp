@@ -59,7 +59,7 @@ TEST_F(Stale, ACameraThatHasNeverSentAnythingIsNotStale) {
 TEST_F(Stale, ViewsAreDrawnUntilTheLastCameraIsGone) {
   cameras.frame_arrived(0, kPeriod, kBegin);
   cameras.frame_arrived(1, kPeriod, kBegin + milliseconds(500));
-  // Draws when it is due, as a loop does, and counts the views.
+  // Draws views when they are due, as the client's loop does, and counts them.
   Instant drawn_at = kBegin + milliseconds(500);
   int views = 0;
   float before = 1;
@@ -95,7 +95,8 @@ TEST_F(Stale, ChangesAreReportedOnce) {
 
 TEST_F(Stale, ACameraThatComesAndGoesFillsNoLog) {
   int said = 0, happened = 0;
-  for (int i = 0; i < 30; ++i) {  // a frame every two seconds, of a camera that promises 30 a second
+  // A frame every two seconds, of a camera with a nominal rate of 30 per second.
+  for (int i = 0; i < 30; ++i) {
     const Instant at = kBegin + i * seconds(2);
     cameras.frame_arrived(0, kPeriod, at);
     for (const Instant now : {at, at + milliseconds(1500)}) {

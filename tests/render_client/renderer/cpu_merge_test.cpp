@@ -1,4 +1,4 @@
-// What several cameras' surfaces look like together: the merge of thesis 2.6.1.
+// Tests the merge of the surfaces of several cameras (thesis 2.6.1).
 
 #include <gtest/gtest.h>
 
@@ -16,8 +16,7 @@ Rigid3 moved(double x, double y, double z) {
 }
 
 TEST(CpuMerge, ShowsTheBetterQualityWhereSurfacesAgree) {
-  // Both see one wall, 3 m before the first camera and 1.5 m before the second; the first's lies 1 cm in
-  // front.
+  // Both cameras see one wall, at 3 m and at 1.5 m. The wall of the first camera is 1 cm in front.
   Looking far_away(kinect_model(), wall(2.99), plain(kRed));
   Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));
   for (const auto& order : {std::vector<Looking*>{&far_away, &close}, {&close, &far_away}}) {
@@ -39,7 +38,7 @@ TEST(CpuMerge, ShowsTheNearerWhereSurfacesDiffer) {
 }
 
 TEST(CpuMerge, AStaleCameraIsShownOnlyWhereNoLiveCameraShowsAnything) {
-  // The stale camera's wall is the nearer and the better one.
+  // The wall of the stale camera is nearer and has the better quality.
   Looking stale(kinect_model(), wall(1.2), plain(kRed)), live(kinect_model(), wall(3), plain(kGreen));
   for (int y = 0; y < 480; ++y) {
     for (int x = 320; x < 640; ++x) {
@@ -62,14 +61,14 @@ TEST(CpuMerge, AStaleCameraIsShownOnlyWhereNoLiveCameraShowsAnything) {
 TEST(CpuMerge, ACameraThatIsGoneIsNotDrawn) {
   Looking gone(kinect_model(), wall(1.2), plain(kRed)), live(kinect_model(), wall(3), plain(kGreen));
   gone.view.opacity = 0;
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   EXPECT_TRUE(near_color(render({&gone, &live}, eye).color(kWidth / 2, kHeight / 2), kGreen));
   EXPECT_EQ(count_shown(render({&gone}, eye)), 0);
 }
 
 TEST(CpuMerge, AStaleCameraWithoutColorFadesToo) {
   Looking gray(kinect_model(), wall(2), std::nullopt);
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   const int live = render({&gray}, eye).color(kWidth / 2, kHeight / 2).r;
   gray.view.opacity = 0.5F;
   EXPECT_NEAR(render({&gray}, eye).color(kWidth / 2, kHeight / 2).r, live / 2, 1);
@@ -79,7 +78,7 @@ TEST(CpuMerge, WidensTheRangeByTheCalibrationsErrors) {
   // 8 cm apart: more than noise explains at 3 m and 1.5 m, less than noise and 5 cm.
   Looking far_away(kinect_model(), wall(2.92), plain(kRed));
   Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   EXPECT_GT(0.08, uncertainty_m(2.92F, 0.005F, kKinectV1Noise) + uncertainty_m(1.5F, 0.005F, kKinectV1Noise));
   EXPECT_EQ(render({&far_away, &close}, eye).camera(kWidth / 2, kHeight / 2), 0);
   close.view.calibration_error_m = 0.15;
@@ -105,7 +104,7 @@ TEST(CpuMerge, SoftensTheOutlineOfWhatStandsBeforeAWall) {
   const int y = kHeight / 2;
   int edge = 0;
   while (edge + 1 < kWidth && view.depth_m(edge + 1, y) < 2) ++edge;
-  const auto mixed = [](int own, int other) { return own + (other - own) / kOutlineDivisor; };
+  const auto mixed = [](int own, int other) { return own + (other - own) / kSilhouetteDivisor; };
   const Rgb8 red_side{static_cast<std::uint8_t>(mixed(220, 30)), static_cast<std::uint8_t>(mixed(30, 220)),
                       30},
       green_side{red_side.g, red_side.r, 30};
@@ -116,7 +115,7 @@ TEST(CpuMerge, SoftensTheOutlineOfWhatStandsBeforeAWall) {
 }
 
 TEST(CpuMerge, ChangesFromCameraToCameraWithoutASeam) {
-  // Two cameras turned towards one wall from left and right: each is better on its own side.
+  // Two cameras look at one wall from left and right. Each is better on its own side.
   const Rigid3 from_left = {turned(35), {-1.2, 0, 0}}, from_right = {turned(-35), {1.2, 0, 0}};
   const auto wall_seen_from = [](const Rigid3& pose) {
     const Eigen::Vector3d n = pose.rotation.transpose() * Eigen::Vector3d::UnitZ();
@@ -124,7 +123,7 @@ TEST(CpuMerge, ChangesFromCameraToCameraWithoutASeam) {
   };
   Looking left(kinect_model(), wall_seen_from(from_left), plain(kRed), from_left);
   Looking right(kinect_model(), wall_seen_from(from_right), plain(kGreen), from_right);
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   const MergedView view = render({&left, &right}, eye);
   int largest = 0, total = 0;
   for (int x = kWidth / 4; x < kWidth * 3 / 4; ++x) {
@@ -133,21 +132,21 @@ TEST(CpuMerge, ChangesFromCameraToCameraWithoutASeam) {
     largest = std::max(largest, std::abs(next.r - here.r));
     total += here.r - next.r;
   }
-  EXPECT_GT(std::abs(total), 150);  // from one to the other
+  EXPECT_GT(std::abs(total), 150);  // from one camera to the other
   EXPECT_LE(largest, 12);           // in small steps
 }
 
 TEST(CpuMerge, PrefersMeasuredPixelsToFilledOnes) {
   Looking filled(kinect_model(), wall(2), plain(kRed));
   Looking measured(kinect_model(), wall(2.2), plain(kGreen), moved(0, 0, -0.2));
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   EXPECT_EQ(render({&filled, &measured}, eye).camera(kWidth / 2, kHeight / 2), 0);
   for (auto& state : filled.frame.state.pixels()) state = DepthState::kFilled;
   EXPECT_EQ(render({&filled, &measured}, eye).camera(kWidth / 2, kHeight / 2), 1);
 }
 
 TEST(CpuMerge, KeepsThinThingsInFront) {
-  // A stick of 1 cm before a wall; the other camera sees the wall alone, and better.
+  // A stick of 1 cm in front of a wall. The other camera sees only the wall, with better quality.
   const auto stick = [](double x, double) { return std::abs(x) < 0.004 ? std::optional(1.2) : std::nullopt; };
   Looking far_away(kinect_model(), together({wall(3), stick}), plain(kRed));
   Looking close(kinect_model(), wall(1), plain(kGreen), moved(0, 0, 2));
@@ -180,7 +179,7 @@ TEST(CpuMerge, GivesTheSamePictureWithAnyNumberOfThreads) {
   Looking one(kinect_model(), together({wall(3), sphere({0, 0, 2}, 0.4)}));
   Looking two(kinect_model(), wall(3.01), plain({200, 100, 50}));
   measure_like_a_kinect(one.frame, 0.05, 1);
-  const VirtualCamera eye = orbiting_eye(kWidth, kHeight, 10, 2);
+  const ViewPose eye = orbiting_eye(kWidth, kHeight, 10, 2);
   const MergedView single = render({&one, &two}, eye, 16, 1);
   for (int threads : {2, 3, 8}) {
     const MergedView several = render({&one, &two}, eye, 16, threads);
@@ -195,7 +194,7 @@ TEST(CpuMerge, ForgetsACameraThatIsGone) {
   Looking one(kinect_model(), wall(2), plain(kRed)), two(kinect_model(), wall(1), plain(kGreen));
   InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   MergedView view;
   ASSERT_TRUE(renderer->render(views_of({&one, &two}), eye, {.color = true}, view));
   EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), kGreen));

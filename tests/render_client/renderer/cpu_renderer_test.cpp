@@ -1,8 +1,10 @@
-// What one camera's surface looks like from anywhere.
+// Tests views of the surface of one camera.
 
 #include "render_client/renderer/cpu/cpu_renderer.h"
 
 #include <gtest/gtest.h>
+
+#include <numbers>
 
 #include "tests/render_client/renderer/rendering.h"
 
@@ -11,9 +13,8 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 360;
 
-// Farthest shown point from the plane n.P = d.
-double farthest_from_plane(const MergedView& view, const VirtualCamera& eye, const Eigen::Vector3d& n,
-                           double d) {
+// Greatest distance of a shown point from the plane n.P = d.
+double farthest_from_plane(const MergedView& view, const ViewPose& eye, const Eigen::Vector3d& n, double d) {
   double worst = 0;
   for_each_shown(view, [&](int x, int y) {
     worst = std::max(worst, std::abs(n.dot(shown_point(view, eye, x, y)) - d));
@@ -25,16 +26,17 @@ TEST(CpuRenderer, ShowsATiltedPlaneWhereItIsFromAMovedEye) {
   const Eigen::Vector3d n = Eigen::Vector3d(0.3, 0.2, 1).normalized();
   Looking camera(kinect_model(), plane(n, 2));
   for (double degrees : {-25.0, 0.0, 20.0}) {
-    const VirtualCamera eye = orbiting_eye(kWidth, kHeight, degrees, 2);
+    const ViewPose eye = orbiting_eye(kWidth, kHeight, degrees, 2);
     const MergedView view = render({&camera}, eye);
     EXPECT_GT(count_shown(view), kWidth * kHeight / 4);
-    EXPECT_LT(farthest_from_plane(view, eye, n, 2), 0.0002) << degrees;  // the depth image is good to 0.1 mm
+    // The depth image is accurate to 0.1 mm.
+    EXPECT_LT(farthest_from_plane(view, eye, n, 2), 0.0002) << degrees;
   }
 }
 
 TEST(CpuRenderer, ShowsTheColorThatLiesOnThePoint) {
   Looking camera(kinect_model(), plane(Eigen::Vector3d(0.3, 0.2, 1).normalized(), 2));
-  const VirtualCamera eye = orbiting_eye(kWidth, kHeight, 20, 2);
+  const ViewPose eye = orbiting_eye(kWidth, kHeight, 20, 2);
   const MergedView view = render({&camera}, eye);
   double worst = 0;
   for_each_shown(view, [&](int x, int y) {
@@ -43,13 +45,13 @@ TEST(CpuRenderer, ShowsTheColorThatLiesOnThePoint) {
     worst = std::max(worst, std::abs(view.color(x, y).g - (30 + pixel.y() * 200 / 480)));
     ASSERT_EQ(view.color(x, y).a, 255);
   });
-  EXPECT_LT(worst, 1.6);  // the gradient itself is rounded twice
+  EXPECT_LT(worst, 1.6);  // the gradient is rounded twice
 }
 
 TEST(CpuRenderer, ShowsTheCamerasOwnImageFromTheCamerasOwnPlace) {
   Looking camera(kinect_model(), together({wall(3), sphere({0, 0, 2}, 0.5)}));
-  VirtualCamera eye;
-  eye.lens = camera.view.model;
+  ViewPose eye;
+  eye.intrinsics = camera.view.model;
   const MergedView view = render({&camera}, eye);
   for (int y = 1; y < 479; ++y) {
     for (int x = 1; x < 639; ++x) {
@@ -57,18 +59,18 @@ TEST(CpuRenderer, ShowsTheCamerasOwnImageFromTheCamerasOwnPlace) {
       ASSERT_TRUE(near_color(view.color(x, y), gradient(x, y))) << x << ' ' << y;
     }
   }
-  EXPECT_GT(count_shown(view), 640 * 480 * 0.97);  // all but the sphere's outline
+  EXPECT_GT(count_shown(view), 640 * 480 * 0.97);  // everything but the edge of the sphere
 }
 
 TEST(CpuRenderer, LeavesDiscontinuitiesOpen) {
-  // A board of 40 cm at 1.5 m before a wall at 3 m.
+  // A board 40 cm wide at 1.5 m, in front of a wall at 3 m.
   const auto board = [](double x, double y) {
     return std::abs(x) < 0.13 && std::abs(y) < 0.13 ? std::optional(1.5) : std::nullopt;
   };
   Looking camera(kinect_model(), together({wall(3), board}));
   for (int block : {1, 16}) {
     for (double degrees : {-30.0, 0.0, 15.0}) {
-      const VirtualCamera eye = orbiting_eye(kWidth, kHeight, degrees, 2);
+      const ViewPose eye = orbiting_eye(kWidth, kHeight, degrees, 2);
       const MergedView view = render({&camera}, eye, block);
       int on_board = 0, on_wall = 0, between = 0;
       for_each_shown(view, [&](int x, int y) {
@@ -82,9 +84,11 @@ TEST(CpuRenderer, LeavesDiscontinuitiesOpen) {
   }
 }
 
-// Pixels without anything between two shown in their row and two in their column, from several eyes.
+// Counts empty pixels between two shown ones in their row and two in their column, from several
+// eyes.
 int count_cracks(const CameraModel& model) {
-  // A wall with knobs, so that flat blocks of all sizes lie beside single pixels; as a Kinect measures it.
+  // A wall with knobs, as a Kinect measures it. Planar blocks of all sizes lie beside single
+  // pixels.
   std::vector<Surface> parts = {plane(Eigen::Vector3d(0.2, 0.1, 1).normalized(), 2)};
   for (int i = -3; i <= 3; ++i) {
     for (int j = -2; j <= 2; ++j) {
@@ -95,7 +99,7 @@ int count_cracks(const CameraModel& model) {
   measure_like_a_kinect(camera.frame, 0, 3);
   int cracks = 0;
   for (const auto& [degrees, closer] : {std::pair(0.0, 0.0), {-17.0, 0.3}, {7.0, 1.0}}) {
-    VirtualCamera eye = orbiting_eye(960, 540, degrees, 2);
+    ViewPose eye = orbiting_eye(960, 540, degrees, 2);
     eye.world_from_eye.translation += eye.world_from_eye.rotation * Eigen::Vector3d(0, 0, closer);
     const MergedView view = render({&camera}, eye);
     for (int y = 1; y < view.height - 1; ++y) {
@@ -122,7 +126,7 @@ TEST(CpuRenderer, HasNoCracksBehindADistortedLensEither) {
 TEST(CpuRenderer, LooksTheSameCoarseAsFine) {
   Looking camera(kinect_model(), together({plane(Eigen::Vector3d(0.2, 0.5, 1).normalized(), 2.2),
                                            sphere({0.2, 0, 1.7}, 0.3), sphere({-0.5, 0.2, 1.5}, 0.1)}));
-  const VirtualCamera eye = orbiting_eye(1280, 720, 15, 2);
+  const ViewPose eye = orbiting_eye(1280, 720, 15, 2);
   const MergedView fine = render({&camera}, eye, 1), coarse = render({&camera}, eye, 16);
   int in_both = 0, in_one = 0;
   double error = 0, worst = 0;
@@ -130,7 +134,7 @@ TEST(CpuRenderer, LooksTheSameCoarseAsFine) {
     for (int x = 0; x < fine.width; ++x) {
       const double a = fine.depth_m(x, y), b = coarse.depth_m(x, y);
       in_one += (a > 0) != (b > 0);
-      if (!(a > 0 && b > 0) || std::abs(a - b) > 0.1) continue;  // an outline, half a pixel off
+      if (!(a > 0 && b > 0) || std::abs(a - b) > 0.1) continue;  // an edge that is half a pixel off
       ++in_both;
       error += std::abs(fine.color(x, y).r - coarse.color(x, y).r);
       worst = std::max(worst, std::abs(a - b) / kKinectV1Noise.step_m(a));
@@ -138,13 +142,13 @@ TEST(CpuRenderer, LooksTheSameCoarseAsFine) {
   }
   EXPECT_LT(in_one, 0.002 * in_both);
   EXPECT_LT(error / in_both, 0.2);  // of 255
-  EXPECT_LT(worst, 4);              // steps, where a sphere bends away
+  EXPECT_LT(worst, 4);              // steps, where a sphere curves away
 }
 
 TEST(CpuRenderer, ShowsAFlatSurfaceSmootherThanTheSensorMeasuresIt) {
   Looking camera(kinect_model(), wall(3));
   measure_like_a_kinect(camera.frame, 0, 5);
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   const auto noise = [&](int block) {
     const MergedView view = render({&camera}, eye, block);
     double squares = 0;
@@ -159,7 +163,7 @@ TEST(CpuRenderer, UndoesTheLensesDistortion) {
   lens.distortion = {0.2624, -0.9531, -0.0054, 0.0026, 1.1633, 0, 0, 0};  // TUM RGB-D benchmark, Freiburg 1
   const Eigen::Vector3d n = Eigen::Vector3d(-0.2, 0.3, 1).normalized();
   Looking camera(lens, plane(n, 2));
-  const VirtualCamera eye = orbiting_eye(kWidth, kHeight, 10, 2);
+  const ViewPose eye = orbiting_eye(kWidth, kHeight, 10, 2);
   const MergedView view = render({&camera}, eye);
   EXPECT_LT(farthest_from_plane(view, eye, n, 2), 0.0004);
   double worst = 0;
@@ -171,12 +175,12 @@ TEST(CpuRenderer, UndoesTheLensesDistortion) {
 }
 
 TEST(CpuRenderer, FollowsALensOffItsAxis) {
-  // The right half of a wide view, as a picture of its own.
+  // The right half of a wide view, rendered as a separate picture.
   Looking camera(kinect_model(), together({wall(3), sphere({0, 0, 2}, 0.5)}));
-  const VirtualCamera wide = orbiting_eye(kWidth, kHeight, 10, 2);
-  VirtualCamera right = wide;
-  right.lens.width = kWidth / 2;
-  right.lens.cx -= kWidth / 2;
+  const ViewPose wide = orbiting_eye(kWidth, kHeight, 10, 2);
+  ViewPose right = wide;
+  right.intrinsics.width = kWidth / 2;
+  right.intrinsics.cx -= kWidth / 2;
   const MergedView whole = render({&camera}, wide), half = render({&camera}, right);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth / 2; ++x) {
@@ -188,7 +192,7 @@ TEST(CpuRenderer, FollowsALensOffItsAxis) {
 TEST(CpuRenderer, ShowsNothingNearerOrFartherThanTheEyeSees) {
   Looking camera(kinect_model(),
                  plane(Eigen::Vector3d(0, -1, 0.25).normalized(), 0.5));  // a slope, 0.8 m to 6 m
-  VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  ViewPose eye = eye_at_origin(kWidth, kHeight);
   eye.near_m = 1.5;
   eye.far_m = 2.5;
   const MergedView view = render({&camera}, eye);
@@ -205,9 +209,10 @@ TEST(CpuRenderer, ShowsNothingNearerOrFartherThanTheEyeSees) {
 }
 
 TEST(CpuRenderer, CutsASurfaceThatReachesBehindTheEye) {
-  const Eigen::Vector3d n = Eigen::Vector3d(1, 0, -0.2).normalized();  // a wall along the way, on the right
+  // A wall along the line of sight, on the right.
+  const Eigen::Vector3d n = Eigen::Vector3d(1, 0, -0.2).normalized();
   Looking camera(kinect_model(), plane(n, 0.5));
-  VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  ViewPose eye = eye_at_origin(kWidth, kHeight);
   eye.world_from_eye.translation.z() = 2;
   const MergedView view = render({&camera}, eye);
   EXPECT_GT(count_shown(view), 10000);
@@ -216,7 +221,7 @@ TEST(CpuRenderer, CutsASurfaceThatReachesBehindTheEye) {
 
 TEST(CpuRenderer, SeesFromBehindTheCameraToo) {
   Looking camera(kinect_model(), wall(2));
-  VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  ViewPose eye = eye_at_origin(kWidth, kHeight);
   eye.world_from_eye.translation = {0.1, 0, -1};
   const MergedView view = render({&camera}, eye);
   EXPECT_GT(count_shown(view), 20000);
@@ -225,7 +230,7 @@ TEST(CpuRenderer, SeesFromBehindTheCameraToo) {
 
 TEST(CpuRenderer, ShowsNoSurfaceFromItsBack) {
   Looking camera(kinect_model(), wall(2));
-  VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  ViewPose eye = eye_at_origin(kWidth, kHeight);
   eye.world_from_eye.translation.z() = 4;
   eye.world_from_eye.rotation = turned(180);
   EXPECT_EQ(count_shown(render({&camera}, eye)), 0);
@@ -233,7 +238,7 @@ TEST(CpuRenderer, ShowsNoSurfaceFromItsBack) {
 
 TEST(CpuRenderer, ShowsBlackWhereThereIsNothing) {
   Looking blind(kinect_model(), [](double, double) { return std::nullopt; });
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   for (const std::vector<Looking*>& cameras : {std::vector<Looking*>{}, {&blind}, {&blind, &blind}}) {
     const MergedView view = render(cameras, eye);
     ASSERT_EQ(view.width, kWidth);
@@ -249,7 +254,7 @@ TEST(CpuRenderer, TakesFramesAndViewsOfAnySize) {
     CameraModel model = {width, height, 0.9 * width, 0.9 * width, width / 2.0, height / 2.0, {}};
     Looking camera(model, wall(2));
     for (const auto& [view_width, view_height] : {std::pair(2, 2), {13, 35}, {321, 201}}) {
-      const VirtualCamera eye = eye_at_origin(view_width, view_height);
+      const ViewPose eye = eye_at_origin(view_width, view_height);
       const MergedView view = render({&camera}, eye);
       EXPECT_EQ(view.color.width(), view_width);
       EXPECT_LT(farthest_from_plane(view, eye, {0, 0, 1}, 2), 0.0002);
@@ -269,14 +274,14 @@ TEST(CpuRenderer, ShowsAsManyCamerasAsItPromises) {
                          Rigid3{Eigen::Matrix3d::Identity(), {3.0 * static_cast<double>(i), 0, 0}});
   std::vector<Looking*> all;
   for (Looking& camera : cameras) all.push_back(&camera);
-  VirtualCamera eye = eye_at_origin(32, 24);
+  ViewPose eye = eye_at_origin(32, 24);
   eye.world_from_eye = cameras.back().view.world_from_camera;
   const MergedView view = render(all, eye);
   EXPECT_EQ(view.camera(16, 12), kMostCameras - 1);
   EXPECT_TRUE(near_color(view.color(16, 12), {0, 0, 248}));
 }
 
-// Half a pixel of difference between the two principal points would make gray of this.
+// If the principal points differed by half a pixel, the picture would be gray.
 TEST(CpuRenderer, AViewFromANominalCamerasPoseIsThatCamerasPicture) {
   constexpr double kVerticalDegrees = 44.6;
   const CameraModel model = camera_from_field_of_view(160, 120, kVerticalDegrees * std::numbers::pi / 180);
@@ -285,9 +290,9 @@ TEST(CpuRenderer, AViewFromANominalCamerasPoseIsThatCamerasPicture) {
     return Rgb8{shade, shade, shade};
   };
   Looking camera(model, wall(2), Paint(checkers));
-  VirtualCamera eye = eye_at_origin(160, 120);
+  ViewPose eye = eye_at_origin(160, 120);
   eye.world_from_eye = Rigid3{};
-  eye.lens = lens_from_fov(160, 120, kVerticalDegrees);
+  eye.intrinsics = camera_from_field_of_view(160, 120, kVerticalDegrees * std::numbers::pi / 180);
   const MergedView view = render({&camera}, eye);
   for (int y = 1; y < 119; ++y) {
     for (int x = 1; x < 159; ++x)
@@ -310,10 +315,10 @@ TEST(CpuRenderer, ShadesACameraWithoutColorByItsTilt) {
   EXPECT_NEAR(gray_of_wall_tilted_by(60), 255 * (0.15 + 0.85 * 0.5), 2);
 }
 
-TEST(CpuRenderer, AppliesTheColorMatching) {
+TEST(CpuRenderer, AppliesTheColorCorrector) {
   Looking camera(kinect_model(), wall(2), plain({100, 50, 200}));
-  camera.view.color_matching << 0, 1, 0, 0,  //
-      0.5F, 0, 0, 0.1F,                      //
+  camera.view.color_correction << 0, 1, 0, 0,  //
+      0.5F, 0, 0, 0.1F,                        //
       0, 0, 2, 0;
   const MergedView view = render({&camera}, eye_at_origin(kWidth, kHeight));
   EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), {50, 76, 255}));
@@ -323,7 +328,7 @@ TEST(CpuRenderer, KeepsWhatItDerivedUntilTheVersionChanges) {
   Looking camera(kinect_model(), wall(2));
   InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   MergedView view;
   const auto depth = [&] {
     EXPECT_TRUE(renderer->render(views_of({&camera}), eye, {.color = false, .depth = true}, view));
@@ -351,7 +356,7 @@ TEST(CpuRenderer, DrawsWhatItPreparedWithoutLookingAtTheFrameAgain) {
 
 TEST(CpuRenderer, TakesNewerFramesAndOtherCamerasThanItPrepared) {
   Looking left(kinect_model(), wall(2)), right(kinect_model(), wall(2));
-  const VirtualCamera eye = eye_at_origin(kWidth, kHeight);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
   InlineExecutor workers;
   const auto renderer = make_cpu_renderer(workers);
   renderer->prepare(views_of({&left, &right}));

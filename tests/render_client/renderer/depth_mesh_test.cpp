@@ -1,4 +1,5 @@
 #include "render_client/renderer/cpu/depth_mesh.h"
+#include "render_client/renderer/cpu/block_stitching.h"
 
 #include <gtest/gtest.h>
 
@@ -18,9 +19,9 @@ namespace {
 
 const SurfaceLimits kLimits(kKinectV1Noise, 1 / 585.0F);
 constexpr std::pair<int, int> kNobody{-1, -1};
-using Corners = std::array<std::pair<int, int>, 4>;  // pixels; a triangle's last is nobody
+using Corners = std::array<std::pair<int, int>, 4>;  // pixels; the last one of a triangle is (-1, -1)
 
-// Rough ground: steps, holes and slopes that some neighbours join over and others do not.
+// Rough ground with steps, holes and slopes. Some neighbours are connected, others are not.
 DepthImage rough_depth(int width, int height, unsigned seed) {
   std::minstd_rand random(seed);
   std::uniform_int_distribution<int> kind(0, 9), noise(-40, 40);
@@ -48,11 +49,11 @@ struct Made {
 
 Made make(InverseDepth& inverse, int largest_block, const PixelRays& rays) {
   Made made;
-  FlatBlocks flat;
-  find_flat_blocks(inverse, kLimits, flat);
-  list_blocks(inverse, flat, largest_block, made.blocks);
-  BlockOutlines outlines;
-  outlines.draw(flat, made.blocks, inverse);
+  PlanarBlocks planar;
+  find_planar_blocks(inverse, kLimits, planar);
+  list_blocks(inverse, planar, largest_block, made.blocks);
+  BlockStitching stitching;
+  stitching.draw(planar, made.blocks, inverse);
   build_mesh(inverse, made.blocks, rays, kLimits, made.mesh);
   return made;
 }
@@ -61,12 +62,12 @@ CameraModel model_of(int width, int height) {
   return {width, height, 585, 580, width / 2.0 + 0.3, height / 2.0 - 0.4, {}};
 }
 
-// What the Surface rule of merge_rules.h draws between the pixels from (x, y) on.
+// The shape between the pixels from (x, y) on, by the Surface rule of merge_rules.h.
 std::vector<Corners> drawn_between(const InverseDepth& inverse, int x, int y) {
   const std::pair<int, int> a{x, y}, b{x + 1, y}, c{x + 1, y + 1}, d{x, y + 1};
   const auto w = [&](std::pair<int, int> p) { return inverse.w(p.first, p.second); };
   const auto holds = [&](auto p, auto q, auto r) {
-    return std::min({w(p), w(q), w(r)}) > 0 && joined(w(p), w(q), w(r), kLimits);
+    return std::min({w(p), w(q), w(r)}) > 0 && connected(w(p), w(q), w(r), kLimits);
   };
   if (holds(a, b, d) && holds(b, c, d)) return {{a, b, c, d}};
   if (holds(a, b, c) && holds(a, c, d)) return {{b, c, d, a}};
@@ -150,9 +151,9 @@ TEST(DepthMesh, OfAStraightLensIsTheSameFromAllRaysAsFromTheFirstRowAndColumn) {
   EXPECT_EQ(from_some.quads, from_all.quads);
 }
 
-// Flat blocks of all sizes side by side: their common corners and the pixels on their outlines lie in one line, whichever
-// strip of the image they are in, so that the mesh has no cracks.
-TEST(DepthMesh, HasNoCracksBetweenFlatBlocksOfDifferentSizes) {
+// Planar blocks of all sizes side by side. Their common corners and the pixels on their borders lie
+// in one line, in every strip of the image, so that the mesh has no cracks.
+TEST(DepthMesh, HasNoCracksBetweenPlanarBlocksOfDifferentSizes) {
   const int width = 160, height = 120;
   DepthImage depth(width, height);
   std::minstd_rand random(5);
@@ -166,11 +167,12 @@ TEST(DepthMesh, HasNoCracksBetweenFlatBlocksOfDifferentSizes) {
   InverseDepth inverse = inverse_of(depth);
   const std::vector<Eigen::Vector2f> of_pixels = rays(model_of(width, height));
   const Made made = make(inverse, 16, {of_pixels, false});
-  std::array<std::size_t, kLevels> flat{};
-  for (int level = 0; level < kLevels; ++level) flat[level] = made.blocks.flat[level].size();
-  ASSERT_GT(flat[1], 0U);
-  ASSERT_GT(flat[3], 0U);
-  // Every pixel on the edge of a flat block that is a corner of a smaller one lies on the edge's line.
+  std::array<std::size_t, kLevels> planar{};
+  for (int level = 0; level < kLevels; ++level) planar[level] = made.blocks.planar[level].size();
+  ASSERT_GT(planar[1], 0U);
+  ASSERT_GT(planar[3], 0U);
+  // Every pixel on the border of a planar block that is a corner of a smaller block lies on the
+  // line of the border.
   std::vector<bool> is_corner(static_cast<std::size_t>(width * height));
   const auto at = [&](int x, int y) {
     return static_cast<std::size_t>(std::min(y, height - 1) * width + std::min(x, width - 1));
@@ -180,7 +182,7 @@ TEST(DepthMesh, HasNoCracksBetweenFlatBlocksOfDifferentSizes) {
   int checked = 0;
   for (int level = 1; level < kLevels; ++level) {
     const int size = kBlockSizes[level];
-    for (const auto& [block, plane] : made.blocks.flat[level]) {
+    for (const auto& [block, plane] : made.blocks.planar[level]) {
       const int x0 = size * block.i, y0 = size * block.j;
       if (x0 + size >= width || y0 + size >= height) continue;
       const auto check_line = [&](int x, int y, int dx, int dy) {

@@ -25,7 +25,7 @@ class GlRenderer : public gl::GlTest {
     GlTest::TearDown();
   }
 
-  MergedView render(std::span<const CameraView> cameras, const VirtualCamera& eye,
+  MergedView render(std::span<const CameraView> cameras, const ViewPose& eye,
                     HostPixels wanted = kEverything) {
     MergedView view;
     const auto rendered = renderer_->render(cameras, eye, wanted, view);
@@ -36,7 +36,7 @@ class GlRenderer : public gl::GlTest {
   std::unique_ptr<Renderer> renderer_;
 };
 
-// A wall across the camera's axis.
+// A wall perpendicular to the camera's axis.
 RgbdFrame wall(int width, int height, std::uint16_t depth_mm, Rgb8 color) {
   RgbdFrame frame;
   frame.depth = DepthImage(width, height, depth_mm);
@@ -54,9 +54,9 @@ CameraView camera_at(const RgbdFrame& frame, double x_m) {
   return camera;
 }
 
-VirtualCamera eye_of(const CameraView& camera) {
-  VirtualCamera eye;
-  eye.lens = camera.model;
+ViewPose eye_of(const CameraView& camera) {
+  ViewPose eye;
+  eye.intrinsics = camera.model;
   eye.world_from_eye = camera.world_from_camera;
   return eye;
 }
@@ -74,14 +74,14 @@ TEST_F(GlRenderer, ShowsAsManyCamerasAsItPromises) {
   EXPECT_EQ(view.color(8, 6), (Rgba8{200, 100, 50, 255}));
 }
 
-// A stale camera's wall stands a metre before the live one's.
+// The wall of a stale camera is a metre in front of that of the live one.
 TEST_F(GlRenderer, AStaleCameraGivesWayToALiveOneAndFades) {
   const RgbdFrame near = wall(64, 48, 1000, {200, 100, 50}), far = wall(64, 48, 2000, {0, 0, 250});
   CameraView stale = camera_at(near, 0), live = camera_at(far, 1.5);
   stale.version = 2;
   stale.opacity = 0.5F;
   const CameraView both[] = {stale, live};
-  const VirtualCamera eye = eye_of(stale);
+  const ViewPose eye = eye_of(stale);
   const MergedView view = render(both, eye);
   EXPECT_EQ(view.camera(10, 24), 0) << "only the stale camera sees it";
   EXPECT_EQ(view.color(10, 24), (Rgba8{100, 50, 25, 255}));
@@ -117,7 +117,7 @@ TEST_F(GlRenderer, ShowsAWallAsItsCameraSawIt) {
 TEST_F(GlRenderer, ShowsNothingWhereThereIsNothing) {
   const RgbdFrame frame = wall(64, 48, 2000, {200, 100, 50});
   const CameraView camera = camera_at(frame, 0);
-  VirtualCamera eye = eye_of(camera);
+  ViewPose eye = eye_of(camera);
   const auto expect_nothing = [](const MergedView& view) {
     EXPECT_EQ(view.color, Image<Rgba8>(64, 48, Rgba8{0, 0, 0, 0}));
     EXPECT_EQ(view.depth_m, Image<float>(64, 48));
@@ -133,7 +133,7 @@ TEST_F(GlRenderer, ShowsNothingWhereThereIsNothing) {
   eye = eye_of(camera);
   eye.world_from_eye.rotation = Eigen::Vector3d(-1, 1, -1).asDiagonal();
   expect_nothing(render({&camera, 1}, eye));
-  eye.world_from_eye.translation.z() = 4;  // looks at the wall's back
+  eye.world_from_eye.translation.z() = 4;  // looks at the back of the wall
   expect_nothing(render({&camera, 1}, eye));
 }
 
@@ -145,11 +145,11 @@ TEST_F(GlRenderer, LeavesOutHolesAndDoesNotBridgeSteps) {
   frame.depth(10, 10) = 0;
   frame.state(10, 10) = DepthState::kHole;
   const CameraView camera = camera_at(frame, 0);
-  VirtualCamera eye = eye_of(camera);
+  ViewPose eye = eye_of(camera);
   const MergedView ahead = render({&camera, 1}, eye);
   EXPECT_EQ(ahead.camera(10, 10), kNoCamera);
   EXPECT_EQ(ahead.camera(13, 10), 0);
-  eye.world_from_eye.translation.x() = 0.5;  // the step opens
+  eye.world_from_eye.translation.x() = 0.5;  // the gap at the depth step opens
   const MergedView aside = render({&camera, 1}, eye);
   int gap = 0;
   for (int x = 0; x < 64; ++x) {
@@ -163,7 +163,7 @@ TEST_F(GlRenderer, LeavesOutHolesAndDoesNotBridgeSteps) {
 }
 
 TEST_F(GlRenderer, LetsTheNearerCameraWinWithinTheRange) {
-  // Both see the wall at world z = 2, the second from half the distance.
+  // Both cameras see the wall at world z = 2, the second from half the distance.
   const RgbdFrame far = wall(64, 48, 2000, {255, 0, 0}), near = wall(64, 48, 1000, {0, 0, 255});
   std::array cameras = {camera_at(far, 0), camera_at(near, 0)};
   cameras[1].world_from_camera.translation.z() = 1.005;
@@ -201,7 +201,8 @@ TEST_F(GlRenderer, MatchesColors) {
   const RgbdFrame frame = wall(64, 48, 2000, {100, 100, 100});
   CameraView camera = camera_at(frame, 0);
   render({&camera, 1}, eye_of(camera));
-  camera.color_matching << 0.5F, 0, 0, 0, 0, 1, 0, 0.1F, 0, 0, 3, 0;  // same frame: only the matching is new
+  camera.color_correction << 0.5F, 0, 0, 0, 0, 1, 0, 0.1F, 0, 0, 3,
+      0;  // same frame: only the correction is new
   const MergedView view = render({&camera, 1}, eye_of(camera));
   EXPECT_EQ(view.color(32, 24), (Rgba8{50, 126, 255, 255}));
 }
@@ -219,7 +220,7 @@ TEST_F(GlRenderer, ShadesWithoutColorByTheNormals) {
 TEST_F(GlRenderer, KeepsWhatDidNotChangeAndTakesWhatDid) {
   RgbdFrame frame = wall(64, 48, 2000, {10, 20, 30});
   CameraView camera = camera_at(frame, 0);
-  const VirtualCamera eye = eye_of(camera);
+  const ViewPose eye = eye_of(camera);
   render({&camera, 1}, eye);
   frame = wall(64, 48, 1500, {40, 50, 60});
   EXPECT_EQ(render({&camera, 1}, eye).color(32, 24), (Rgba8{10, 20, 30, 255}))
@@ -259,11 +260,11 @@ TEST_F(GlRenderer, GivesOnlyWhatWasAskedFor) {
 TEST_F(GlRenderer, UndoesTheLensesDistortion) {
   RgbdFrame frame = wall(64, 48, 2000, {10, 20, 30});
   CameraView camera = camera_at(frame, 0);
-  const VirtualCamera eye = eye_of(camera);
+  const ViewPose eye = eye_of(camera);
   camera.model.distortion = {-0.2, 0, 0, 0, 0, 0, 0, 0};
   frame.color->operator()(8, 8) = {250, 250, 250};
   const MergedView view = render({&camera, 1}, eye);
-  const Eigen::Vector2d where = project(eye.lens, unproject(camera.model, {8, 8}, 2.0));
+  const Eigen::Vector2d where = project(eye.intrinsics, unproject(camera.model, {8, 8}, 2.0));
   EXPECT_LT(where.x(), 7) << "barrel distortion had pulled the corner in";
   const auto near = view.color(int(std::lround(where.x())), int(std::lround(where.y())));
   EXPECT_GT(near.r, 60);

@@ -10,29 +10,29 @@ namespace {
 
 const SurfaceLimits kLimits(kKinectV1Noise, 1.0F / 585);
 
-bool joined_at(double a_m, double b_m) {
-  return joined(float(1 / a_m), float(1 / b_m), float(1 / b_m), kLimits);
+bool connected_at(double a_m, double b_m) {
+  return connected(float(1 / a_m), float(1 / b_m), float(1 / b_m), kLimits);
 }
 
 TEST(MergeRules, JoinNeighboursThatNoiseAndTiltExplain) {
   for (double z : {0.5, 1.0, 2.0, 3.0, 4.0}) {
-    EXPECT_TRUE(joined_at(z, z + 3 * kKinectV1Noise.step_m(z))) << z;
+    EXPECT_TRUE(connected_at(z, z + 3 * kKinectV1Noise.step_m(z))) << z;
     const double tilted = z * std::tan(75 * std::numbers::pi / 180) / 585;
-    EXPECT_TRUE(joined_at(z, z + tilted)) << z;
+    EXPECT_TRUE(connected_at(z, z + tilted)) << z;
   }
 }
 
 TEST(MergeRules, SeparateAHandFromTheWallBehindIt) {
-  EXPECT_FALSE(joined_at(0.5, 0.52));
-  EXPECT_FALSE(joined_at(1.0, 1.05));
-  EXPECT_FALSE(joined_at(2.0, 2.15));
-  EXPECT_FALSE(joined_at(3.0, 3.4));
+  EXPECT_FALSE(connected_at(0.5, 0.52));
+  EXPECT_FALSE(connected_at(1.0, 1.05));
+  EXPECT_FALSE(connected_at(2.0, 2.15));
+  EXPECT_FALSE(connected_at(3.0, 3.4));
 }
 
 TEST(MergeRules, DoNotCareInWhichOrderThePixelsCome) {
   const float a = 0.5F, b = 0.51F, c = 0.48F;
-  EXPECT_EQ(joined(a, b, c, kLimits), joined(c, b, a, kLimits));
-  EXPECT_EQ(joined(a, b, c, kLimits), joined(b, c, a, kLimits));
+  EXPECT_EQ(connected(a, b, c, kLimits), connected(c, b, a, kLimits));
+  EXPECT_EQ(connected(a, b, c, kLimits), connected(b, c, a, kLimits));
 }
 
 TEST(MergeRules, FindTheTiltOfAPlane) {
@@ -42,11 +42,11 @@ TEST(MergeRules, FindTheTiltOfAPlane) {
     const Eigen::Vector3d n(std::sin(tilt), 0, std::cos(tilt));
     for (double x : {-0.3, 0.0, 0.4}) {
       const Eigen::Vector3d ray(x, 0.2, 1);
-      const double cosine = n.dot(ray) / ray.norm();
-      if (cosine < 0.05) continue;
+      const double incidence = n.dot(ray) / ray.norm();
+      if (incidence < 0.05) continue;
       const double d = 2;
       EXPECT_NEAR(cos_theta(float(n.dot(ray) / d), float(n.x() / d), float(n.y() / d), float(x), 0.2F),
-                  cosine, 1e-5);
+                  incidence, 1e-5);
     }
   }
 }
@@ -58,23 +58,23 @@ TEST(MergeRules, TakeTheRangeFromBothSensorsNoiseAtTheirDistance) {
 }
 
 TEST(MergeRules, LetAFragmentFadeBeforeItLeavesTheRange) {
-  EXPECT_FLOAT_EQ(fragment_worth(2, 0, 0.04F), 2);
-  EXPECT_FLOAT_EQ(fragment_worth(2, 0.02F, 0.04F), 2);
-  EXPECT_FLOAT_EQ(fragment_worth(2, 0.03F, 0.04F), 1);
-  EXPECT_FLOAT_EQ(fragment_worth(2, 0.04F, 0.04F), 0);
-  EXPECT_FLOAT_EQ(fragment_worth(2, 0.05F, 0.04F), 0);
+  EXPECT_FLOAT_EQ(blend_weight(2, 0, 0.04F), 2);
+  EXPECT_FLOAT_EQ(blend_weight(2, 0.02F, 0.04F), 2);
+  EXPECT_FLOAT_EQ(blend_weight(2, 0.03F, 0.04F), 1);
+  EXPECT_FLOAT_EQ(blend_weight(2, 0.04F, 0.04F), 0);
+  EXPECT_FLOAT_EQ(blend_weight(2, 0.05F, 0.04F), 0);
 }
 
 TEST(MergeRules, BlendEqualsEvenlyAndLeaveOutTheMuchWorse) {
-  EXPECT_FLOAT_EQ(blend_weight(3, 3), 1);
-  EXPECT_FLOAT_EQ(blend_weight(3 * kTieRatio, 3), 0);
-  EXPECT_FLOAT_EQ(blend_weight(0.1F, 3), 0);
-  EXPECT_NEAR(blend_weight(3 * 0.5F * (1 + kTieRatio), 3), 0.5, 1e-5);
+  EXPECT_FLOAT_EQ(blend_share(3, 3), 1);
+  EXPECT_FLOAT_EQ(blend_share(3 * kTieRatio, 3), 0);
+  EXPECT_FLOAT_EQ(blend_share(0.1F, 3), 0);
+  EXPECT_NEAR(blend_share(3 * 0.5F * (1 + kTieRatio), 3), 0.5, 1e-5);
 }
 
 TEST(MergeRules, ValueMeasuredAboveFilledAndNearAboveFar) {
-  const auto quality = [](float cosine, float z_m, DepthState state) {
-    return quality_index(cosine, z_m, state, kKinectV1Noise);
+  const auto quality = [](float incidence, float z_m, DepthState state) {
+    return quality_index(incidence, z_m, state, kKinectV1Noise);
   };
   EXPECT_GT(quality(1, 2, DepthState::kMeasured), quality(1, 2, DepthState::kFilled));
   EXPECT_GT(quality(1, 2, DepthState::kMeasured), quality(1, 3, DepthState::kMeasured));
@@ -83,8 +83,8 @@ TEST(MergeRules, ValueMeasuredAboveFilledAndNearAboveFar) {
 
 TEST(MergeRules, FollowTheSensorsNoise) {
   const DepthNoise coarse{.disparity_constant_m = 100, .sigma_steps = 1};
-  EXPECT_FALSE(joined_at(1.0, 1.05));
-  EXPECT_TRUE(joined(1, float(1 / 1.05), float(1 / 1.05), SurfaceLimits(coarse, 1.0F / 585)));
+  EXPECT_FALSE(connected_at(1.0, 1.05));
+  EXPECT_TRUE(connected(1, float(1 / 1.05), float(1 / 1.05), SurfaceLimits(coarse, 1.0F / 585)));
   EXPECT_NEAR(uncertainty_m(3, 0.004F, coarse), 3 * coarse.sigma_m(3) + 0.004, 1e-6);
   // A sensor with a seventh of a Kinect's precision has a seventh of its weight.
   EXPECT_NEAR(quality_index(1, 1, DepthState::kMeasured, coarse), 0.5 / 3.513, 1e-4);

@@ -1,4 +1,4 @@
-// Holds the two renderers' pictures together: same cameras, same eye, same view.
+// Compares the pictures of the two renderers: same cameras, same eye, same view.
 
 #include <algorithm>
 #include <cstdlib>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kWidth = 480, kHeight = 270;
 
-// Half a Kinect's pixels, to be quick.
+// Half the size of a Kinect's images, to be fast.
 CameraModel half_kinect_model() {
   return {320, 240, 292.5, 292.5, 159.75, 119.75, {}};
 }
@@ -24,7 +24,8 @@ Surface seen_from(const Rigid3& world_from_camera, const Eigen::Vector3d& n, dou
   return plane(world_from_camera.rotation.transpose() * n, d - n.dot(world_from_camera.translation));
 }
 
-// Two walls that meet, a floor, and a ball before them; metres, the camera's convention for the world too.
+// Two walls that meet, a floor, and a ball in front of them. Metres; the world has the camera
+// convention.
 Surface room(const Rigid3& world_from_camera) {
   const Eigen::Vector3d ball(0.1, 0.2, 1.8);
   return together(
@@ -53,11 +54,11 @@ Scene scene(const Sensing& sensing) {
     camera.version = 1;
     camera.world_from_camera.translation.x() = i == 0 ? -0.25 : 0.25;
     camera.world_from_camera.rotation = turned(i == 0 ? 8 : -8);
-    if (i == 1) camera.color_matching << 0.9F, 0.05F, 0, 0.01F, 0, 1.1F, 0, 0, 0.02F, 0, 0.95F, -0.01F;
+    if (i == 1) camera.color_correction << 0.9F, 0.05F, 0, 0.01F, 0, 1.1F, 0, 0, 0.02F, 0, 0.95F, -0.01F;
     made.frames.push_back(frame_of(camera.model, room(camera.world_from_camera),
                                    sensing.color ? std::optional(Paint(gradient)) : std::nullopt));
     if (sensing.noise) measure_like_a_kinect(made.frames.back(), 0.04, unsigned(i));
-    // a filled patch
+    // Filled pixels.
     for (int v = 50; v < 80; ++v) {
       for (int u = 100; u < 150; ++u) {
         auto& state = made.frames.back().state(u, v);
@@ -70,12 +71,12 @@ Scene scene(const Sensing& sensing) {
   return made;
 }
 
-// Per cent of the view, and per cent of the pixels shown in both.
+// Percentages of the view, and of the pixels shown in both views.
 struct Difference {
   double shown_in_one = 0;
-  double color = 0;   // more than 8/255 apart
-  double winner = 0;  // of different cameras
-  double depth = 0;   // of the same camera, and more than a millimetre and the sensor's sigma apart
+  double color = 0;   // differ by more than 8/255
+  double winner = 0;  // show different cameras
+  double depth = 0;   // of the same camera, and differ by more than a millimetre plus the sensor's sigma
 };
 
 std::ostream& operator<<(std::ostream& out, const Difference& d) {
@@ -108,7 +109,7 @@ Difference compare(const MergedView& a, const MergedView& b) {
 
 class RenderersAgree : public gl::GlTest {
  protected:
-  // From several eyes; the worst of each.
+  // The worst values over several eyes.
   Difference differ(const Scene& scene, int largest_block) {
     InlineExecutor workers;
     const auto cpu = make_cpu_renderer(workers, {.largest_block = largest_block});
@@ -119,7 +120,7 @@ class RenderersAgree : public gl::GlTest {
     }
     Difference worst;
     for (const double degrees : {-20.0, 3.0, 14.0}) {
-      const VirtualCamera eye = orbiting_eye(kWidth, kHeight, degrees, 2);
+      const ViewPose eye = orbiting_eye(kWidth, kHeight, degrees, 2);
       MergedView ours, theirs;
       constexpr HostPixels kAll{.color = true, .depth = true};
       EXPECT_TRUE(cpu->render(scene.cameras, eye, kAll, ours));
@@ -133,8 +134,8 @@ class RenderersAgree : public gl::GlTest {
   }
 };
 
-// Nothing but rounding may be left, and where a rounded number decides, either outcome; and the CPU renderer
-// may draw a noisy quad as one plane, which is off by a quarter of its noise.
+// Only rounding may differ. Where a rounded number decides, either result is right. The CPU
+// renderer may also draw a noisy quad as one plane, which differs by a quarter of its noise.
 void expect_agreement(const Difference& worst) {
   EXPECT_LE(worst.shown_in_one, 0.1);
   EXPECT_LE(worst.color, 0.2);
@@ -154,7 +155,7 @@ TEST_F(RenderersAgree, OnARoomAsAKinectSeesItPixelByPixel) {
   expect_agreement(differ(scene({.noise = true}), 1));
 }
 
-// One camera fades, then both, differently.
+// First one camera fades, then both, by different amounts.
 TEST_F(RenderersAgree, OnStaleCameras) {
   Scene stale = scene({.noise = true});
   stale.cameras[0].opacity = 0.4F;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Cameras that own what they see, and a view of them by the CPU renderer.
+// Cameras with frames of their own, and views of them by the CPU renderer.
 
 #include <gtest/gtest.h>
 
@@ -36,8 +36,8 @@ inline std::vector<CameraView> views_of(const std::vector<Looking*>& cameras) {
   return views;
 }
 
-inline MergedView render(const std::vector<Looking*>& cameras, const VirtualCamera& eye,
-                         int largest_block = 16, int threads = 1) {
+inline MergedView render(const std::vector<Looking*>& cameras, const ViewPose& eye, int largest_block = 16,
+                         int threads = 1) {
   flow::WorkerPool workers(threads, "test");
   const auto renderer = make_cpu_renderer(workers, {.largest_block = largest_block});
   MergedView view;
@@ -45,9 +45,9 @@ inline MergedView render(const std::vector<Looking*>& cameras, const VirtualCame
   return view;
 }
 
-/// The point of the world that a pixel of the view shows.
-inline Eigen::Vector3d shown_point(const MergedView& view, const VirtualCamera& eye, int x, int y) {
-  return eye.world_from_eye * unproject(eye.lens, {double(x), double(y)}, view.depth_m(x, y));
+/// The point in the world that a pixel of the view shows.
+inline Eigen::Vector3d shown_point(const MergedView& view, const ViewPose& eye, int x, int y) {
+  return eye.world_from_eye * unproject(eye.intrinsics, {double(x), double(y)}, view.depth_m(x, y));
 }
 
 inline int count_shown(const MergedView& view) {
@@ -56,7 +56,7 @@ inline int count_shown(const MergedView& view) {
   return shown;
 }
 
-/// Calls visit(x, y) for every pixel that shows something.
+/// Calls visit(x, y) for every pixel that shows a surface.
 template <class Visit>
 void for_each_shown(const MergedView& view, Visit&& visit) {
   for (int y = 0; y < view.height; ++y) {
@@ -66,8 +66,8 @@ void for_each_shown(const MergedView& view, Visit&& visit) {
   }
 }
 
-/// An eye in the camera's place.
-inline VirtualCamera eye_at_origin(int width, int height) {
+/// An eye at the pose of the camera.
+inline ViewPose eye_at_origin(int width, int height) {
   return orbiting_eye(width, height, 0, 1);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Frames of surfaces whose every point is known, and eyes that look at them.
+// Frames of surfaces with known points, and eyes that look at them.
 
 #include <Eigen/Core>
 #include <cmath>
@@ -18,7 +18,7 @@ inline CameraModel kinect_model() {
   return {640, 480, 585, 585, 320, 240, {}};
 }
 
-/// Depth in metres along the ray (x, y, 1), nothing where there is no surface.
+/// Depth in metres along the ray (x, y, 1). Nothing if there is no surface.
 using Surface = std::function<std::optional<double>(double x, double y)>;
 /// Colour of the pixel (u, v).
 using Paint = std::function<Rgb8(int u, int v)>;
@@ -43,7 +43,7 @@ inline Surface sphere(const Eigen::Vector3d& center, double radius) {
   };
 }
 
-/// The nearest of all.
+/// The nearest of several surfaces.
 inline Surface together(std::vector<Surface> surfaces) {
   return [surfaces](double x, double y) {
     std::optional<double> nearest;
@@ -58,12 +58,12 @@ inline Surface together(std::vector<Surface> surfaces) {
 inline Paint plain(Rgb8 color) {
   return [color](int, int) { return color; };
 }
-/// Brightness that grows smoothly with the pixel, so that every place can be told from its neighbours.
+/// Brightness that rises smoothly over the image, so that every pixel differs from its neighbours.
 inline Rgb8 gradient(int u, int v) {
   return {std::uint8_t(30 + u * 200 / 640), std::uint8_t(30 + v * 200 / 480), 128};
 }
 
-/// What a camera sees of a surface, to 0.1 mm.
+/// The frame that a camera takes of a surface, accurate to 0.1 mm.
 inline RgbdFrame frame_of(const CameraModel& camera, const Surface& surface,
                           const std::optional<Paint>& paint) {
   RgbdFrame frame;
@@ -84,8 +84,8 @@ inline RgbdFrame frame_of(const CameraModel& camera, const Surface& surface,
   return frame;
 }
 
-/// As a Kinect measures it: noise of half a step, then whole steps; and `holes` of it missing, in round
-/// patches.
+/// The same as a Kinect measures it: noise of half a step, rounded to whole steps. `holes` is the
+/// fraction without depth, in round patches.
 inline void measure_like_a_kinect(RgbdFrame& frame, double holes, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, 1.0 / 3);
@@ -109,15 +109,15 @@ inline void measure_like_a_kinect(RgbdFrame& frame, double holes, unsigned seed)
   }
 }
 
-/// Turned about its own vertical axis, to the right for positive degrees.
+/// Turned about its vertical axis. Positive degrees turn it to the right.
 inline Eigen::Matrix3d turned(double degrees) {
   return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Eigen::Vector3d::UnitY()).toRotationMatrix();
 }
 
-/// At the distance `z_m` in front of the first camera lies the point about which this eye is turned.
-inline VirtualCamera orbiting_eye(int width, int height, double degrees, double z_m) {
-  VirtualCamera eye;
-  eye.lens = lens_from_fov(width, height, 50);
+/// The eye is turned about the point at distance `z_m` in front of the first camera.
+inline ViewPose orbiting_eye(int width, int height, double degrees, double z_m) {
+  ViewPose eye;
+  eye.intrinsics = camera_from_field_of_view(width, height, 50 * std::numbers::pi / 180);
   eye.world_from_eye.rotation = turned(degrees);
   eye.world_from_eye.translation =
       Eigen::Vector3d(0, 0, z_m) - eye.world_from_eye.rotation * Eigen::Vector3d(0, 0, z_m);

@@ -7,7 +7,7 @@
 
 #include "tests/support/process.h"
 
-namespace copresence::client {
+namespace copresence::statistics {
 namespace {
 
 using std::chrono::milliseconds;
@@ -36,7 +36,7 @@ TEST(CameraStatistics, TellsWhyFramesAreMissing) {
   CameraStatistics camera;
   camera.received(totals(100, 7, 40), 1000, at(0));
   camera.received(totals(104, 9, 41), 1000,
-                  at(100));  // three are missing: two of them for want of an encoder
+                  at(100));  // three are missing, two of them because the encoder was busy
   camera.received(totals(105, 9, 41), 1000, at(200));
   camera.not_decoded();
   const auto s = camera.snapshot();
@@ -73,7 +73,7 @@ TEST(CameraStatistics, CountsPicturesWithoutAPartnerFromTheFirstFrameOn) {
                    .late = 7,
                    .dark = 55},
                   10, at(33));
-  camera.connected();  // to a server that started anew
+  camera.connected();  // to a restarted server
   camera.received({.captured = 1}, 10, at(500));
   camera.received({.captured = 2, .depth_without_color = 2, .color_without_depth = 1, .dark = 4}, 10,
                   at(533));
@@ -99,8 +99,8 @@ TEST(CameraStatistics, LeavesNothingUnaccountedWhereTheServerWentOnWithoutUs) {
   camera.connected();
   camera.received(totals(100, 5, 2), 1000, at(0));
   camera.received(totals(101, 5, 2), 1000, at(33));
-  // A cut of eight seconds. The frames that were on their way are lost with the connection; others skipped
-  // the rest, since the server had nobody to encode for.
+  // The connection was cut for eight seconds. Frames on their way are lost. Others were not
+  // encoded, since there was no client.
   camera.connected();
   camera.received(totals(341, 5, 233), 1000, at(8'033));
   camera.received(totals(343, 6, 233), 1000, at(8'100));
@@ -132,13 +132,13 @@ TEST(CameraStatistics, DoesNotAddUpWhatAServerMakesUp) {
 TEST(CameraStatistics, MeasuresNoLatencyWhereTimesAreNotBelieved) {
   CameraStatistics camera;
   camera.timed(milliseconds(2), {.capture = milliseconds(1)});
-  camera.shown(1, milliseconds(30));
+  camera.displayed(1, milliseconds(30));
   for (int i = 2; i < 100; ++i) {
     camera.timed(std::nullopt, {.capture = std::chrono::hours(1)});
-    camera.shown(static_cast<std::uint64_t>(i), std::nullopt);
+    camera.displayed(static_cast<std::uint64_t>(i), std::nullopt);
   }
   const auto s = camera.snapshot();
-  EXPECT_EQ(s.shown, 99u);
+  EXPECT_EQ(s.displayed, 99u);
   EXPECT_EQ(s.times_not_believed, 98u);
   EXPECT_NEAR(s.latency.percentile_ms(99), 30, 0.6);
   EXPECT_NEAR(s.stages[0].percentile_ms(99), 1, 0.05);
@@ -168,7 +168,7 @@ TEST(Statistics, WritesEveryKeyOfTheDesign) {
   CameraStatistics camera;
   camera.received(totals(1), 10, at(0));
   camera.stage(Stage::kWire, milliseconds(2));
-  camera.shown(1, milliseconds(30));
+  camera.displayed(1, milliseconds(30));
   const std::string path = folder / "stats.json";
   ASSERT_TRUE(write_statistics(path, {{"left", "", camera.snapshot()}}, ViewStatistics(), "cpu", 1280, 720));
   std::ifstream file(path);
@@ -209,4 +209,4 @@ TEST(Statistics, NamesAFileThatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::statistics

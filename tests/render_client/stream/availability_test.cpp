@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace copresence::client {
+namespace copresence::stream {
 namespace {
 
 using std::chrono::milliseconds;
@@ -119,4 +119,4 @@ TEST(Availability, TwoSecondsOfFramesMakeTheNextPauseShort) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::stream

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace copresence::client {
+namespace copresence::stream {
 namespace {
 
 using std::chrono::hours;
@@ -61,4 +61,4 @@ TEST(FrameTimes, TakeAnyNumber) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::stream

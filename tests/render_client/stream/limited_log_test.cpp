@@ -5,7 +5,7 @@
 
 #include "common/text/excerpt.h"
 
-namespace copresence::client {
+namespace copresence::stream {
 namespace {
 
 using std::chrono::milliseconds;
@@ -78,4 +78,4 @@ TEST_F(LimitedLogTest, BoundsAndCleansEveryLine) {
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::stream

@@ -25,7 +25,7 @@ TEST(EyePath, MovesLinearlyBetweenItsLinesAndStandsStillOutside) {
   EXPECT_TRUE(path.at(1'000'000'000'000).look.isApprox(Vector3d(2, 0, 3)));
 }
 
-// simulate_kinect had a parser of its own, which refused the first two and the last.
+// Accepts unusual forms that are valid.
 TEST(EyePath, TakesCommentsBlankLinesTabsWindowsEndingsAndViewsFromAbove) {
   for (const char* text :
        {"0 0 0 0 0 0 1  # from the door\n", "0 0 0 0 0 0 1\n   \n5 1 0 0 0 0 1\n",

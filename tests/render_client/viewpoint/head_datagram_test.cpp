@@ -28,7 +28,7 @@ Bytes big_endian(const std::vector<double>& values) {
   return bytes;
 }
 
-/// What would be logged of it; empty where it is a pose.
+/// The text for the log; empty for a pose.
 std::string complaint(const Bytes& bytes) {
   const auto pose = read_head_pose(bytes, bytes.size());
   return pose ? "" : describe(pose.error(), bytes, bytes.size());
@@ -44,8 +44,8 @@ TEST(HeadDatagram, GivesThePose) {
   EXPECT_EQ(pose->roll_degrees, 60);
 }
 
-// Small whole numbers in the other byte order are denormal numbers, which once counted as a pose of almost
-// zero.
+// Small whole numbers in the other byte order are denormal numbers. They must not count as a pose
+// of almost zero.
 TEST(HeadDatagram, NamesTheOtherByteOrder) {
   EXPECT_THAT(complaint(big_endian({0, 0, 0, 128, 1, -4})), testing::HasSubstr("big-endian"));
   EXPECT_THAT(complaint(big_endian({0.1, 12.7, -3.3, 128.123, 1.7, -4})), testing::HasSubstr("big-endian"));

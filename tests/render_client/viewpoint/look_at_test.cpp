@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render_client/viewpoint/fixed_view.h"
+#include "render_client/viewpoint/scripted_views.h"
 
 namespace copresence::viewpoint {
 namespace {
@@ -46,10 +46,10 @@ TEST(LookAt, StaysRigidWhereTheDirectionsSayNothing) {
 }
 
 TEST(FixedView, StaysAtHome) {
-  FixedView view;
+  FixedView view({});
   EXPECT_EQ(view.at(0, {}).world_from_eye, Rigid3{});
   const Rigid3 home = look_at({1, 0, 0}, {0, 0, 0}, kUp);
-  view.set_home(home);
+  view.set_reset_pose(home);
   EXPECT_EQ(view.at(7, Instant(Duration(9))).world_from_eye, home);
 }
 

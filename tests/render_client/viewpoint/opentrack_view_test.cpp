@@ -46,7 +46,7 @@ class Opentrack : public testing::Test {
   }
   Rigid3 eye() { return view.at(0, {}).world_from_eye; }
 
-  OpentrackView view = OpentrackView::open(0).value();
+  OpentrackView view = OpentrackView::open({}, 0).value();
 
  private:
   int tracker_;
@@ -55,7 +55,7 @@ class Opentrack : public testing::Test {
 
 TEST_F(Opentrack, StaysAtHomeUntilSomethingComes) {
   const Rigid3 home = look_at({1, 0, 0}, {0, 0, 0}, {0, -1, 0});
-  view.set_home(home);
+  view.set_reset_pose(home);
   EXPECT_EQ(eye(), home);
 }
 
@@ -71,11 +71,11 @@ TEST_F(Opentrack, TurnsRightNodsUpAndTiltsRight) {
   send(datagram({0, 0, 0, 0, 30, 0}));
   EXPECT_LT(eye().rotation.col(2).y(), -0.49);
   send(datagram({0, 0, 0, 0, 0, 30}));
-  EXPECT_GT(eye().rotation.col(0).y(), 0.49);  // what was right now points down
+  EXPECT_GT(eye().rotation.col(0).y(), 0.49);  // right has become down
 }
 
 TEST_F(Opentrack, AppliesTheHeadInTheFrameOfHome) {
-  view.set_home(look_at({5, 0, 0}, {0, 0, 0}, {0, -1, 0}));
+  view.set_reset_pose(look_at({5, 0, 0}, {0, 0, 0}, {0, -1, 0}));
   send(datagram({0, 0, 100, 0, 0, 0}));
   EXPECT_TRUE(eye().translation.isApprox(Vector3d(4, 0, 0)));
 }
@@ -124,7 +124,7 @@ TEST_F(Opentrack, TakesTheEndsOfTheRange) {
 }
 
 TEST_F(Opentrack, SaysThatThePortIsInUse) {
-  const auto second = OpentrackView::open(view.port());
+  const auto second = OpentrackView::open({}, view.port());
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::kUnavailable);
   EXPECT_THAT(second.error().what,
@@ -134,12 +134,12 @@ TEST_F(Opentrack, SaysThatThePortIsInUse) {
 TEST_F(Opentrack, LetsThePortGoAtItsEnd) {
   std::uint16_t port;
   {
-    OpentrackView moved = OpentrackView::open(0).value();
+    OpentrackView moved = OpentrackView::open({}, 0).value();
     port = moved.port();
     const OpentrackView again = std::move(moved);
-    EXPECT_FALSE(OpentrackView::open(port));
+    EXPECT_FALSE(OpentrackView::open({}, port));
   }
-  EXPECT_TRUE(OpentrackView::open(port));
+  EXPECT_TRUE(OpentrackView::open({}, port));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST_F(TrackerReportTest, SaysThatPosesComeAndThatTheyCeased) {
   EXPECT_THAT(line(kBegin + seconds(6)), HasSubstr("nothing has come for 5 s"));
   report_.took_pose(kBegin + seconds(9));
   EXPECT_THAT(line(kBegin + seconds(9)), HasSubstr("poses arrive"));
-  EXPECT_EQ(line(kBegin + seconds(15)), "");  // said less than a minute ago
+  EXPECT_EQ(line(kBegin + seconds(15)), "");  // it was logged less than a minute ago
 }
 
 TEST_F(TrackerReportTest, NamesEachKindOfFaultAtOnceAndThenOnceAMinute) {

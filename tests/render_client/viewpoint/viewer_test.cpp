@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
-namespace copresence::client {
+namespace copresence::viewpoint {
 namespace {
+
+using Kind = ViewChoice::Kind;
+
+const CameraModel kIntrinsics = camera_from_field_of_view(640, 480, 0.9);
 
 Rigid3 at(double x_m) {
   Rigid3 pose;
@@ -11,62 +15,67 @@ Rigid3 at(double x_m) {
   return pose;
 }
 
-// The pointer goes 100 pixels to the right with the left button held, in a window of 400 rows.
-std::vector<window::Event> drag() {
-  window::MoveEvent begin{}, end{};
-  begin.x = 100;
-  end.x = 200;
-  end.left = true;
-  return {begin, end};
+Viewer mouse_viewer() {
+  auto viewer = Viewer::open(*parse_view("mouse"), kIntrinsics, {0, -1, 0});
+  EXPECT_TRUE(viewer.has_value());
+  return std::move(*viewer);
 }
 
-std::vector<window::Event> press_r() {
-  window::KeyEvent key{};
-  key.key = window::Key{'R'};
-  key.pressed = true;
-  return {key};
+Rigid3 pose_of(Viewer& viewer) {
+  const Rigid3 middle;
+  return viewer.at(0, {}, std::span(&middle, 1)).front().world_from_eye;
 }
 
-Eye mouse_eye() {
-  ClientSettings settings;
-  settings.view = "mouse";
-  auto eye = Eye::open(settings, nullptr);
-  EXPECT_TRUE(eye.has_value());
-  return std::move(*eye);
+TEST(Viewer, BeginsAtTheFirstListedCameraThatIsThere) {
+  Viewer viewer = mouse_viewer();
+  viewer.on_camera_pose(2, at(2));
+  EXPECT_EQ(pose_of(viewer), at(2));
+  viewer.on_camera_pose(0, at(5));
+  EXPECT_EQ(pose_of(viewer), at(5)) << "nobody has moved it, so it goes to the camera that is listed first";
+  viewer.on_camera_pose(1, at(7));
+  EXPECT_EQ(pose_of(viewer), at(5));
 }
 
-Rigid3 pose_of(Eye& eye) {
-  return eye.at(0, {}).world_from_eye;
-}
-
-TEST(Eye, BeginsAtTheFirstListedCameraThatIsThere) {
-  Eye eye = mouse_eye();
-  eye.see_camera(2, at(2));
-  EXPECT_EQ(pose_of(eye), at(2));
-  eye.see_camera(0, at(5));
-  EXPECT_EQ(pose_of(eye), at(5)) << "nobody has moved it, so it goes to the camera that is listed first";
-  eye.see_camera(1, at(7));
-  EXPECT_EQ(pose_of(eye), at(5));
-}
-
-TEST(Eye, StaysWhereThePersonMovedItWhenAnEarlierListedCameraAppears) {
-  Eye eye = mouse_eye();
-  eye.see_camera(1, at(2));
-  eye.handle(drag(), 400);
-  const Rigid3 moved = pose_of(eye);
+TEST(Viewer, StaysWhereThePersonMovedItWhenAnEarlierListedCameraAppears) {
+  Viewer viewer = mouse_viewer();
+  viewer.on_camera_pose(1, at(2));
+  viewer.apply(Orbit{0.25, 0});
+  const Rigid3 moved = pose_of(viewer);
   ASSERT_FALSE(moved == at(2));
-  eye.see_camera(0, at(5));
-  EXPECT_EQ(pose_of(eye), moved);
-  eye.handle(press_r(), 400);
-  EXPECT_EQ(pose_of(eye), at(5)) << "R goes to the first listed camera";
+  viewer.on_camera_pose(0, at(5));
+  EXPECT_EQ(pose_of(viewer), moved);
+  viewer.apply(ResetPose{});
+  EXPECT_EQ(pose_of(viewer), at(5)) << "the pose of the first listed camera";
 }
 
-TEST(Eye, GoesToTheFirstCameraEvenIfThePointerWasDraggedOverTheEmptyView) {
-  Eye eye = mouse_eye();
-  eye.handle(drag(), 400);
-  eye.see_camera(0, at(5));
-  EXPECT_EQ(pose_of(eye), at(5));
+TEST(Viewer, GoesToTheFirstCameraEvenIfThePointerWasDraggedOverTheEmptyView) {
+  Viewer viewer = mouse_viewer();
+  viewer.apply(Orbit{0.25, 0});
+  viewer.on_camera_pose(0, at(5));
+  EXPECT_EQ(pose_of(viewer), at(5));
+}
+
+TEST(Viewer, GivesEveryEyeOfADisplayAPose) {
+  Viewer viewer = mouse_viewer();
+  viewer.on_camera_pose(0, at(5));
+  const std::vector<Rigid3> head_from_eyes{at(-0.03), at(0.03)};
+  const auto poses = viewer.at(0, {}, head_from_eyes);
+  ASSERT_EQ(poses.size(), 2U);
+  EXPECT_DOUBLE_EQ(poses[0].world_from_eye.translation.x(), 4.97);
+  EXPECT_DOUBLE_EQ(poses[1].world_from_eye.translation.x(), 5.03);
+  EXPECT_EQ(poses[0].intrinsics, kIntrinsics);
+}
+
+TEST(ParseView, TakesWhatTheHelpSays) {
+  EXPECT_EQ(parse_view("mouse")->kind, Kind::kMouse);
+  EXPECT_EQ(parse_view("path:a b")->path_file, "a b");
+  EXPECT_EQ(parse_view("opentrack")->tracker_port, 4242);
+  EXPECT_EQ(parse_view("opentrack:65535")->tracker_port, 65535);
+  for (const char* text : {"", "Mouse", "path", "path:", "opentrack:", "opentrack:0", "opentrack:65536",
+                           "opentrack:-1", "opentrack:1x", "opentrack4242", "fixed"}) {
+    EXPECT_FALSE(parse_view(text)) << text;
+  }
 }
 
 }  // namespace
-}  // namespace copresence::client
+}  // namespace copresence::viewpoint

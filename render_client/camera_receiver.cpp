@@ -1,0 +1,95 @@
+#include "render_client/camera_receiver.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <utility>
+
+#include "render_client/stream/frame_source.h"
+#include "render_client/stream/frame_times.h"
+
+namespace copresence::client {
+namespace {
+
+using std::chrono::steady_clock;
+using Severity = stream::LimitedLog::Severity;
+using Topic = stream::LimitedLog::Topic;
+
+constexpr std::chrono::milliseconds kConnectTimeout{2000};
+
+void write_line(Severity severity, const std::string& line) {
+  spdlog::log(severity == Severity::kInfo ? spdlog::level::info : spdlog::level::warn, "{}", line);
+}
+
+}  // namespace
+
+CameraReceiver::CameraReceiver(const std::string& address, std::size_t slot, const scene::Scene* scene,
+                               flow::Mailboxes<CameraFrame>& mailboxes,
+                               statistics::CameraStatistics& statistics, stream::CameraStates& states)
+    : address_(address),
+      slot_(slot),
+      scene_(scene),
+      mailboxes_(mailboxes),
+      statistics_(statistics),
+      log_(write_line),
+      source_(
+          address, slot, states, log_,
+          [address](const std::stop_token& stop) {
+            return stream::connect_live(address, kConnectTimeout, stop);
+          },
+          [this](const StreamDescription& description) { return begin(description); }) {}
+
+void CameraReceiver::run(const std::stop_token& stop) {
+  while (const auto received = source_.next(stop)) take(*received);
+  log_.finish();
+}
+
+Result<std::string> CameraReceiver::begin(const StreamDescription& description) {
+  auto decoding = decoding::FrameDecoding::open(description);
+  if (!decoding) return fail(decoding.error());
+  decoding_.emplace(std::move(*decoding));
+  statistics_.connected();
+  description_ = std::make_shared<const StreamDescription>(description);
+  setup_ = std::make_shared<const CameraSetup>(resolve_setup(description, scene_));
+  conditioner_.begin(*setup_, scene_ ? scene_->clip : std::nullopt);
+  return setup_->remark;
+}
+
+void CameraReceiver::take(const wire::ReceivedFrame& received) {
+  const EncodedFrame& encoded = received.frame;
+  statistics_.received(received.counters, encoded.depth.size() + encoded.color.size(), received.received_at);
+
+  decoding::FrameDecoding::Durations durations;
+  auto frame = decoding_->decode(encoded, durations);
+  if (!frame) {
+    statistics_.not_decoded();
+    spdlog::debug("{}: {}", address_, frame.error().what);
+    return source_.undecodable(frame.error().what);
+  }
+  statistics_.decoded();
+  if (decoding_->repeat_color(*frame)) statistics_.color_repeated();
+  source_.decoded();
+
+  const wire::ClockOffset clock = source_.clock();
+  const stream::FrameTimes times =
+      stream::frame_times(frame->metadata.captured_at, received.sent_at, received.received_at, clock);
+  statistics_.clock(clock.offset, clock.uncertainty);
+  statistics_.timed(times.wire, encoded.durations);
+  statistics_.stage(statistics::Stage::kVideoDecode, durations.video_decode);
+  statistics_.stage(statistics::Stage::kDepthDecode, durations.depth_decode);
+  if (!times.are_believed()) {
+    log_.say(Topic::kTimes, Severity::kWarning,
+             fmt::format("{}: the times of its frames contradict each other; they count as captured when "
+                         "they arrive",
+                         address_),
+             steady_clock::now());
+  }
+
+  conditioner_.apply(*frame);
+  CameraFrame ready{std::move(*frame),   times.captured_at, steady_clock::now(), description_, setup_,
+                    times.are_believed()};
+  if (mailboxes_.put(slot_, std::move(ready))) statistics_.not_displayed();
+}
+
+}  // namespace copresence::client

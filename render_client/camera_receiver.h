@@ -1,0 +1,58 @@
+#pragma once
+
+// The thread of one camera: receives its frames, decodes and conditions them, and puts them into
+// the camera's mailbox.
+//
+// Thread: run() on a thread of its own. Mailboxes, states and statistics are safe to share.
+
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "common/flow/mailboxes.h"
+#include "common/frame/stream_description.h"
+#include "common/result.h"
+#include "common/scene/scene.h"
+#include "render_client/camera_setup/camera_setup.h"
+#include "render_client/decoding/frame_conditioning.h"
+#include "render_client/decoding/frame_decoding.h"
+#include "render_client/statistics/statistics.h"
+#include "render_client/stream/camera_states.h"
+#include "render_client/stream/limited_log.h"
+#include "render_client/stream/reconnecting_source.h"
+
+namespace copresence::client {
+
+class CameraReceiver {
+ public:
+  /// `address` is HOST:PORT; `slot` is the camera's number in `mailboxes` and `states`. `scene` may
+  /// be null. All references must outlive this.
+  CameraReceiver(const std::string& address, std::size_t slot, const scene::Scene* scene,
+                 flow::Mailboxes<CameraFrame>& mailboxes, statistics::CameraStatistics& statistics,
+                 stream::CameraStates& states);
+
+  /// Returns when a stop is requested, or when the server has refused this release for good.
+  void run(const std::stop_token& stop);
+
+ private:
+  /// ReconnectingSource::Begin.
+  Result<std::string> begin(const StreamDescription& description);
+  void take(const wire::ReceivedFrame& received);
+
+  std::string address_;
+  std::size_t slot_;
+  const scene::Scene* scene_;
+  flow::Mailboxes<CameraFrame>& mailboxes_;
+  statistics::CameraStatistics& statistics_;
+  stream::LimitedLog log_;
+  stream::ReconnectingSource source_;
+
+  // Of the current connection.
+  std::shared_ptr<const StreamDescription> description_;
+  std::shared_ptr<const CameraSetup> setup_;
+  std::optional<decoding::FrameDecoding> decoding_;
+  decoding::FrameConditioner conditioner_;
+};
+
+}  // namespace copresence::client

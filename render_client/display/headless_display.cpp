@@ -1,0 +1,46 @@
+#include <chrono>
+
+#include "render_client/display/display.h"
+
+namespace copresence::display {
+namespace {
+
+/// The longest wait for frames. The caller has other work to do as well, which it must not miss.
+constexpr std::chrono::milliseconds kLongestWait{100};
+
+class HeadlessDisplay final : public Display {
+ public:
+  explicit HeadlessDisplay(std::unique_ptr<gl::Context> context) : context_(std::move(context)) {}
+
+  gl::Context* context() override { return context_.get(); }
+
+  std::optional<NextView> wait_for_next(std::optional<Instant> wanted,
+                                        const std::function<void(Instant)>& wait) override {
+    const Instant now = std::chrono::steady_clock::now();
+    if (wanted && *wanted <= now) return NextView{now, {Rigid3{}}, {}};
+    wait(wanted.value_or(now + kLongestWait));
+    return std::nullopt;
+  }
+
+  void show(std::span<const renderer::MergedView>) override {}
+  void show_again() override {}
+  bool is_closed() const override { return false; }
+  void set_title(const std::string&) override {}
+
+ private:
+  std::unique_ptr<gl::Context> context_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Display>> open_headless(HeadlessGl gl) {
+  std::unique_ptr<gl::Context> context;
+  if (gl == HeadlessGl::kYes || (gl == HeadlessGl::kOnGraphicsCard && gl::has_graphics_card())) {
+    auto made = gl::Context::headless();
+    if (!made && gl == HeadlessGl::kYes) return fail(made.error());
+    if (made && (gl == HeadlessGl::kYes || !(*made)->is_software())) context = std::move(*made);
+  }
+  return std::make_unique<HeadlessDisplay>(std::move(context));
+}
+
+}  // namespace copresence::display

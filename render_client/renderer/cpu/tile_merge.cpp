@@ -1,0 +1,335 @@
+#include "render_client/renderer/cpu/tile_merge.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstring>
+
+#include "render_client/renderer/cpu/lanes.h"
+#include "render_client/renderer/cpu/silhouettes.h"
+#include "render_client/renderer/cpu/texture_sampling.h"
+#include "render_client/renderer/merge_rules.h"
+
+namespace copresence::renderer {
+namespace {
+
+constexpr float kPerAlpha = 1.0F / 255;
+constexpr float kNothing = 1e-30F;       // less than any weight
+constexpr std::uint16_t kHalf = 1 << 7;  // in 256ths
+
+// A row is merged in spans of this many pixels, and a span in three short passes. One long loop
+// body would be slower: its instructions wait for earlier results, and a processor looks ahead only
+// a few hundred instructions.
+constexpr int kSpan = 64;
+constexpr int kGroups = kSpan / kLanes;
+
+// One camera's fragments, as the passes hand them on.
+struct CameraSpan {
+  alignas(32) std::array<float, kSpan> weight_per_incidence;  // 0: does not count; 1: only this camera counts
+  // Valid where the weight is not 0; alpha as in CameraTexture.
+  alignas(32) std::array<std::uint32_t, kSpan> colors;
+};
+
+struct Span {
+  std::array<CameraSpan, kMostCameras> cameras;
+  // Inverse depth, of the span and of the pixel after it.
+  alignas(32) std::array<float, kSpan + kLanes> nearest;
+  alignas(32) std::array<std::int32_t, kSpan> first;  // camera of the nearest fragment
+  alignas(32) std::array<std::int32_t, kSpan> shown;  // all bits set where there is a fragment
+  std::array<bool, kGroups> is_contested;             // whether several cameras count at a pixel of the group
+};
+
+// kCount is the number of cameras if it is known at compile time, else 0.
+template <std::size_t kCount>
+class SpanMerge {
+ public:
+  SpanMerge(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, MergedView& view)
+      : cameras_(cameras),
+        tiles_(tiles),
+        empty_(tiles[0].empty()),
+        view_(view),
+        apart_(silhouette_step(cameras)),
+        silhouettes_((view.width + kLanes - 1) / kLanes, tiles[0].rows()) {
+    for (std::size_t i = 0; i < count(); ++i) noise_per_square_[i] = uncertainty_per_square(cameras[i].noise);
+  }
+
+  // Merges `groups` groups of eight pixels from (x, y) on. The last may reach beyond the view.
+  void run(int x, int y, int groups, HostPixels wanted) {
+    y_ = y;
+    for (std::size_t i = 0; i < count(); ++i) {
+      depths_[i] = tiles_[i].depths(y) + x;
+      texels_[i] = tiles_[i].texels(y) + x;
+      depth_of_row_[i] = cameras_[i].depth[1] * static_cast<float>(y) + cameras_[i].depth[2];
+    }
+    survey(x, groups);
+    if (wanted.color) keep_silhouettes(x, groups);
+    for (std::size_t i = 0; i < count(); ++i) sample(i, groups);
+    Rgba8* const pixels = wanted.color ? view_.color.row(y).data() + x : nullptr;
+    for (int g = 0; g < groups; ++g) {
+      const int at = g * kLanes;
+      Ints best = load<Ints>(&span_.first[at]);
+      const Ints colors = span_.is_contested[g] ? mixture(at, best) : first_colors(at);
+      const int count = std::min(kLanes, view_.width - (x + at));
+      if (wanted.color) write_colors(pixels + at, count, colors, load<Ints>(&span_.shown[at]));
+      if (wanted.depth) write_depths(x, at, count, best);
+    }
+  }
+
+  /// The edges of all merged spans.
+  const SilhouetteBits& silhouettes() const { return silhouettes_; }
+
+ private:
+  std::size_t count() const { return kCount ? kCount : cameras_.size(); }
+
+  static float silhouette_step(std::span<const MergeCamera> cameras) {
+    float coarsest = 0;
+    for (const MergeCamera& source : cameras) coarsest = std::max(coarsest, inverse_step(source.noise));
+    return kSilhouetteSteps * coarsest;
+  }
+
+  // Computes the weights of all cameras' fragments.
+  void survey(int x, int groups) {
+    for (int g = 0; g < groups; ++g) {
+      const int at = g * kLanes;
+      Floats w[kMostCameras];
+      Floats nearest = w[0] = load<Floats>(depths_[0] + at);
+      Ints first{}, overlap{}, shown = nearest > empty_;
+      for (std::size_t i = 1; i < count(); ++i) {
+        w[i] = load<Floats>(depths_[i] + at);
+        const Ints there = w[i] > empty_;
+        overlap |= shown & there;
+        shown |= there;
+        first = w[i] > nearest ? all(static_cast<std::int32_t>(i)) : first;
+        nearest = larger(w[i], nearest);
+      }
+      store(&span_.nearest[at], nearest);
+      store(&span_.first[at], first);
+      store(&span_.shown[at], shown);
+      if (bits(overlap)) {
+        span_.is_contested[g] = compute_weights(x, at, w);
+      } else {
+        span_.is_contested[g] = false;
+        for (std::size_t i = 0; i < count(); ++i) {
+          const Ints is_first = shown & (first == static_cast<std::int32_t>(i));
+          store(&span_.cameras[i].weight_per_incidence[at], is_first ? all(1.0F) : Floats{});
+        }
+      }
+    }
+  }
+
+  void keep_silhouettes(int x, int groups) {
+    // A tile's rows have a spare group of pixels beyond the view.
+    const int end = groups * kLanes;
+    span_.nearest[end] = depths_[0][end];
+    for (std::size_t i = 1; i < count(); ++i)
+      span_.nearest[end] = std::max(span_.nearest[end], depths_[i][end]);
+    std::uint8_t* const silhouettes = silhouettes_.row(y_ - tiles_[0].top()).data() + x / kLanes;
+    for (int g = 0; g < groups; ++g) {
+      const float* const nearest = &span_.nearest[g * kLanes];
+      silhouettes[g] = find_silhouettes(load<Floats>(nearest), load<Floats>(nearest + 1), empty_, apart_);
+    }
+  }
+
+  Floats camera_depth(std::size_t i, int x, const Floats& z) const {
+    const Eigen::Vector4f& d = cameras_[i].depth;
+    const Floats pixel_x = ramp() + static_cast<float>(x);
+    return z * (d[0] * pixel_x + depth_of_row_[i]) + d[3];
+  }
+
+  // Computes blend_weight() of merge_rules.h for eight pixels of every camera, without its factor
+  // cos(theta) and up to a common factor. Returns whether any fragment but the nearest counts.
+  bool compute_weights(int x, int at, const Floats (&w)[kMostCameras]) {
+    Floats z[kMostCameras], noise[kMostCameras], uncertainty[kMostCameras];
+    Floats nearest = w[0], nearest_z{}, nearest_uncertainty{};
+    for (std::size_t i = 0; i < count(); ++i) {
+      z[i] = 1.0F / w[i];
+      const Floats camera_z = camera_depth(i, x + at, z[i]);
+      noise[i] = noise_per_square_[i] * (camera_z * camera_z);
+      uncertainty[i] = noise[i] + cameras_[i].calibration_error_m;
+      nearest_z = i == 0 ? z[i] : smaller(z[i], nearest_z);
+      nearest_uncertainty = i == 0 || w[i] > nearest ? uncertainty[i] : nearest_uncertainty;
+      nearest = larger(w[i], nearest);
+    }
+    Ints rivals{}, counting{};
+    for (std::size_t i = 0; i < count(); ++i) {
+      const Floats range = uncertainty[i] + nearest_uncertainty;
+      const Floats room = range - (z[i] - nearest_z);     // how much further behind it could lie
+      const Floats fading = smaller(room + room, range);  // times the range
+      const Ints counts = (w[i] > empty_) & (room > 0);
+      rivals |= counting & counts;
+      counting |= counts;
+      store(&span_.cameras[i].weight_per_incidence[at], counts ? fading / (noise[i] * range) : Floats{});
+    }
+    return bits(rivals) != 0;
+  }
+
+  // Samples a camera's texture where the camera counts.
+  void sample(std::size_t i, int groups) {
+    CameraSpan& camera = span_.cameras[i];
+    const TextureSampler texture(*cameras_[i].texture);
+    const std::uint32_t* const texels = texels_[i];
+    for (int g = 0; g < groups; ++g) {
+      const int at = g * kLanes;
+      const Ints counts = load<Floats>(&camera.weight_per_incidence[at]) > 0;
+      if (!bits(counts)) continue;
+      // The other lanes read the first texel, which is always valid.
+      const Ints colors = texture.at(counts & load<Ints>(texels + at));
+      store(&camera.colors[at],
+            cameras_[i].opacity_256 == 256 ? colors : faded(colors, cameras_[i].opacity_256));
+    }
+  }
+
+  // Multiplies red, green and blue by the opacity. Alpha stays.
+  static Ints faded(const Ints& colors, int opacity_256) {
+    const auto times = [&](const Words& channels) {
+      return (channels * static_cast<std::uint16_t>(opacity_256) + kHalf) >> 8;
+    };
+    const Ints rb = reinterpret_cast<Ints>(times(red_blue(colors)));
+    const Ints g = reinterpret_cast<Ints>(times(reinterpret_cast<Words>(colors & 0xFF00) >> 8)) << 8;
+    return rb | g | (colors & static_cast<std::int32_t>(0xFF000000U));
+  }
+
+  // The colours where only one camera counts at each pixel.
+  Ints first_colors(int at) const {
+    Ints colors{};
+    for (std::size_t i = 0; i < count(); ++i) {
+      const CameraSpan& camera = span_.cameras[i];
+      colors |= (load<Floats>(&camera.weight_per_incidence[at]) > 0) & load<Ints>(&camera.colors[at]);
+    }
+    return colors;
+  }
+
+  static Floats alpha(const Ints& colors) {
+    return as_floats(reinterpret_cast<Ints>(reinterpret_cast<UnsignedInts>(colors) >> 24));
+  }
+  static Words red_blue(const Ints& colors) { return reinterpret_cast<Words>(colors & 0x00FF00FF); }
+  static Words green_alpha(const Ints& colors) { return reinterpret_cast<Words>(colors) >> 8; }
+
+  // Mixes the colours of all cameras by blend_share() of merge_rules.h. `best` becomes the camera
+  // with the greatest weight.
+  Ints mixture(int at, Ints& best) const {
+    const auto weight_of = [&](std::size_t i, const Ints& colors) {
+      return alpha(colors) * load<Floats>(&span_.cameras[i].weight_per_incidence[at]);
+    };
+    // The best fragment so far, and those that it replaced.
+    Ints best_colors = load<Ints>(&span_.cameras[0].colors[at]), other_colors[kMostCameras];
+    Floats best_weight = weight_of(0, best_colors), other_weight[kMostCameras];
+    best = Ints{};
+    for (std::size_t i = 1; i < count(); ++i) {
+      const Ints colors = load<Ints>(&span_.cameras[i].colors[at]);
+      const Floats weight = weight_of(i, colors);
+      const Ints is_better = weight > best_weight;
+      best = is_better ? all(static_cast<std::int32_t>(i)) : best;
+      other_colors[i] = is_better ? best_colors : colors;
+      best_colors = is_better ? colors : best_colors;
+      other_weight[i] = smaller(weight, best_weight);
+      best_weight = larger(weight, best_weight);
+    }
+    const Floats least_weight = kTieRatio * best_weight;
+    Floats sum = (best_weight - least_weight) + kNothing;
+    for (std::size_t i = 1; i < count(); ++i) {
+      other_weight[i] = larger(other_weight[i] - least_weight, Floats{});
+      sum += other_weight[i];
+    }
+    // Shares are in 256ths, of the difference to the best colour. So the best colour gets all
+    // rounding errors. Every product is taken modulo 2^16; their sum is a valid colour again.
+    const Floats per_sum = 256.0F / sum;
+    const Words best_rb = red_blue(best_colors), best_ga = green_alpha(best_colors);
+    Words rb = (best_rb << 8) + kHalf, ga = (best_ga << 8) + kHalf;
+    for (std::size_t i = 1; i < count(); ++i) {
+      const Ints in_256ths = truncated(other_weight[i] * per_sum);
+      const auto share = reinterpret_cast<Words>(in_256ths | in_256ths << 16);
+      rb += (red_blue(other_colors[i]) - best_rb) * share;
+      ga += (green_alpha(other_colors[i]) - best_ga) * share;
+    }
+    return reinterpret_cast<Ints>(rb >> 8) |
+           (reinterpret_cast<Ints>(ga) & static_cast<std::int32_t>(0xFF00FF00U));
+  }
+
+  static void write_colors(Rgba8* to, int count, const Ints& colors, const Ints& shown) {
+    const Ints pixels = (colors | static_cast<std::int32_t>(0xFF000000U)) & shown;
+    static_assert(sizeof(Rgba8) * kLanes == sizeof pixels);
+    std::memcpy(static_cast<void*>(to), &pixels, count == kLanes ? sizeof pixels : count * sizeof *to);
+  }
+
+  // Writes depth, camera and quality of the pixels from x + at on.
+  void write_depths(int x, int at, int count, const Ints& best) {
+    for (int lane = 0; lane < count; ++lane) {
+      const int here = x + at + lane, camera = best[lane];
+      const bool shown = span_.shown[at + lane] != 0;
+      view_.camera(here, y_) = shown ? static_cast<std::uint8_t>(camera) : kNoCamera;
+      if (!shown) {
+        view_.depth_m(here, y_) = view_.quality(here, y_) = 0;
+        continue;
+      }
+      const float z = 1.0F / depths_[camera][at + lane];
+      const float camera_z = camera_depth(camera, here, all(z))[0];
+      view_.depth_m(here, y_) = z;
+      view_.quality(here, y_) =
+          precision(cameras_[camera].noise) *
+          (kPerAlpha * static_cast<float>(span_.cameras[camera].colors[at + lane] >> 24) /
+           (camera_z * camera_z));
+    }
+  }
+
+  std::span<const MergeCamera> cameras_;
+  std::span<const Tile> tiles_;
+  float empty_;
+  int y_ = 0;
+  const float* depths_[kMostCameras];  // of the span
+  const std::uint32_t* texels_[kMostCameras];
+  float depth_of_row_[kMostCameras];      // the part of MergeCamera::depth that is equal in a whole row
+  float noise_per_square_[kMostCameras];  // uncertainty_per_square() of each camera
+  MergedView& view_;
+  float apart_;  // difference in inverse depth at a silhouette edge
+  SilhouetteBits silhouettes_;
+  Span span_;
+};
+
+}  // namespace
+
+MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture) {
+  const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
+  const Eigen::Vector3d row = camera_from_eye.rotation.row(2);
+  const double a = row.x() / eye.intrinsics.fx, b = row.y() / eye.intrinsics.fy;
+  MergeCamera source;
+  source.texture = &texture;
+  source.depth = Eigen::Vector4d(a, b, row.z() - a * eye.intrinsics.cx - b * eye.intrinsics.cy,
+                                 camera_from_eye.translation.z())
+                     .cast<float>();
+  source.calibration_error_m = static_cast<float>(camera.calibration_error_m);
+  source.noise = camera.noise;
+  if (camera.opacity < 1) source.opacity_256 = std::min(static_cast<int>(256 * camera.opacity + 0.5F), 255);
+  return source;
+}
+
+namespace {
+
+template <std::size_t kCount>
+void merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
+                 MergedView& view) {
+  SpanMerge<kCount> merge(cameras, tiles, view);
+  // Each span goes from top to bottom, since its next row reads nearly the same texels.
+  for (int x = 0; x < view.width; x += kSpan) {
+    const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
+    for (int y = tiles[0].top(); y < tiles[0].top() + tiles[0].rows(); ++y) merge.run(x, y, groups, wanted);
+  }
+  if (wanted.color) soften_silhouettes(merge.silhouettes(), tiles[0].top(), view);
+}
+
+}  // namespace
+
+void merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
+                MergedView& view) {
+  assert(!cameras.empty() && cameras.size() <= kMostCameras && cameras.size() == tiles.size());
+  switch (cameras.size()) {
+    case 1:
+      return merge_spans<1>(cameras, tiles, wanted, view);
+    case 2:
+      return merge_spans<2>(cameras, tiles, wanted, view);
+    default:
+      return merge_spans<0>(cameras, tiles, wanted, view);
+  }
+}
+
+}  // namespace copresence::renderer

@@ -1,0 +1,58 @@
+#pragma once
+
+// One camera on the graphics card: its frame, its texture and its triangles. They are kept until
+// the frame changes.
+//
+// Thread: the context's.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "common/gl/buffer.h"
+#include "common/gl/context.h"
+#include "common/gl/texture.h"
+#include "render_client/renderer/gl/gl_programs.h"
+#include "render_client/renderer/renderer.h"
+
+namespace copresence::renderer {
+
+class GlCamera {
+ public:
+  /// The shaders that prepare a frame. All cameras share them.
+  struct Shaders {
+    FindPlanarBlocks planar_blocks;
+    MeasureIncidence incidence;
+    StitchPlanarBlocks stitching;
+    BuildMesh mesh;
+    MakeCameraTexture texture;
+  };
+
+  /// For frames of the size of `model`.
+  GlCamera(gl::Context& context, const CameraModel& model, int largest_block);
+
+  int width() const { return depth_.width(); }
+  int height() const { return depth_.height(); }
+
+  /// Prepares the frame if it is a new one. Requires a model of the same size.
+  void update(const CameraView& camera, Shaders& shaders);
+
+  void draw(const Eigen::Matrix4f& clip_from_camera, DrawMesh& program, gl::Framebuffer& layer) const;
+
+ private:
+  gl::Context* context_;
+  int largest_block_;
+  CameraModel model_;
+  gl::Texture rays_, depth_, state_, color_, inverse_, incidences_, texture_;
+  GlPlanes planes_;
+  gl::Buffer command_, indices_;
+
+  // The frame and settings that the textures above were made from.
+  std::optional<std::uint64_t> version_;
+  const RgbdFrame* frame_ = nullptr;
+  Eigen::Matrix<float, 3, 4> color_correction_;
+  DepthUnit unit_ = DepthUnit::kMillimetre;
+  DepthNoise noise_;
+};
+
+}  // namespace copresence::renderer

@@ -1,0 +1,205 @@
+#include "render_client/shown_cameras.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace copresence::client {
+namespace {
+
+/// The longest time that views wait for the first match of colours, once every camera is there.
+constexpr std::chrono::milliseconds kLongestColorWait{10'000};
+/// A camera whose newest frame is older than this has stopped; it does not count for the skew.
+constexpr std::chrono::milliseconds kStopped{500};
+
+Duration seconds(double value) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(value));
+}
+
+}  // namespace
+
+renderer::CameraView camera_view(const CameraFrame& frame, std::uint64_t version,
+                                 const color_matching::ColorCorrection& found) {
+  const CameraSetup& setup = *frame.setup;
+  renderer::CameraView view;
+  view.frame = &frame.frame;
+  view.version = version;
+  view.model = setup.model;
+  view.unit = setup.unit;
+  view.noise = setup.noise;
+  view.world_from_camera = frame.pose();
+  view.color_correction = setup.color_correction.value_or(found);
+  view.calibration_error_m = setup.calibration_error_m;
+  return view;
+}
+
+ShownCameras::ShownCameras(const ClientSettings& settings, const std::vector<std::string>& addresses,
+                           const stream::CameraStates& states,
+                           std::deque<statistics::CameraStatistics>& statistics,
+                           color_matching::LiveColorMatching& colors)
+    : settings_(settings),
+      addresses_(addresses),
+      states_(states),
+      statistics_(statistics),
+      colors_(colors),
+      frames_(addresses.size(), settings.sync,
+              [this](std::size_t camera) { statistics_[camera].not_displayed(); }),
+      stale_(addresses.size(), seconds(settings.stale_s)),
+      cameras_(addresses.size()) {}
+
+std::vector<ShownCameras::Arrival> ShownCameras::take(flow::Mailboxes<CameraFrame>& mailboxes, Instant now) {
+  frames_.gather(mailboxes, now);
+  std::vector<Arrival> arrivals;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    auto frame = frames_.take(i);
+    if (!states_.left_out(i).empty()) {
+      if (frame) statistics_[i].not_displayed();
+      remove(i);
+    } else if (frame) {
+      show(i, std::move(*frame));
+      const CameraFrame& newest = *cameras_[i].newest;
+      arrivals.push_back({i, newest.arrived_at, newest.pose()});
+    }
+  }
+  note_stale_cameras(now);
+  return arrivals;
+}
+
+void ShownCameras::show(std::size_t index, CameraFrame frame) {
+  Camera& camera = cameras_[index];
+  if (camera.is_fresh) statistics_[index].not_displayed();
+  camera.newest = std::make_shared<const CameraFrame>(std::move(frame));
+  camera.is_fresh = true;
+  camera.version = ++frames_taken_;
+  const CameraFrame& newest = *camera.newest;
+  if (!camera.said_no_pose && !newest.setup->has_pose) {
+    spdlog::info("{}: camera \"{}\" has no pose; it stands at the world's origin", addresses_[index],
+                 newest.stream->camera);
+    camera.said_no_pose = true;
+  }
+  stale_.frame_arrived(index, seconds(1 / newest.stream->frames_per_second), newest.arrived_at);
+  if (settings_.match_colors && newest.setup->has_pose) colors_.show(index, camera.newest);
+}
+
+void ShownCameras::remove(std::size_t index) {
+  Camera& camera = cameras_[index];
+  if (!camera.newest) return;
+  if (std::exchange(camera.is_fresh, false)) statistics_[index].not_displayed();
+  camera.newest.reset();
+  colors_.forget(index);
+  was_removed_ = true;
+}
+
+void ShownCameras::note_stale_cameras(Instant now) {
+  for (const auto& [camera, change, worth_saying] : stale_.changes(now)) {
+    const bool is_stale = change == pacing::StaleCameras::Change::kStale;
+    if (is_stale) {
+      statistics_[camera].stale();
+      colors_.forget(camera);  // the light may have changed since its last frame
+    }
+    if (!worth_saying || !states_.left_out(camera).empty()) continue;
+    const std::string name = states_.name(camera);
+    if (is_stale) {
+      spdlog::warn("{}: camera \"{}\" sends no pictures; its last one fades from the view until some come",
+                   addresses_[camera], name);
+    } else {
+      spdlog::info("{}: camera \"{}\" sends pictures again and is back in the view", addresses_[camera],
+                   name);
+    }
+  }
+}
+
+std::vector<renderer::CameraView> ShownCameras::views(Instant now) const {
+  std::vector<renderer::CameraView> views;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    const Camera& camera = cameras_[i];
+    if (!camera.newest) continue;
+    views.push_back(camera_view(*camera.newest, camera.version, colors_.correction(i)));
+    views.back().opacity = stale_.opacity(i, now);
+  }
+  return views;
+}
+
+bool ShownCameras::have_changed() const {
+  return was_removed_ ||
+         std::any_of(cameras_.begin(), cameras_.end(), [](const Camera& camera) { return camera.is_fresh; });
+}
+
+bool ShownCameras::have_waiting() const {
+  return frames_.has_waiting() ||
+         std::any_of(cameras_.begin(), cameras_.end(), [](const Camera& camera) { return camera.is_fresh; });
+}
+
+std::optional<Instant> ShownCameras::next_fading_view() const {
+  return last_view_at_ ? stale_.next_view(*last_view_at_) : std::nullopt;
+}
+
+void ShownCameras::displayed(Instant begin, Instant end) {
+  last_view_at_ = begin;
+  was_removed_ = false;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    Camera& camera = cameras_[i];
+    if (!std::exchange(camera.is_fresh, false)) continue;
+    const CameraFrame& frame = *camera.newest;
+    statistics_[i].displayed(frame.frame.metadata.sequence,
+                             frame.times_believed ? std::optional(end - frame.captured_at) : std::nullopt);
+  }
+}
+
+bool ShownCameras::are_complete() const {
+  std::size_t shown = 0;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    if (cameras_[i].newest) {
+      ++shown;
+    } else if (states_.left_out(i).empty()) {
+      return false;
+    }
+  }
+  return shown > 0;
+}
+
+std::vector<std::size_t> ShownCameras::cameras_to_match() const {
+  std::vector<std::size_t> cameras;
+  for (std::size_t i = 0; settings_.match_colors && i < cameras_.size(); ++i) {
+    const CameraFrame* const newest = cameras_[i].newest.get();
+    if (newest && newest->setup->has_pose && newest->stream->has_color && !newest->setup->color_correction)
+      cameras.push_back(i);
+  }
+  return cameras.size() < 2 ? std::vector<std::size_t>{} : cameras;
+}
+
+bool ShownCameras::colors_are_settled(Instant now) {
+  if (colors_settled_) return true;
+  const std::vector<std::size_t> matched = cameras_to_match();
+  if (!complete_since_) complete_since_ = now;
+  using FirstMatch = color_matching::LiveColorMatching::FirstMatch;
+  const FirstMatch first = matched.empty() ? FirstMatch::kFound : colors_.first_match(matched);
+  if (first == FirstMatch::kAwaited && now < *complete_since_ + kLongestColorWait) return false;
+  colors_settled_ = true;
+  if (first == FirstMatch::kFound) return true;
+  for (std::size_t i : matched) {
+    if (colors_.is_matched(i)) continue;
+    spdlog::info(
+        "{}: the colours of camera \"{}\" are shown as they come: too little of what it sees is also seen "
+        "by cameras that are matched to the first one",
+        addresses_[i], cameras_[i].newest->stream->camera);
+  }
+  return true;
+}
+
+std::optional<Duration> ShownCameras::skew(Instant now) const {
+  std::optional<Instant> earliest, latest;
+  int cameras = 0;
+  for (const Camera& camera : cameras_) {
+    if (!camera.newest || now - camera.newest->captured_at > kStopped) continue;
+    const Instant captured_at = camera.newest->captured_at;
+    ++cameras;
+    earliest = std::min(earliest.value_or(captured_at), captured_at);
+    latest = std::max(latest.value_or(captured_at), captured_at);
+  }
+  return cameras < 2 ? std::nullopt : std::optional(*latest - *earliest);
+}
+
+}  // namespace copresence::client

@@ -1,0 +1,77 @@
+#pragma once
+
+// A camera's frames over any number of connections: connects again when the server is gone, logs
+// it, and keeps the camera's state up to date.
+//
+// Thread: one thread, request_keyframe() included.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "render_client/stream/availability.h"
+#include "render_client/stream/camera_states.h"
+#include "render_client/stream/frame_source.h"
+#include "render_client/stream/limited_log.h"
+
+namespace copresence::stream {
+
+class ReconnectingSource final : public FrameSource {
+ public:
+  /// Makes one connection.
+  using Connect = std::function<Result<std::unique_ptr<FrameSource>>(const std::stop_token&)>;
+  /// Prepares for the frames of a new connection. Returns a remark for the log, or an empty text.
+  /// Fails if this program cannot decode the stream; the connection is then given up.
+  using Begin = std::function<Result<std::string>(const StreamDescription&)>;
+
+  /// `address` names the camera in the log. `slot` is its number in `states`. The references must
+  /// outlive this.
+  ReconnectingSource(std::string address, std::size_t slot, CameraStates& states, LimitedLog& log,
+                     Connect connect, Begin begin);
+
+  /// Waits for the next frame of any connection. Retries after a pause of at most half a second.
+  /// Fails as FrameSource::next(), and with kRefused if trying again is of no use.
+  Result<wire::ReceivedFrame> next(std::stop_token stop, std::optional<Instant> latest = {}) override;
+
+  /// Reports whether the last frame could be decoded. A server whose frames cannot be decoded for a
+  /// while is left out of the view. undecodable() also requests a keyframe.
+  void decoded();
+  void undecodable(const std::string& why);
+
+  // These require a connection: next() has returned a frame, or Begin is running.
+  const StreamDescription& description() const override { return source_->description(); }
+  wire::ClockOffset clock() const override { return source_->clock(); }
+  void request_keyframe() override { source_->request_keyframe(); }
+
+  void on_status(std::function<void(const std::string&)> changed) override {
+    on_status_ = std::move(changed);
+  }
+
+ private:
+  Result<void> connect(const std::stop_token& stop);
+  /// Ends the connection. Returns the pause before the next try; nothing if there is to be none.
+  std::optional<Duration> failed(const Error& why);
+  void status_changed(const std::string& status);
+  void publish();
+  void log_failure(const Error& why, bool was_connected);
+  void say(LimitedLog::Topic topic, LimitedLog::Severity severity, std::string_view text);
+  /// Adds the address to an error that does not contain it.
+  Error with_address(const Error& error) const;
+
+  std::string address_;
+  std::size_t slot_;
+  CameraStates& states_;
+  LimitedLog& log_;
+  Connect connect_;
+  Begin begin_;
+  std::function<void(const std::string&)> on_status_;
+  std::unique_ptr<FrameSource> source_;  // null between connections
+  AvailabilityTracker availability_;
+  std::string camera_;  // its name, known from the first connection on
+  Availability published_ = Availability::kAwaited;
+  std::string published_reason_;
+};
+
+}  // namespace copresence::stream

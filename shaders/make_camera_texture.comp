@@ -1,0 +1,27 @@
+#version 450 core
+// checked with: -DCELL=8 -DFILLED_WEIGHT=0.5 -DAMBIENT=0.15
+//
+// Computes what the fragments of a camera look like. Red, green and blue are the corrected colour;
+// without colour, the gray of the surface normals. Alpha is the weight: cos(theta), smaller for
+// filled pixels, never 0. One invocation per pixel.
+layout(local_size_x = 16, local_size_y = 16) in;
+
+layout(binding = 0) uniform sampler2D incidences;  // by cell, with a linear filter
+layout(binding = 1) uniform usampler2D state;
+layout(binding = 2) uniform sampler2D color;
+layout(binding = 0, rgba8) writeonly uniform image2D camera_texture;
+uniform int has_color;
+uniform mat4x3 color_correction;
+
+const uint kFilled = 2u;  // DepthState
+
+void main() {
+  const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(at, imageSize(camera_texture)))) return;
+  const vec2 in_cells = (vec2(at) + 0.5) / float(CELL);
+  const float incidence = textureLod(incidences, in_cells / vec2(textureSize(incidences, 0)), 0.0).r;
+  const vec3 shown = has_color != 0 ? color_correction * vec4(texelFetch(color, at, 0).rgb, 1.0)
+                                    : vec3(AMBIENT + (1.0 - AMBIENT) * incidence);
+  const float weight = incidence * (texelFetch(state, at, 0).r == kFilled ? FILLED_WEIGHT : 1.0);
+  imageStore(camera_texture, at, vec4(clamp(shown, 0.0, 1.0), max(weight, 1.0 / 255.0)));
+}

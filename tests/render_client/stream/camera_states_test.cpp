@@ -1,0 +1,127 @@
+#include "render_client/stream/camera_states.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace copresence::stream {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+const std::string kRefused = "127.0.0.1:7001: connection refused";
+const Instant kBegin{seconds(100)};
+
+TEST(CameraStates, TheTitleSaysWhatIsAwaited) {
+  CameraStates states(1);
+  EXPECT_EQ(states.title("Copresence"), "Copresence: connecting");
+  for (int i = 0; i < 3; ++i) states.not_connected(0, kRefused, kBegin);
+  EXPECT_EQ(states.title("Copresence"),
+            "Copresence: 3rd try: waiting for 127.0.0.1:7001: connection refused");
+  states.connected(0, "left");
+  EXPECT_EQ(states.title("Copresence"), "Copresence");
+  states.notice(0, "the camera is unplugged");
+  EXPECT_EQ(states.title("Copresence"), "Copresence: the camera is unplugged");
+  states.notice(0, "");
+  EXPECT_EQ(states.title("Copresence"), "Copresence");
+}
+
+TEST(CameraStates, TheTitleNamesTheFirstAndCountsTheOthers) {
+  CameraStates states(3);
+  states.connected(1, "middle");
+  states.not_connected(0, kRefused, kBegin);
+  states.not_connected(2, "127.0.0.1:7003: connection refused", kBegin);
+  EXPECT_THAT(states.title("Copresence"), HasSubstr("7001"));
+  EXPECT_THAT(states.title("Copresence"), EndsWith("(and 1 camera more)"));
+}
+
+TEST(CameraStates, TheLogIsToldAtOnceThenSeldom) {
+  CameraStates states(1);
+  std::vector<std::string> said;
+  for (Instant now = kBegin; now < kBegin + seconds(135); now += milliseconds(500)) {
+    if (const auto line = states.not_connected(0, kRefused, now)) said.push_back(*line);
+  }
+  ASSERT_EQ(said.size(), 4U) << "at 0, 10, 70 and 130 s";
+  EXPECT_EQ(said[0], kRefused + "; waiting for it");
+  EXPECT_EQ(said[1], kRefused + "; still waiting for it, 21st try");
+  states.connected(0, "left");
+  EXPECT_TRUE(states.not_connected(0, kRefused, kBegin + seconds(140))) << "lost again";
+}
+
+TEST(CameraStates, AllAreOverWhenEachServerHasEndedForGood) {
+  CameraStates states(2);
+  states.connected(0, "left");
+  states.connected(1, "right");
+  states.over(0, "the recording is over");
+  EXPECT_FALSE(states.all_over());
+  EXPECT_FALSE(states.not_connected(0, kRefused, kBegin)) << "nobody expects it to listen";
+  EXPECT_THAT(states.title("Copresence"), HasSubstr("camera \"left\": the recording is over"));
+  states.over(1, "the recording is over");
+  EXPECT_TRUE(states.all_over());
+  states.connected(0, "left");
+  EXPECT_FALSE(states.all_over()) << "it was started again";
+}
+
+TEST(CameraStates, OrdinalsAreEnglish) {
+  for (const auto& [number, text] : {std::pair{1, "1st"},
+                                     {2, "2nd"},
+                                     {3, "3rd"},
+                                     {4, "4th"},
+                                     {11, "11th"},
+                                     {12, "12th"},
+                                     {13, "13th"},
+                                     {20, "20th"},
+                                     {21, "21st"},
+                                     {102, "102nd"},
+                                     {111, "111th"}})
+    EXPECT_EQ(ordinal(number), text);
+}
+
+TEST(CameraStates, ACameraThatIsLeftOutIsNamedAndHoldsNobodyUp) {
+  CameraStates states(2);
+  states.connected(0, "left");
+  states.connected(1, "right");
+  EXPECT_EQ(states.left_out(1), "");
+  states.availability(1, Availability::kLeftOut, "127.0.0.1:7002: the server hung up");
+  EXPECT_EQ(states.left_out(1), "127.0.0.1:7002: the server hung up");
+  EXPECT_EQ(states.left_out(0), "");
+  EXPECT_EQ(states.name(1), "right");
+  EXPECT_THAT(states.title("Copresence"), HasSubstr("7002: the server hung up"));
+  states.connected(1, "right");
+  EXPECT_NE(states.left_out(1), "") << "a welcome alone shows nothing";
+  EXPECT_FALSE(states.all_over()) << "the other one goes on";
+  states.over(0, "the recording is over");
+  EXPECT_TRUE(states.all_over());
+  states.availability(1, Availability::kShown, "");
+  EXPECT_EQ(states.left_out(1), "");
+  EXPECT_FALSE(states.all_over());
+}
+
+TEST(CameraStates, SaysOnceThatEveryCameraIsRefused) {
+  int told = 0;
+  CameraStates states(2, [&] { ++told; });
+  states.availability(0, Availability::kRefused, "a:1: install the same release");
+  states.availability(1, Availability::kLeftOut, "b:2: the server hung up");
+  EXPECT_EQ(told, 0) << "the second may come back";
+  states.availability(1, Availability::kRefused, "b:2: codec \"h265\" is unknown");
+  states.availability(1, Availability::kRefused, "b:2: codec \"h266\" is unknown");
+  EXPECT_EQ(told, 1);
+  ASSERT_TRUE(states.all_refused());
+  EXPECT_EQ(
+      states.all_refused()->what,
+      "none of the cameras can be shown: a:1: install the same release; b:2: codec \"h265\" is unknown");
+}
+
+TEST(CameraStates, OfOneCameraSaysNothingButWhyItIsRefused) {
+  CameraStates states(1);
+  states.availability(0, Availability::kRefused, "a:1: install the same release");
+  ASSERT_TRUE(states.all_refused());
+  EXPECT_EQ(states.all_refused()->what, "a:1: install the same release");
+}
+
+}  // namespace
+}  // namespace copresence::stream

@@ -10,9 +10,9 @@
 #include "capture_server/drivers/contract/simulated_uri.h"
 #include "capture_server/flags.h"
 #include "capture_server/sensor/source.h"
-#include "common/command_line/mistakes.h"
+#include "capture_server/settings_file.h"
+#include "common/command_line/parse_errors.h"
 #include "common/scene/scene.h"
-#include "common/scene/settings_file.h"
 #include "common/text/excerpt.h"
 #include "common/version.h"
 
@@ -33,7 +33,7 @@ std::string key_of(const CLI::Option& option) {
 }
 
 /// A setting's value; where it is the relative path of a file, from the folder that it is relative to.
-std::string from_folder(const std::filesystem::path& folder, const scene::Setting& setting) {
+std::string from_folder(const std::filesystem::path& folder, const Setting& setting) {
   const bool is_path = setting.key == "scene" || setting.key == "record" ||
                        (setting.key == "source" && is_recording(setting.value));
   return is_path && !setting.value.empty() ? (folder / setting.value).string() : setting.value;
@@ -102,13 +102,13 @@ tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) 
 
 /// A file's settings, where the command line does not have them or their opposites. Fails with FILE:LINE.
 Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
-  const auto settings = scene::load_settings(path);
+  const auto settings = load_settings(path);
   if (!settings) return fail(settings.error());
   std::set<const CLI::Option*> on_the_command_line;
   for (const CLI::Option* option : app.get_options()) {
     if (is_given(*option)) on_the_command_line.insert(option);
   }
-  for (const scene::Setting& setting : *settings) {
+  for (const Setting& setting : *settings) {
     const auto wrong = [&](const std::string& what) {
       return fail(ErrorCode::kInvalid, fmt::format("{}:{}: {}", path.string(), setting.line, what));
     };
@@ -132,7 +132,7 @@ Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
                                  : from_folder(path.parent_path(), setting));
       option->run_callback();
     } catch (const CLI::ParseError& error) {
-      return wrong(command_line::sentence_of(error));
+      return wrong(command_line::parse_error_message(error));
     }
   }
   return {};
@@ -196,7 +196,7 @@ tl::expected<ServerSettings, int> read_command_line(int argc, const char* const*
     fmt::print(stderr, "capture_server: {}\n", settings.error().what);
     return tl::unexpected(settings.error().exit_code);
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(command_line::explain(app, error));
+    return tl::unexpected(command_line::report_parse_error(app, error));
   }
 }
 
@@ -207,7 +207,7 @@ Result<ServerSettings> read_again(int argc, const char* const* argv) {
     if (!settings) return fail(ErrorCode::kInvalid, settings.error().what);
     return std::move(*settings);
   } catch (const CLI::ParseError& error) {
-    return fail(ErrorCode::kInvalid, command_line::sentence_of(error));
+    return fail(ErrorCode::kInvalid, command_line::parse_error_message(error));
   }
 }
 

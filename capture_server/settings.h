@@ -52,7 +52,7 @@ struct ServerSettings {
 /// What the command line, the file of --config and the scene file ask for. The first that says something wins; the scene
 /// file gives source and listening address. Returns settings to run with, or an exit code after --help, --version or a
 /// mistake (0, 1 or 2, already explained on the terminal).
-/// The file has the flags' names as keys (common/scene/settings_file.h); a relative path in it is relative to it.
+/// The file has the flags' names as keys (settings_file.h); a relative path in it is relative to it.
 tl::expected<ServerSettings, int> read_command_line(int argc, const char* const* argv);
 
 /// The same from the file as it is now. Fails (kInvalid) with a sentence where it is no longer what it must be.

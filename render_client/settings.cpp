@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "common/command_line/mistakes.h"
+#include "common/command_line/parse_errors.h"
 #include "common/command_line/values.h"
 #include "common/version.h"
 #include "render_client/renderer/renderer.h"
@@ -110,7 +110,7 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
                                  "needs a window; with --headless choose path:FILE or opentrack");
     }
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(explain(app, error));
+    return tl::unexpected(report_parse_error(app, error));
   }
   const auto unnamed = settings.headless ? Kind::kFixed : Kind::kMouse;
   settings.view = view.value_or(viewpoint::ViewChoice{unnamed, {}});

@@ -24,8 +24,4 @@ void delete_vertex_array(std::uint32_t id) noexcept {
   glDeleteVertexArrays(1, &id);
 }
 
-void delete_query(std::uint32_t id) noexcept {
-  glDeleteQueries(1, &id);
-}
-
 }  // namespace copresence::gl

@@ -12,8 +12,7 @@ namespace copresence::gl {
 
 using DeleteName = void(std::uint32_t id) noexcept;
 
-DeleteName delete_buffer, delete_texture, delete_framebuffer, delete_program, delete_vertex_array,
-    delete_query;
+DeleteName delete_buffer, delete_texture, delete_framebuffer, delete_program, delete_vertex_array;
 
 template <DeleteName* kDelete>
 class Name {

@@ -9,9 +9,10 @@
 #include <cstdint>
 #include <initializer_list>
 
-#include "common/scene/toml_text.h"
+#include "common/scene/toml_entries.h"
 #include "common/text/excerpt.h"
 #include "common/text/text_file.h"
+#include "common/toml/parse_toml.h"
 
 namespace copresence::scene {
 namespace {
@@ -182,7 +183,7 @@ Camera read_camera(Reader& reader, const toml::table& table, const std::filesyst
   camera.model = reader.model(table);
   camera.world_from_camera = reader.pose(table, "world_from_camera");
   camera.source = reader.text(table, "source", kMostOfASource);
-  if (is_recording(camera.source)) camera.source = (folder / camera.source).lexically_normal().string();
+  if (is_path(camera.source)) camera.source = (folder / camera.source).lexically_normal().string();
   if (const toml::node* node = table.get("color")) {
     const toml::table* color = node->as_table();
     if (!color) {
@@ -251,10 +252,6 @@ const Camera* Scene::find(std::string_view name) const {
   const auto found =
       std::find_if(cameras.begin(), cameras.end(), [&](const Camera& camera) { return camera.name == name; });
   return found == cameras.end() ? nullptr : &*found;
-}
-
-bool is_recording(std::string_view source) {
-  return !source.empty() && !source.starts_with("openni:") && !source.starts_with("simulated:");
 }
 
 Result<Scene> parse(std::string_view text, const std::filesystem::path& path) {

@@ -48,9 +48,6 @@ struct Scene {
   const Camera* find(std::string_view name) const;  ///< nullptr where there is none
 };
 
-/// Whether a camera's source is a recording's path, not a device or a simulated camera.
-bool is_recording(std::string_view source);
-
 /// Fails with `PATH:LINE: what is wrong` on bad TOML, unknown keys, missing or impossible values, names used
 /// twice.
 Result<Scene> load(const std::filesystem::path& path);

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <fstream>
 
-#include "common/scene/toml_text.h"
-#include "common/scene/toml_values.h"
+#include "common/scene/toml_entries.h"
 #include "common/text/text_file.h"
+#include "common/toml/parse_toml.h"
 
 namespace copresence::scene {
 namespace {

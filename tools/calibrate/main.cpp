@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdio>
 
-#include "common/command_line/mistakes.h"
+#include "common/command_line/parse_errors.h"
 #include "common/version.h"
 #include "tools/calibrate/command.h"
 
@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return copresence::command_line::explain(program, error);
+    return copresence::command_line::report_parse_error(program, error);
   }
   for (const Command& command : commands) {
     if (!command.parser->parsed()) continue;

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "common/command_line/mistakes.h"
+#include "common/command_line/parse_errors.h"
 #include "common/command_line/values.h"
 #include "common/depth/depth_codec.h"
 #include "common/video/video_settings.h"
@@ -79,7 +79,7 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       throw CLI::ValidationError("--tune", "needs a bitrate: give --kbps N");
     }
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(explain(app, error));
+    return tl::unexpected(report_parse_error(app, error));
   }
   if (effort == "dense") settings.preset = video::Preset::kDense;
   if (settings.codecs.empty()) settings.codecs = {"quantized"};

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "common/command_line/mistakes.h"
+#include "common/command_line/parse_errors.h"
 #include "common/command_line/values.h"
 
 namespace copresence::record {
@@ -133,7 +133,7 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
                                  "needs --out; without --out the recording is repaired in place");
     }
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(explain(app, error));
+    return tl::unexpected(report_parse_error(app, error));
   }
   if (*info_command) return info;
   if (*repair_command) return repair;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/command_line/mistakes.h"
+#include "common/command_line/parse_errors.h"
 #include "common/command_line/values.h"
 #include "simulation/sensor/simulated_kinect.h"
 
@@ -67,7 +67,7 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(explain(app, error));
+    return tl::unexpected(report_parse_error(app, error));
   }
   settings.truth = truth->count() > 0;
   // CLI11 passes an empty value for an option without values.

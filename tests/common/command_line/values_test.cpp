@@ -10,7 +10,7 @@
 #include <fstream>
 #include <limits>
 
-#include "common/command_line/mistakes.h"
+#include "common/command_line/parse_errors.h"
 
 namespace copresence::command_line {
 namespace {
@@ -90,7 +90,7 @@ TEST(OneOf, BecomesTheValueThatAWordStandsFor) {
     app.parse("--pace 3");  // what it stands for is nobody's business
     FAIL();
   } catch (const CLI::ParseError& error) {
-    EXPECT_EQ(sentence_of(error), "--pace: \"3\" is not slow or fast");
+    EXPECT_EQ(parse_error_message(error), "--pace: \"3\" is not slow or fast");
   }
 }
 
@@ -124,7 +124,7 @@ TEST(Mistakes, SayThatAValueIsMissing) {
     app.parse("--scene=");
     FAIL();
   } catch (const CLI::ParseError& error) {
-    EXPECT_EQ(sentence_of(error), "--scene needs a value");
+    EXPECT_EQ(parse_error_message(error), "--scene needs a value");
   }
 }
 

@@ -1,5 +1,4 @@
-// Buffers, textures, framebuffers, programs, fences and timestamps: what goes in comes out, and shaders see
-// it.
+// Buffers, textures, framebuffers and programs: what goes in comes out, and shaders see it.
 
 #include <array>
 #include <numeric>
@@ -7,31 +6,24 @@
 #include <utility>
 
 #include "common/gl/buffer.h"
-#include "common/gl/fence.h"
 #include "common/gl/framebuffer.h"
 #include "common/gl/program.h"
 #include "common/gl/texture.h"
-#include "common/gl/timestamp.h"
 #include "tests/support/gl_test.h"
 
 namespace copresence::gl {
 namespace {
 
-using namespace std::chrono_literals;
-
 template <class T>
 constexpr bool kOwnsAlone = std::is_move_constructible_v<T>&& std::is_move_assignable_v<T> &&
                             !std::is_copy_constructible_v<T> && !std::is_copy_assignable_v<T>;
-static_assert(kOwnsAlone<Buffer> && kOwnsAlone<Texture> && kOwnsAlone<Framebuffer> && kOwnsAlone<Program> &&
-              kOwnsAlone<Fence> && kOwnsAlone<Timestamp>);
+static_assert(kOwnsAlone<Buffer> && kOwnsAlone<Texture> && kOwnsAlone<Framebuffer> && kOwnsAlone<Program>);
 static_assert(!std::is_copy_constructible_v<Context> && !std::is_move_constructible_v<Context>);
 
 using BufferGl = GlTest;
 using TextureGl = GlTest;
 using ProgramGl = GlTest;
 using FramebufferGl = GlTest;
-using FenceGl = GlTest;
-using TimestampGl = GlTest;
 
 TEST_F(BufferGl, GivesBackWhatWasWritten) {
   Buffer buffer(context(), 64);
@@ -234,24 +226,6 @@ TEST_F(FramebufferGl, DrawsTheIndicesThatBuffersName) {
   EXPECT_EQ(colors(0, 0).r, 255);
   color.read(colors, 1);
   EXPECT_EQ(colors(0, 0).r, 0) << "other layers stay";
-}
-
-TEST_F(FenceGl, IsReachedInTheEnd) {
-  Texture texture(context(), Format::kRgba8, 64, 64);
-  texture.clear();
-  const Fence fence(context());
-  EXPECT_TRUE(fence.wait(5s));
-  EXPECT_TRUE(fence.wait(0s));
-}
-
-TEST_F(TimestampGl, RunsForwards) {
-  Timestamp before(context()), after(context());
-  before.record();
-  Texture(context(), Format::kRgba8, 512, 512).clear();
-  context().finish();
-  after.record();
-  EXPECT_LE(before.read(), after.read());
-  EXPECT_LT(after.read() - before.read(), 5s);
 }
 
 }  // namespace

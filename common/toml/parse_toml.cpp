@@ -1,4 +1,4 @@
-#include "common/scene/toml_text.h"
+#include "common/toml/parse_toml.h"
 
 #include <fmt/format.h>
 
@@ -8,17 +8,17 @@
 #include "common/text/excerpt.h"
 #include "common/text/text_file.h"
 
-namespace copresence::scene {
+namespace copresence {
 namespace {
 
 constexpr std::size_t kMostOfADescription = 300;
 
-/// Walks over a text's keys and brackets and skips what is inside strings and comments.
+/// Counts the nesting of keys and brackets in a TOML text. Skips strings and comments.
 class NestingScan {
  public:
   explicit NestingScan(std::string_view text) : text_(text) {}
 
-  /// The first line that nests too deep.
+  /// The number of the first line that nests too deep; nothing if no line does.
   std::optional<int> first_too_deep() {
     while (at_ < text_.size()) {
       const char c = text_[at_];
@@ -35,7 +35,7 @@ class NestingScan {
       if (c == '\n' || c == '=' || c == ',' || c == '[' || c == '{') dots_ = 0;
       if (c == '[' || c == '{') ++brackets_;
       if (c == ']' || c == '}') brackets_ = std::max(brackets_ - 1, 0);
-      if (dots_ >= kMostLevels || brackets_ > kMostLevels) return line_;
+      if (dots_ >= kMostTomlLevels || brackets_ > kMostTomlLevels) return line_;
       ++at_;
     }
     return std::nullopt;
@@ -55,7 +55,7 @@ class NestingScan {
         for (int own = 0; is_long && own < 2 && text_.substr(at_).starts_with(quote); ++own) ++at_;
         return;
       }
-      if (text_[at_] == '\n' && !is_long) return;  // an unfinished string, which the parser refuses
+      if (text_[at_] == '\n' && !is_long) return;  // an unfinished string: the parser will fail on it
       if (quote == '"' && text_[at_] == '\\') next_character();
       next_character();
     }
@@ -81,7 +81,7 @@ Result<toml::table> parse_toml(std::string_view text, const std::filesystem::pat
                 fmt::format("{}: is larger than {} kB", path.string(), text::kMostBytes / 1024));
   }
   if (const auto line = NestingScan(text).first_too_deep()) {
-    return wrong(*line, fmt::format("keys or lists are nested more than {} levels deep", kMostLevels));
+    return wrong(*line, fmt::format("keys or lists are nested more than {} levels deep", kMostTomlLevels));
   }
   try {
     return toml::parse(text, path.string());
@@ -90,4 +90,4 @@ Result<toml::table> parse_toml(std::string_view text, const std::filesystem::pat
   }
 }
 
-}  // namespace copresence::scene
+}  // namespace copresence

@@ -1,7 +1,9 @@
-#include "common/scene/toml_values.h"
+#include "common/scene/toml_entries.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include <algorithm>
 
 namespace copresence::scene {
 namespace {
@@ -70,7 +72,7 @@ std::string color_camera(const ColorCamera& color) {
 }
 
 std::string source_text(const std::string& source, const fs::path& folder) {
-  if (!is_recording(source) || fs::path(source).is_absolute()) return quoted(source);
+  if (!is_path(source) || fs::path(source).is_absolute()) return quoted(source);
   std::error_code ignored;
   const fs::path here = fs::current_path(ignored);
   const fs::path from = (here / folder).lexically_normal();
@@ -78,6 +80,13 @@ std::string source_text(const std::string& source, const fs::path& folder) {
 }
 
 }  // namespace
+
+bool is_path(std::string_view source) {
+  const auto is_of_scheme = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+  const auto end = std::find_if_not(source.begin(), source.end(), is_of_scheme);
+  const bool has_scheme = end != source.begin() && end != source.end() && *end == ':';
+  return !source.empty() && !has_scheme;
+}
 
 std::vector<Entry> entries(const Camera& camera, const fs::path& folder) {
   const auto where = [](bool there, auto&& text) { return there ? std::optional(text()) : std::nullopt; };

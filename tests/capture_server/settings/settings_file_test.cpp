@@ -1,9 +1,9 @@
-#include "common/scene/settings_file.h"
+#include "capture_server/settings_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace copresence::scene {
+namespace copresence::server {
 namespace {
 
 using testing::ElementsAre;
@@ -59,4 +59,4 @@ TEST(SettingsFile, ThatNestsWithoutEndIsRefused) {
 }
 
 }  // namespace
-}  // namespace copresence::scene
+}  // namespace copresence::server

@@ -1,15 +1,15 @@
-#include "common/scene/settings_file.h"
+#include "capture_server/settings_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <optional>
 
-#include "common/scene/toml_text.h"
 #include "common/text/excerpt.h"
 #include "common/text/text_file.h"
+#include "common/toml/parse_toml.h"
 
-namespace copresence::scene {
+namespace copresence::server {
 namespace {
 
 std::optional<std::string> plain_text(const toml::node& node) {
@@ -46,4 +46,4 @@ Result<std::vector<Setting>> load_settings(const std::filesystem::path& path) {
   return parse_settings(*text, path);
 }
 
-}  // namespace copresence::scene
+}  // namespace copresence::server

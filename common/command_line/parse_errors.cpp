@@ -1,4 +1,4 @@
-#include "common/command_line/mistakes.h"
+#include "common/command_line/parse_errors.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ constexpr std::size_t kMostOfASentence = 1000;
 
 }  // namespace
 
-std::string sentence_of(const CLI::ParseError& error) {
+std::string parse_error_message(const CLI::ParseError& error) {
   std::string text = error.what();
   // CLI11: "--scene: 1 required TEXT missing"
   if (error.get_name() == "ArgumentMismatch" && text.ends_with(" missing")) {
@@ -26,11 +26,11 @@ std::string sentence_of(const CLI::ParseError& error) {
   return text::excerpt(text, kMostOfASentence);
 }
 
-int explain(const CLI::App& app, const CLI::ParseError& error) {
+int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return app.exit(error);
   std::string program = app.get_name();
   for (const CLI::App* verb : app.get_subcommands()) program += ' ' + verb->get_name();
-  fmt::print(stderr, "{}: {}; see --help\n", program, sentence_of(error));
+  fmt::print(stderr, "{}: {}; see --help\n", program, parse_error_message(error));
   return 2;
 }
 

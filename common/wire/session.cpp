@@ -136,7 +136,7 @@ void Session::offer(const OutboundFrame& outbound) {
   if (!is_streaming()) return;
   const EncodedFrame& frame = *outbound.frame;
   const std::size_t bytes = kFrameHeadBytes + frame.depth.size() + frame.color.size();
-  if (!window_.may_have(frame.keyframe, Clock::now()) || bytes > kMaxMessageBytes) {
+  if (!window_.can_accept(frame.keyframe, Clock::now()) || bytes > kMaxMessageBytes) {
     return window_.skip(1);
   }
 

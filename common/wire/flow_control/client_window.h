@@ -1,22 +1,25 @@
 #pragma once
 
-// Decides which frames one client gets, so that latency and memory stay bounded whatever the path to it is
-// like. docs/decisions/0002-window-per-client.md gives the reasons.
+// Decides which frames one client gets, so that latency and memory stay bounded on any network path.
+// docs/decisions/0002-window-per-client.md gives the reasons.
 //
-// A frame is in flight from being queued for a client until that client acknowledges it. The expected time
-// until everything in flight has arrived is bounded by the path's base delay (path_estimate.h) plus an
-// allowance for queueing. There are two allowances:
-//  - wants_until(): the client would like another frame. The allowance is 8 frame periods. It becomes 2 when
-//    for half a second every frame was delayed by more than that, which means that a queue never empties. It
-//    grows back by one per half second. When no client wants a frame, the encoder pauses, so frames of a slow
-//    path are not encoded only to wait.
-//  - may_have(): the client takes a frame that was encoded for others. The allowance is 500 ms, and up to 300
-//    ms more behind a keyframe that takes as long. Leaving the frame out would cost a keyframe.
-// While the path is unknown, 2 and 6 frames may be in flight.
+// A frame is in flight from being queued for a client until that client acknowledges it. Everything in flight is
+// expected to arrive within the path's base delay (path_estimate.h) plus an allowance for queueing. There are two
+// allowances:
+//  - wants_until(): the client requests another frame. The allowance is 8 frame periods. It becomes 2 periods
+//    when every frame of half a second was delayed by more than that: then a queue never empties. It grows again
+//    by one period per half second. If 2 periods did not help, the client requests nothing until the path is
+//    empty, so that a longer path is not taken for a queue. The encoder pauses when no client requests a frame.
+//  - can_accept(): the client accepts a frame that was encoded for others. The allowance is 500 ms. Behind a
+//    keyframe with a long transmission it is up to 300 ms more. Skipping the frame would cost a keyframe.
+// While the path is unknown, 2 requested or 6 accepted frames may be in flight.
 //
-// A frame that a client may not have is skipped, and with it every frame up to the next keyframe, since none
-// of them can be decoded without it. After that the client may have a keyframe once nothing is in flight to
-// it.
+// A path that stops or becomes much slower is noticed by an acknowledgement that is overdue. The limit follows the
+// path's jitter: twice the largest lateness of the last seconds plus one period. It is at least 3 periods for
+// requested frames and 5 for accepted ones.
+//
+// After a frame was skipped, the client cannot decode any frame before the next keyframe. It can accept a keyframe
+// once nothing is in flight to it.
 //
 // Thread: a value.
 
@@ -33,35 +36,36 @@ namespace copresence::wire {
 class ClientWindow {
  public:
   static constexpr std::size_t kFrames = 64;          ///< in flight, on any path
-  static constexpr std::size_t kBytes = 1024 * 1024;  ///< not counting the frame that crosses the mark
+  static constexpr std::size_t kBytes = 1024 * 1024;  ///< in flight; the last frame may exceed it
   static constexpr std::size_t kFramesOnUnknownPath = 6;
 
   explicit ClientWindow(Duration frame_period);
 
-  /// In sync: it got every frame since a keyframe, and can decode the next one. False before the first frame.
+  /// True if the client got every frame since a keyframe, so that it can decode the next one. False before the
+  /// first frame.
   bool in_sync() const { return in_sync_; }
-  /// It was sent a frame, and later ones were skipped.
+  /// True if the client was sent a frame and later ones were skipped.
   bool fell_behind() const { return !in_sync_ && has_begun_; }
-  /// Not in sync, and nothing is in flight: the next keyframe is welcome.
+  /// True if the client can accept a keyframe and nothing else: it is not in sync, and nothing is in flight.
   bool awaits_keyframe() const { return !in_sync_ && in_flight_.empty(); }
-  /// Until when a client in sync wants another frame, if nothing happens meanwhile; a time in the past for
-  /// one that does not.
+  /// Until when a client in sync requests another frame, if nothing happens meanwhile. In the past if it
+  /// requests none.
   Instant wants_until() const;
-  bool may_have(bool keyframe, Instant now) const;
+  bool can_accept(bool keyframe, Instant now) const;
 
-  /// A frame goes out. Requires may_have(keyframe, now).
+  /// A frame is sent. Requires can_accept(keyframe, now).
   void sent(std::uint64_t sequence, std::size_t bytes, Instant now);
-  /// Frames of the stream that this client does not get.
+  /// This many frames of the stream are not sent to this client.
   void skip(std::uint64_t frames);
-  /// The client has this frame and all before it. Returns false for a frame that is not in flight: a protocol
-  /// error.
+  /// The client has this frame and all before it. Returns false if the frame is not in flight, which is a
+  /// protocol error.
   bool acknowledge(std::uint64_t sequence, Instant now);
 
-  std::uint64_t skipped() const { return skipped_; }
+  std::uint64_t skipped() const { return skipped_; }            ///< frames
   std::uint64_t acknowledged() const { return acknowledged_; }  ///< frames
   std::size_t frames_in_flight() const { return in_flight_.size(); }
   std::size_t bytes_in_flight() const { return bytes_; }
-  /// When the oldest frame in flight was sent; nothing where there is none.
+  /// When the oldest frame in flight was sent; nothing if none is in flight.
   std::optional<Instant> waits_since() const;
   const PathEstimate& path() const { return path_; }
 
@@ -70,7 +74,14 @@ class ClientWindow {
     std::uint64_t sequence;
     PathEstimate::Sent sent;
   };
-  Instant room_until(Duration allowance, std::size_t frames_on_unknown_path) const;
+  struct Limits {
+    Duration allowance;
+    int overdue_periods;  // at least
+    std::size_t frames_on_unknown_path;
+  };
+  Instant room_until(const Limits& limits) const;
+  Instant next_acknowledgement_due() const;
+  void measure_lateness(Instant now);
   void adapt_allowance(Instant now);
 
   Duration frame_period_;
@@ -81,11 +92,16 @@ class ClientWindow {
   bool in_sync_ = false, has_begun_ = false;
 
   Duration allowance_;
-  struct Round {  // half a second: is there a queue that never empties?
+  struct Round {  // half a second
     Instant ends_at;
     Duration least_queueing;
   };
   std::optional<Round> round_;
+  bool drains_ = false;  // requests nothing until nothing is in flight
+
+  // The largest lateness of the current span of 5 s, and of the one before.
+  Duration lateness_{}, lateness_before_{};
+  Instant span_began_at_{}, acknowledged_at_{};
 };
 
 }  // namespace copresence::wire

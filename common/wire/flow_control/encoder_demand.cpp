@@ -6,7 +6,7 @@ namespace copresence::wire {
 namespace {
 
 constexpr std::chrono::seconds kBetweenKeyframes{1};
-constexpr std::chrono::milliseconds kLeastForSlowClients{1333}, kMostForSlowClients{3000};
+constexpr std::chrono::seconds kLongestPause{3};
 constexpr double kShareOfKeyframes = 0.05;
 
 }  // namespace
@@ -17,7 +17,7 @@ void EncoderDemand::Clients::add(const ClientWindow& window) {
   if (window.awaits_keyframe()) (window.fell_behind() ? fell_behind_ : joins_) = true;
 }
 
-bool EncoderDemand::may_ask_for_keyframe(Instant now) const {
+bool EncoderDemand::may_request_keyframe(Instant now) const {
   if (keyframe_taken_at_ && now - *keyframe_taken_at_ < kBetweenKeyframes) return false;
   if (clients_.joins_) return true;
   return (clients_.fell_behind_ || requested_) && (!clients_.in_sync_ || now >= next_for_slow_clients_);
@@ -25,11 +25,11 @@ bool EncoderDemand::may_ask_for_keyframe(Instant now) const {
 
 bool EncoderDemand::wants_frame(Instant now) const {
   const bool only_keyframe = clients_.joins_ || clients_.fell_behind_;
-  return now < clients_.wants_until_ || (only_keyframe && (promised_ || may_ask_for_keyframe(now)));
+  return now < clients_.wants_until_ || (only_keyframe && (promised_ || may_request_keyframe(now)));
 }
 
 bool EncoderDemand::take_keyframe_request(Instant now) {
-  if (!may_ask_for_keyframe(now)) return false;
+  if (!may_request_keyframe(now)) return false;
   keyframe_taken_at_ = now;
   promised_ = true;
   return true;
@@ -45,7 +45,7 @@ void EncoderDemand::sent(bool keyframe, std::size_t bytes, Instant now) {
   const double extra_frames = mean_bytes_ > 0 ? std::max(size / mean_bytes_ - 1, 0.0) : 0;
   const auto pause = std::chrono::duration_cast<Duration>(extra_frames / kShareOfKeyframes *
                                                           std::chrono::duration<double>(frame_period_));
-  next_for_slow_clients_ = now + std::clamp<Duration>(pause, kLeastForSlowClients, kMostForSlowClients);
+  next_for_slow_clients_ = now + std::min<Duration>(pause, kLongestPause);
 }
 
 }  // namespace copresence::wire

@@ -1,13 +1,11 @@
 #pragma once
 
-// Decides when the one encoder of a stream should encode a frame, and when a keyframe, for all clients
-// together.
+// Decides when the one encoder of a stream encodes a frame, and when a keyframe, for all clients together.
 //
-// A frame is wanted while one client in sync wants it. A keyframe costs every client bytes, so at most one a
-// second is asked for. Clients that join get one as soon as that allows. Clients that fell behind, and
-// clients that ask for one, share keyframes whose extra bytes are at most about a twentieth of the stream, so
-// that a client on a slow path cannot cost the others more for ever. When nobody is in sync, nobody pays and
-// they need not wait.
+// A frame is wanted if one client in sync requests it. A keyframe costs every client bytes, so at most one a second
+// is requested. Clients that join get one as soon as that allows. Clients that fell behind, and clients that
+// request one, share keyframes whose extra bytes are at most about a twentieth of the stream. So a client on a slow
+// path cannot cost the others more. If no client is in sync, no one pays, and the twentieth does not apply.
 //
 // Thread: a value; frame_server.cpp guards it by a mutex.
 
@@ -23,7 +21,7 @@ class EncoderDemand {
  public:
   explicit EncoderDemand(Duration frame_period) : frame_period_(frame_period) {}
 
-  /// What the clients want now. Call begin(), then add() for each client, whenever one of them changed.
+  /// The demand of all clients at one time.
   class Clients {
    public:
     void add(const ClientWindow& window);
@@ -33,19 +31,20 @@ class EncoderDemand {
     Instant wants_until_ = Instant::min();
     bool in_sync_ = false, joins_ = false, fell_behind_ = false;
   };
+  /// Call it when a client's window changed.
   void update(const Clients& clients) { clients_ = clients; }
-  /// A client cannot decode what it gets. Forgotten with the next keyframe.
+  /// A client cannot decode the stream. The request holds until the next keyframe.
   void request_keyframe() { requested_ = true; }
 
-  /// A frame encoded now would reach somebody.
+  /// True if a client would get a frame that is encoded now.
   bool wants_frame(Instant now) const;
-  /// The next frame must be a keyframe. A true answer is the caller's promise to encode one.
+  /// True if the next frame must be a keyframe. The caller must then encode one.
   bool take_keyframe_request(Instant now);
-  /// A frame of the stream was handed out.
+  /// A frame of the stream was handed to the clients.
   void sent(bool keyframe, std::size_t bytes, Instant now);
 
  private:
-  bool may_ask_for_keyframe(Instant now) const;
+  bool may_request_keyframe(Instant now) const;
 
   Duration frame_period_;
   Clients clients_;

@@ -5,9 +5,10 @@
 namespace copresence::wire {
 namespace {
 
-constexpr std::chrono::seconds kRateWindow{2};
-constexpr std::chrono::seconds kBaseWindow{10}, kWindowOfLargeFrame{2};
-constexpr double kLargeFrame = 1.5;  // times the mean: a keyframe
+constexpr std::chrono::seconds kRateWindow{2}, kBaseWindow{10};
+constexpr double kLargeFrame = 1.5;  // times the mean size: a keyframe
+// Intervals of acknowledgements and rates that differ by less than this count as equal.
+constexpr double kSame = 1.1;
 
 double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -40,7 +41,7 @@ std::optional<Duration> PathEstimate::base_delay() const {
 
 Instant PathEstimate::stale_at() const {
   if (!base_) return Instant::max();
-  return base_seen_at_ + (base_is_of_large_frame_ ? kWindowOfLargeFrame : kBaseWindow);
+  return base_seen_at_ + kBaseWindow;
 }
 
 bool PathEstimate::is_stale(Instant now) const {
@@ -49,19 +50,26 @@ bool PathEstimate::is_stale(Instant now) const {
 
 void PathEstimate::measure_rate(const Sent& frame, Instant now) {
   Duration interval = std::max<Duration>(now - frame.at, std::chrono::milliseconds(1));
+  bool limited_by_path = false;
   if (frame.alone) {
-    // The base delay is in this interval. It does no harm where a frame arrives before the next one is due.
+    // This interval includes the base delay. That is harmless if the frame arrives before the next one is due.
     if (interval > tolerance_ / 2) return;
   } else {
-    interval = std::max(
-        {now - previous_acknowledged_at_, frame.at - previous_->at, Duration(std::chrono::milliseconds(1))});
+    const Duration sent_apart = frame.at - previous_->at,
+                   acknowledged_apart = now - previous_acknowledged_at_;
+    interval = std::max({acknowledged_apart, sent_apart, Duration(std::chrono::milliseconds(1))});
+    limited_by_path = acknowledged_apart > kSame * sent_apart;
   }
   const double rate = static_cast<double>(frame.bytes) / seconds(interval);
   const bool is_larger = rates_.empty() || rate >= rates_.front().bytes_per_second;
   const bool is_busy = queueing_ > tolerance_ / 4;
   if (!is_larger && !is_busy) return;
-  while (!rates_.empty() && rates_.back().bytes_per_second <= rate) rates_.pop_back();
-  rates_.push_back({now, rate});
+  while (!rates_.empty() && rates_.back().bytes_per_second <= rate) {
+    // A sender that waits for acknowledgements sends at the path's rate. It is still the path that limits it.
+    limited_by_path |= rates_.back().limited_by_path && rate < kSame * rates_.back().bytes_per_second;
+    rates_.pop_back();
+  }
+  rates_.push_back({now, rate, limited_by_path});
   while (now - rates_.front().at > kRateWindow) rates_.pop_front();
 }
 
@@ -70,24 +78,24 @@ void PathEstimate::measure_delay(const Sent& frame, Instant now) {
   const auto without_transmission = [this](const DelaySample& of) {
     return std::max(of.ack_delay - transmission_time(of.bytes), Duration::zero());
   };
-  // The rate may be understated, and then a large frame's transmission is overstated.
-  const bool is_large = mean_bytes_ > 0 && static_cast<double>(frame.bytes) > kLargeFrame * mean_bytes_;
-  mean_bytes_ = mean_bytes_ > 0 ? mean_bytes_ + (static_cast<double>(frame.bytes) - mean_bytes_) / 16
-                                : static_cast<double>(frame.bytes);
-  const auto take = [&](bool is_of_large_frame) {
+  const double bytes = static_cast<double>(frame.bytes);
+  const bool is_large = !base_ || bytes > kLargeFrame * mean_bytes_;
+  mean_bytes_ = base_ ? mean_bytes_ + (bytes - mean_bytes_) / 16 : bytes;
+  const auto take = [&] {
     base_ = sample;
-    base_is_of_large_frame_ = is_of_large_frame;
+    base_is_of_large_frame_ = is_large;
     base_seen_at_ = now;
   };
-  if (!base_) take(true);  // the first frame is a keyframe
+  if (!base_) take();
   const Duration excess = without_transmission(sample) - *base_delay();
+  const bool rate_is_known = !rates_.empty() && rates_.front().limited_by_path;
   const bool corrects_large_frame =
-      base_is_of_large_frame_ && sample.ack_delay <= base_->ack_delay + tolerance_ / 8;
+      base_is_of_large_frame_ && !rate_is_known && sample.ack_delay <= base_->ack_delay + tolerance_ / 2;
   if (!is_large && (excess <= Duration::zero() || corrects_large_frame || (frame.alone && is_stale(now)))) {
-    take(false);
+    take();
   } else if (frame.alone && excess > tolerance_) {
-    take(is_large);
-    rates_.clear();  // another path than before
+    take();
+    rates_.clear();  // the path has changed
   } else if (!is_large && excess <= tolerance_ / 2) {
     base_seen_at_ = now;
   }

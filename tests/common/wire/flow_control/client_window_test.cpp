@@ -27,26 +27,26 @@ TEST(ClientWindow, BeginsWithAKeyframe) {
   EXPECT_TRUE(window.awaits_keyframe());
   EXPECT_FALSE(window.fell_behind());
   EXPECT_FALSE(wants(window));
-  EXPECT_FALSE(window.may_have(false, kNow));
-  EXPECT_TRUE(window.may_have(true, kNow));
+  EXPECT_FALSE(window.can_accept(false, kNow));
+  EXPECT_TRUE(window.can_accept(true, kNow));
 }
 
 TEST(ClientWindow, TakesFewFramesWhileThePathIsUnknown) {
   EXPECT_TRUE(wants(with_frames_in_flight(1)));
   EXPECT_FALSE(wants(with_frames_in_flight(2)));
-  EXPECT_TRUE(with_frames_in_flight(2).may_have(false, kNow)) << "of those that are encoded for others";
-  EXPECT_TRUE(with_frames_in_flight(ClientWindow::kFramesOnUnknownPath - 1).may_have(false, kNow));
-  EXPECT_FALSE(with_frames_in_flight(ClientWindow::kFramesOnUnknownPath).may_have(true, kNow));
+  EXPECT_TRUE(with_frames_in_flight(2).can_accept(false, kNow)) << "of those that are encoded for others";
+  EXPECT_TRUE(with_frames_in_flight(ClientWindow::kFramesOnUnknownPath - 1).can_accept(false, kNow));
+  EXPECT_FALSE(with_frames_in_flight(ClientWindow::kFramesOnUnknownPath).can_accept(true, kNow));
 }
 
 TEST(ClientWindow, TakesSoManyBytesAndNoMore) {
   ClientWindow window(kPeriod);
   window.sent(1, ClientWindow::kBytes - 1, kNow);
-  EXPECT_TRUE(window.may_have(false, kNow));
+  EXPECT_TRUE(window.can_accept(false, kNow));
   window.sent(2, kSmall, kNow);
-  EXPECT_FALSE(window.may_have(false, kNow));
+  EXPECT_FALSE(window.can_accept(false, kNow));
   ASSERT_TRUE(window.acknowledge(1, kNow + 1ms));
-  EXPECT_TRUE(window.may_have(false, kNow + 1ms));
+  EXPECT_TRUE(window.can_accept(false, kNow + 1ms));
   EXPECT_EQ(window.bytes_in_flight(), kSmall);
 }
 
@@ -54,7 +54,7 @@ TEST(ClientWindow, GoesOnWithoutAKeyframeWhenNothingWasSkipped) {
   ClientWindow window = with_frames_in_flight(2);
   ASSERT_TRUE(window.acknowledge(1, kNow + 10ms));
   EXPECT_TRUE(wants(window, kNow + 10ms));
-  EXPECT_TRUE(window.may_have(false, kNow + 10ms));
+  EXPECT_TRUE(window.can_accept(false, kNow + 10ms));
 }
 
 TEST(ClientWindow, WaitsForAKeyframeOnceItSkipped) {
@@ -63,14 +63,14 @@ TEST(ClientWindow, WaitsForAKeyframeOnceItSkipped) {
   EXPECT_TRUE(window.fell_behind());
   ASSERT_TRUE(window.acknowledge(5, kNow));
   EXPECT_FALSE(window.awaits_keyframe()) << "a frame is still in flight";
-  EXPECT_FALSE(window.may_have(true, kNow));
+  EXPECT_FALSE(window.can_accept(true, kNow));
   ASSERT_TRUE(window.acknowledge(6, kNow));
   EXPECT_TRUE(window.awaits_keyframe());
-  EXPECT_FALSE(window.may_have(false, kNow));
-  EXPECT_TRUE(window.may_have(true, kNow));
+  EXPECT_FALSE(window.can_accept(false, kNow));
+  EXPECT_TRUE(window.can_accept(true, kNow));
   window.sent(20, kSmall, kNow);
   EXPECT_FALSE(window.fell_behind());
-  EXPECT_TRUE(window.may_have(false, kNow));
+  EXPECT_TRUE(window.can_accept(false, kNow));
   EXPECT_EQ(window.skipped(), 1u);
 }
 
@@ -95,12 +95,24 @@ TEST(ClientWindow, WantsNothingWhileTheOldestFrameIsOverdue) {
   ASSERT_TRUE(window.acknowledge(1, kNow + 10ms));
   ASSERT_TRUE(window.acknowledge(2, kNow + 11ms));
   window.sent(3, kSmall, kNow + 1s);
-  EXPECT_TRUE(wants(window, kNow + 1s + 8 * kPeriod));
-  EXPECT_FALSE(wants(window, kNow + 1s + 9 * kPeriod));
-  EXPECT_TRUE(window.may_have(false, kNow + 1s + 9 * kPeriod)) << "rather than a keyframe later";
-  EXPECT_FALSE(window.may_have(false, kNow + 2s));
+  EXPECT_TRUE(wants(window, kNow + 1s + 3 * kPeriod));
+  EXPECT_FALSE(wants(window, kNow + 1s + 4 * kPeriod));
+  EXPECT_TRUE(window.can_accept(false, kNow + 1s + 5 * kPeriod)) << "rather than a keyframe later";
+  EXPECT_FALSE(window.can_accept(false, kNow + 1s + 6 * kPeriod));
   ASSERT_TRUE(window.acknowledge(3, kNow + 2s));
   EXPECT_TRUE(wants(window, kNow + 2s));
+}
+
+TEST(ClientWindow, WaitsLongerOnAPathWithJitter) {
+  ClientWindow window(kPeriod);
+  Instant now = kNow;
+  for (std::uint64_t sequence = 1; sequence <= 60; ++sequence, now += kPeriod) {
+    window.sent(sequence, kSmall, now);
+    ASSERT_TRUE(window.acknowledge(sequence, now + (sequence % 2 ? 5ms : 60ms)));
+  }
+  window.sent(61, kSmall, now);
+  EXPECT_TRUE(wants(window, now + 4 * kPeriod));
+  EXPECT_FALSE(wants(window, now + 6 * kPeriod));
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ int keyframes(const std::vector<ClientWindow>& windows, double keyframe, bool re
 }
 
 TEST(EncoderDemand, LetsSlowClientsShareKeyframesThatCostTheOthersLittle) {
-  EXPECT_NEAR(keyframes({in_sync(), fallen_behind()}, 2, false), 75, 3);
+  EXPECT_NEAR(keyframes({in_sync(), fallen_behind()}, 2, false), 98, 3) << "one a second";
   EXPECT_NEAR(keyframes({in_sync(), fallen_behind()}, 4, false), 50, 3) << "3 extra frames of 60";
   EXPECT_NEAR(keyframes({in_sync(), fallen_behind()}, 100, false), 33, 2) << "but every three seconds";
 }

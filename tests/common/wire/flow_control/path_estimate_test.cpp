@@ -54,6 +54,21 @@ TEST(PathEstimate, TakesNoStandingQueueForALongerPath) {
   EXPECT_LE(*path.base_delay(), 100ms);
 }
 
+TEST(PathEstimate, CorrectsAKeyframeWhoseTransmissionWasOverstated) {
+  PathEstimate path(kTolerance);
+  path.acknowledged({kNow, 120'000, true}, kNow + 200ms);
+  // The path is wide: only sending limits the rate, to 30 kB in 33 ms.
+  path.acknowledged({kNow + 33ms, 30'000, false}, kNow + 33ms + 200ms);
+  EXPECT_GE(*path.base_delay() + path.transmission_time(30'000), 199ms);
+}
+
+TEST(PathEstimate, TakesNoQueueBehindAKeyframeForTheBase) {
+  PathEstimate path(kTolerance);  // 2 ms and 500 kB a second
+  path.acknowledged({kNow, 120'000, true}, kNow + 242ms);
+  path.acknowledged({kNow + 33ms, 30'000, false}, kNow + 302ms);
+  EXPECT_LE(*path.base_delay(), 3ms);
+}
+
 TEST(PathEstimate, BelievesAFrameThatHadALongerPathToItself) {
   PathEstimate path = known_path();
   path.acknowledged({kNow + 1s, 10'000, true}, kNow + 1s + 400ms);

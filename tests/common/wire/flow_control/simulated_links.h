@@ -34,7 +34,7 @@ struct Stream {
   double keyframe = 2.5;            ///< times frame_bytes
 };
 
-class SimulatedRoom {
+class SimulatedNetwork {
  public:
   struct Arrival {
     Duration at;  ///< since the start
@@ -68,7 +68,7 @@ class SimulatedRoom {
     const ClientWindow& window() const { return *window_; }
 
    private:
-    friend class SimulatedRoom;
+    friend class SimulatedNetwork;
     template <class Predicate>
     std::ptrdiff_t count(Duration begin, Duration end, const Predicate& predicate) const {
       return std::count_if(arrivals_.begin(), arrivals_.end(), [&](const Arrival& arrival) {
@@ -89,7 +89,7 @@ class SimulatedRoom {
     std::vector<Arrival> arrivals_;
   };
 
-  explicit SimulatedRoom(Stream stream = {}) : stream_(stream), demand_(stream.period) {}
+  explicit SimulatedNetwork(Stream stream = {}) : stream_(stream), demand_(stream.period) {}
 
   Client& join(const Link& link) {
     clients_.push_back(std::make_unique<Client>());
@@ -126,7 +126,7 @@ class SimulatedRoom {
     ++frames_encoded_;
     for (const auto& client : clients_) {
       if (!client->window_) continue;
-      if (!client->window_->may_have(keyframe, now_)) {
+      if (!client->window_->can_accept(keyframe, now_)) {
         client->window_->skip(1);
         continue;
       }

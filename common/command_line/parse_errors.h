@@ -8,8 +8,8 @@
 
 namespace copresence::command_line {
 
-/// Prints help or the version to standard output, and a parse error as one sentence to standard error. Returns the
-/// program's exit code, 0 or 2. Requires an `error` that app.parse() threw.
+/// Prints help or the version to standard output, and a parse error as one sentence to standard
+/// error. Returns the program's exit code, 0 or 2. Requires an `error` that app.parse() threw.
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error);
 
 /// The message of a parse error without the program's name and without a full stop.

@@ -22,7 +22,7 @@ std::optional<Number> parse(const std::string& text) {
   return number;
 }
 
-/// Both sides of the separator's only place.
+/// The numbers before and after the first `separator`; nothing if one of them is no number.
 template <class Number>
 std::optional<std::pair<Number, Number>> parse_two(const std::string& text, char separator) {
   const auto at = text.find(separator);
@@ -32,7 +32,7 @@ std::optional<std::pair<Number, Number>> parse_two(const std::string& text, char
   return std::pair(*first, *second);
 }
 
-/// "auto, gl or cpu".
+/// Joins words for a sentence: "auto, gl or cpu".
 std::string in_words(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -42,13 +42,13 @@ std::string in_words(const std::vector<std::string>& words) {
   return text;
 }
 
-/// Of something that is checked as text and taken apart again once all is well.
+/// An option that is checked as text. `take` converts the text after the check.
 CLI::Option* add_checked(CLI::App& app, const std::string& flag, const std::string& description,
                          const CLI::Validator& check, const std::function<void(const std::string&)>& take) {
   return app.add_option_function<std::string>(flag, take, description)->check(check);
 }
 
-/// Why a file cannot be written; empty where it can.
+/// The reason why a file cannot be written; empty if it can.
 std::string unwritable(const std::string& text, bool is_replaced) {
   namespace fs = std::filesystem;
   if (text.empty()) return "\"\" is not a file's name";

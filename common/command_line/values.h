@@ -1,11 +1,11 @@
 #pragma once
 
-// What values of options may be. Each is looked at as the text that was given, before anything is made of it, so that a wrong one is
-// refused with one sentence that names the option, what was given and what is allowed:
+// Checks for the values of command-line options. Each check sees the text as it was given, before
+// it is converted. So an error message names the option, the given text and the allowed values:
 //
 //   capture_server: --depth-qp: "foo" is not a whole number from 0 to 51; see --help
 //
-// Thread: pure; what is returned is used while a command line is parsed.
+// Thread: pure functions.
 
 #include <fmt/format.h>
 
@@ -23,19 +23,21 @@
 
 namespace copresence::command_line {
 
-/// For Option::check(): a text for which `is_one` holds; else `"TEXT" is not WHAT`. `in_help` follows the option's type.
+/// For Option::check(): accepts a text if `is_one` returns true. The error message is `"TEXT" is
+/// not WHAT`. `--help` shows `in_help` after the option's type.
 CLI::Validator must_be(std::string what, std::function<bool(const std::string&)> is_one,
                        std::string in_help = {});
 
-/// Any text but an empty one, which is `what`: "a file's name", "HOST:PORT".
+/// Accepts every text that is not empty. `what` describes it: "a file's name", "HOST:PORT".
 CLI::Validator some(std::string what);
 
-/// A file's name; whether it is there or can be written is found out later.
+/// Accepts every file name. Nothing checks whether the file exists.
 CLI::Validator file_name();
-/// A file that can be written as things stand: its folder is there, and neither is protected. So what takes minutes to
-/// make does not end at the last step.
+/// Accepts a file that can be written now: its folder exists, and neither is write-protected. So a
+/// long computation does not fail when it writes its result.
 CLI::Validator writable_file();
-/// The same for one that is made beside its name first and then moved there, so that its folder must be writable, too.
+/// Like writable_file(), for a file that is written under a temporary name and then renamed. Its
+/// folder must be writable, too.
 CLI::Validator replaceable_file();
 CLI::Validator existing_file();
 CLI::Validator existing_folder();
@@ -46,21 +48,21 @@ CLI::Validator whole_number(Number least, Number most) {
       fmt::format("a whole number from {} to {}", least, most),
       [=](const std::string& text) {
         Number number{};
-        // Digits alone: to CLI11 010 is octal, and what overflows is something else.
+        // Digits only: CLI11 takes 010 for octal and wraps numbers that are too large.
         std::from_chars(text.data(), text.data() + text.size(), number);
         return text == std::to_string(number) && number >= least && number <= most;
       },
       fmt::format("[{} to {}]", least, most));
 }
 
-/// Infinities and what is no number are never allowed.
+/// Infinities and NaN are never allowed.
 CLI::Validator number(double least, double most);
 CLI::Validator number_above_zero(double most);
 
-/// For Option::check().
+/// For Option::check(): accepts one of these words.
 CLI::Validator one_of(std::vector<std::string> words);
 
-/// For Option::transform(): the value that a word stands for.
+/// For Option::transform(): replaces a word by its value.
 template <class Value>
 requires std::is_enum_v<Value> CLI::Validator one_of(std::vector<std::pair<std::string, Value>> values) {
   std::vector<std::string> words;
@@ -78,14 +80,15 @@ requires std::is_enum_v<Value> CLI::Validator one_of(std::vector<std::pair<std::
           ""};
 }
 
-/// An option that takes WIDTHxHEIGHT in pixels, both even and within these.
+/// The smallest and the largest width and height, pixels.
 struct PixelLimits {
   int least = 16, most = 8192;
 };
+/// Adds an option that takes WIDTHxHEIGHT in pixels, both even and within `limits`.
 CLI::Option* add_size(CLI::App& app, const std::string& flag, int& width, int& height, PixelLimits limits,
                       const std::string& description);
 
-/// An option that takes NEAR:FAR in metres, 0.05 to 65.
+/// Adds an option that takes NEAR:FAR in metres, 0.05 to 65.
 CLI::Option* add_depth_range(CLI::App& app, const std::string& flag, DepthRange& range,
                              const std::string& description);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// A bounded queue: everything that gets in comes out in order. Used where a frame may be refused but none that was
-// taken may be lost.
+// A first-in, first-out queue of limited length between threads. A full queue rejects new values
+// and never loses one that it accepted.
 //
 // Thread: any number of threads may call any member at any time.
 
@@ -22,20 +22,21 @@ class BoundedQueue {
   /// Requires capacity > 0.
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Whether put() would succeed now: for a single producer, whose values are dear to make.
+  /// True if put() would succeed now. A single producer can ask before it makes an expensive value.
   bool has_room() const {
     std::lock_guard lock(mutex_);
     return !closed_ && values_.size() < capacity_;
   }
 
-  /// Waits for room, for `at_most`; false when there is none, when closed or asked to stop.
+  /// Waits until put() would succeed, for `at_most`. Returns false after that time, on a stop
+  /// request, or if the queue is closed.
   bool wait_for_room(std::stop_token stop, std::chrono::milliseconds at_most) {
     std::unique_lock lock(mutex_);
     room_.wait_for(lock, stop, at_most, [this] { return closed_ || values_.size() < capacity_; });
     return !closed_ && values_.size() < capacity_;
   }
 
-  /// Puts a value in; false, and the value gone, when full or closed.
+  /// Appends a value. Returns false and discards the value if the queue is full or closed.
   bool put(T value) {
     {
       std::lock_guard lock(mutex_);
@@ -46,7 +47,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits for a value; nothing when closed and empty.
+  /// Waits for the oldest value and removes it. Returns nothing once the queue is closed and empty.
   std::optional<T> take() {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, [this] { return closed_ || !values_.empty(); });
@@ -58,7 +59,7 @@ class BoundedQueue {
     return value;
   }
 
-  /// No more values get in; those inside still come out.
+  /// Rejects all further values. take() still returns those in the queue.
   void close() {
     {
       std::lock_guard lock(mutex_);

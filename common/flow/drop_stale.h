@@ -1,16 +1,17 @@
 #pragma once
 
-// What is left out where there is more than can be worked on, so that what is worked on is fresh.
+// Decides which frames a busy stage drops, so that it works on recent ones.
 //
-// Thread: pure.
+// Thread: pure functions.
 
 #include "common/frame/rgbd_frame.h"
 
 namespace copresence::flow {
 
-/// Whether a frame that came at `came`, and has waited for a worker who became free at `free`, is better left out: the next
-/// one, due a `period` after it, is nearer than this one is old. Never so for one that came after the worker was free, so of
-/// two frames in a row one is always worked on.
+/// True if a frame that arrived at `came` should be dropped when its worker becomes free at `free`.
+/// The frame is then older than half a frame `period`, so the next one is due sooner than that. A
+/// frame that arrived after the worker became free is never dropped, so two frames in a row are
+/// never dropped.
 constexpr bool should_drop_stale(Instant came, Instant free, Duration period) {
   return free - came > period / 2;
 }

@@ -1,7 +1,8 @@
 #pragma once
 
-// Percentiles of a duration over a run, in bounded memory.
-// Thread: a value; guard it yourself.
+// Percentiles of a duration over a run, in constant memory.
+//
+// Thread: a value.
 
 #include <array>
 #include <cstdint>
@@ -10,13 +11,15 @@
 
 namespace copresence::flow {
 
-/// Durations in logarithmic buckets 2 % wide, from 1 microsecond to 100 s: percentiles are good to 1 %.
+/// Counts durations from 1 microsecond to 100 s in logarithmic buckets that are 2 % wide.
+/// Percentiles are therefore accurate to 1 %.
 class LatencyHistogram {
  public:
   void add(Duration duration);
   std::uint64_t count() const { return count_; }
 
-  /// Milliseconds below which `percent` of the durations lie; 0 when there are none. 0 <= percent <= 100.
+  /// Milliseconds below which `percent` (0 to 100) of the durations lie; 0 if there are no
+  /// durations.
   double percentile_ms(double percent) const;
 
  private:

@@ -1,7 +1,8 @@
 #pragma once
 
-// A mailbox of one slot where the newest wins: the latency policy of this program. Used where a frame may be
-// lost, between sensor and encoder and between decoder and view.
+// A slot for one value between threads, in which a newer value replaces an older one. Used where a
+// late frame is worth less than a lost one: between sensor and encoder, and between decoder and
+// view.
 //
 // Thread: any number of threads may call any member at any time.
 
@@ -17,7 +18,7 @@ namespace copresence::flow {
 template <class T>
 class Mailbox {
  public:
-  /// Puts a value in; one that nobody took is lost and counted.
+  /// Stores a value. It replaces a value that was not taken, which counts as overwritten.
   void put(T value) {
     {
       std::lock_guard lock(mutex_);
@@ -27,26 +28,27 @@ class Mailbox {
     filled_.notify_one();
   }
 
-  /// Waits for a value; nothing when asked to stop, or when closed and empty.
+  /// Waits for a value and removes it. Returns nothing on a stop request, or if the mailbox is
+  /// closed and empty.
   std::optional<T> take(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, stop, [this] { return slot_.has_value() || closed_; });
     return empty_the_slot();
   }
 
-  /// What is there now, without waiting.
+  /// Removes the value that is there now; nothing if there is none. Does not wait.
   std::optional<T> try_take() {
     std::lock_guard lock(mutex_);
     return empty_the_slot();
   }
 
-  /// Waits until nothing is in the slot: for a producer that can wait, and then loses nothing.
+  /// Waits until the slot is empty. A producer that calls it before put() overwrites nothing.
   void wait_until_taken(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     emptied_.wait(lock, stop, [this] { return !slot_.has_value() || closed_; });
   }
 
-  /// No more values will come; a waiting take() returns.
+  /// Call after the last put(). A waiting take() returns.
   void close() {
     {
       std::lock_guard lock(mutex_);
@@ -56,7 +58,7 @@ class Mailbox {
     emptied_.notify_all();
   }
 
-  /// Values that were replaced before anybody took them.
+  /// The number of values that were replaced before they were taken.
   std::uint64_t overwritten() const {
     std::lock_guard lock(mutex_);
     return overwritten_;

@@ -1,9 +1,9 @@
 #pragma once
 
-// A row of newest-wins mailboxes with one reader: what the decoders of several cameras hand to the one
-// renderer.
+// Several mailboxes with one reader that waits for all of them: the decoders of all cameras write,
+// the renderer reads. In each one a newer value replaces an older one.
 //
-// Thread: put() by any thread, take() and wait() by one reader.
+// Thread: any thread may call put(); one reader calls take() and wait().
 
 #include <condition_variable>
 #include <cstdint>
@@ -22,7 +22,8 @@ class Mailboxes {
  public:
   explicit Mailboxes(std::size_t slots) : slots_(slots) {}
 
-  /// Puts a value in; returns whether one that nobody took was lost. Requires slot < number of slots.
+  /// Stores a value. Returns true if it replaced one that was not taken. Requires slot < number of
+  /// slots.
   bool put(std::size_t slot, T value) {
     bool lost = false;
     {
@@ -35,13 +36,13 @@ class Mailboxes {
     return lost;
   }
 
-  /// What is in a slot now, without waiting.
+  /// Removes the value that is in a slot now; nothing if there is none. Does not wait.
   std::optional<T> take(std::size_t slot) {
     std::lock_guard lock(mutex_);
     return std::exchange(slots_[slot], std::nullopt);
   }
 
-  /// Returns at the next put() after the last return, at `deadline`, or when asked to stop.
+  /// Waits for a put() since the last return of wait(), until `deadline` or a stop request.
   void wait(std::stop_token stop, Instant deadline) {
     std::unique_lock lock(mutex_);
     filled_.wait_until(lock, stop, deadline, [this] { return puts_ != seen_; });

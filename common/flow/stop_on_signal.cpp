@@ -22,7 +22,7 @@ int next_of(const sigset_t& signals) {
   return signal;
 }
 
-/// Ends a thread that waits in next_of() for `signal` among others, and looks at its stop token then.
+/// Ends a thread that waits in next_of() for `signal` and checks its stop token afterwards.
 void end(std::jthread& thread, int signal) {
   if (!thread.joinable()) return;
   thread.request_stop();
@@ -30,7 +30,7 @@ void end(std::jthread& thread, int signal) {
   thread.join();
 }
 
-/// From now on SIGINT ends the process, even where it was started with SIGINT ignored.
+/// Makes SIGINT end the process, even if the process was started with SIGINT ignored.
 void let_interrupts_kill() {
   std::signal(SIGINT, SIG_DFL);
   const sigset_t interrupt = set_of({SIGINT});
@@ -45,7 +45,7 @@ StopOnSignal::StopOnSignal(std::function<void()> on_hangup) {
   pthread_sigmask(SIG_BLOCK, &blocked, nullptr);
   stops_ = std::jthread([this](const std::stop_token& own_end) { wait_for_stop(own_end); });
   if (!on_hangup) return;
-  // A thread of its own: whatever the callback waits for, a stop gets through.
+  // The callback may block, so it has a thread of its own. A stop request is not delayed.
   hangups_ = std::jthread([on_hangup = std::move(on_hangup)](const std::stop_token& own_end) {
     pthread_setname_np(pthread_self(), "hangups");
     const sigset_t hangup = set_of({SIGHUP});
@@ -60,7 +60,6 @@ StopOnSignal::StopOnSignal(std::function<void()> on_hangup) {
 StopOnSignal::~StopOnSignal() {
   end(hangups_, SIGHUP);
   end(stops_, SIGTERM);
-  // Nobody turns it into a stop any more.
   let_interrupts_kill();
 }
 
@@ -71,8 +70,8 @@ void StopOnSignal::wait_for_stop(const std::stop_token& own_end) {
     const int signal = next_of(awaited);
     if (own_end.stop_requested()) return;
     if (signal == SIGINT) {
-      // Before the stop is requested, since whoever is told of it may block. This thread alone lets the
-      // signal in; it ends the whole process.
+      // Before the stop request, since callbacks of the stop token may block. Only this thread
+      // unblocks the signal, but the signal ends the whole process.
       sigdelset(&awaited, SIGINT);
       let_interrupts_kill();
     }

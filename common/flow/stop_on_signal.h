@@ -8,16 +8,16 @@
 
 namespace copresence::flow {
 
-/// While one of these lives, SIGTERM and the first SIGINT request a stop instead of ending the process. The
-/// second SIGINT (Ctrl-C) ends the process at once, whatever its threads are doing; its exit status says so.
-/// A second SIGTERM changes nothing: service managers send it to each process of a group, and a parent hands
-/// it on.
+/// While an object of this class exists, SIGTERM and the first SIGINT request a stop instead of
+/// ending the process. The second SIGINT (Ctrl-C) ends the process at once; its exit status shows
+/// the signal. A second SIGTERM changes nothing: service managers send it to each process of a
+/// group, and our parent process forwards it.
 ///
-/// With `on_hangup`, SIGHUP calls that on a thread of its own instead of ending the process. Hang-ups that
-/// come meanwhile cause one more call. The destructor waits until the call returns.
+/// With `on_hangup`, SIGHUP calls that function on a separate thread instead of ending the process.
+/// Hang-ups during a call cause one more call. The destructor waits until the call returns.
 ///
-/// Requires to be made and destroyed on the main thread, before any other thread is made: new threads inherit
-/// the blocked signals. One at a time.
+/// Create and destroy it on the main thread, before any other thread exists: new threads inherit
+/// the blocked signals. Only one object may exist at a time.
 class StopOnSignal {
  public:
   explicit StopOnSignal(std::function<void()> on_hangup = {});
@@ -28,7 +28,7 @@ class StopOnSignal {
   std::stop_token token() const { return stop_.get_token(); }
   std::stop_source source() const { return stop_; }
 
-  /// Requests the same stop as a signal would. Any thread.
+  /// Requests a stop as a signal would. Any thread may call it.
   void request_stop() { stop_.request_stop(); }
 
  private:

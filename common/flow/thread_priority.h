@@ -1,9 +1,9 @@
 #pragma once
 
-// Who gives way when frames want more cores than there are. A frame's latency ends with the view that shows
-// it, so the stages nearer to the view go first: work on an older frame before work on a newer one.
+// Thread priorities for a machine with fewer cores than busy threads. Latency ends when a view is
+// displayed, so stages near the display have a higher priority than stages near the sensor.
 //
-// Thread: safe anywhere.
+// Thread: any thread may call any function.
 
 #include <sys/types.h>
 
@@ -11,18 +11,19 @@
 
 namespace copresence::flow {
 
-/// The calling thread, and those it makes from now on, give way to others by so many steps of nice (1 to 19),
-/// for good. Where nothing else wants the core they lose nothing.
+/// Lowers the priority of the calling thread, and of the threads that it creates later, by `steps`
+/// of nice (1 to 19). This cannot be undone. It costs nothing while a core is idle.
 void lower_priority(int steps);
 
-/// Lowers the priority of threads that a library makes for itself, while the thread that calls the library
-/// keeps its own.
+/// Lowers the priority of threads that a library creates. The thread that calls the library keeps
+/// its priority.
 class NewThreads {
  public:
-  /// Threads that exist now are not meant.
+  /// Construct it before the library creates its threads: threads that exist now keep their
+  /// priority.
   NewThreads();
 
-  /// Every thread of this process that was made since gives way, as above.
+  /// Lowers the priority of all threads of this process that were created since the construction.
   void lower_priority(int steps) const;
 
  private:

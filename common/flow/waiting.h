@@ -1,6 +1,8 @@
 #pragma once
 
-// Waiting for an instant, unless asked to stop before. Thread: free functions, safe anywhere.
+// Waits that a stop request interrupts.
+//
+// Thread: any thread may call any function.
 
 #include <chrono>
 #include <condition_variable>
@@ -11,7 +13,7 @@
 
 namespace copresence {
 
-/// Returns at `instant`, at once where it has passed, or as soon as a stop is asked for.
+/// Returns at `instant`, or earlier on a stop request. Returns at once if `instant` has passed.
 inline void wait_until(Instant instant, const std::stop_token& stop) {
   std::mutex mutex;
   std::unique_lock lock(mutex);

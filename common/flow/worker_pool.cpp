@@ -30,7 +30,8 @@ void WorkerPool::run(int jobs, FunctionRef job) {
     }
     work_.notify_all();
     take_jobs(job, jobs, 0);
-    // Every job is taken; threads that never woke up find the round closed, the others are waited for.
+    // All jobs are taken. Threads that did not wake up yet find no job; the others must finish
+    // theirs.
     std::unique_lock lock(mutex_);
     job_ = nullptr;
     idle_.wait(lock, [this] { return working_ == 0; });

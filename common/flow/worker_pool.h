@@ -1,9 +1,10 @@
 #pragma once
 
-// A fixed number of threads that share the jobs of one caller, who works along. Made in a pipeline, lent to
-// rooms as Executor (common/executor.h).
+// A fixed number of threads that share the jobs of one caller. The calling thread works on jobs,
+// too. Pipelines create the pool; modules use it as an Executor (common/executor.h).
 //
-// Idle threads sleep on a condition variable: no spinning, since capture servers want the same cores.
+// Idle threads sleep on a condition variable. They do not spin, since capture servers need the same
+// cores.
 
 #include <atomic>
 #include <condition_variable>
@@ -19,8 +20,8 @@ namespace copresence::flow {
 
 class WorkerPool : public Executor {
  public:
-  /// `threads` >= 1 counts the caller: 1 makes none. The threads are called `name` in the system's lists (15
-  /// characters at most).
+  /// Requires threads >= 1. The number includes the caller, so 1 creates no thread. The system
+  /// lists the threads as `name`, cut to 15 characters.
   WorkerPool(int threads, const std::string& name);
   ~WorkerPool() override;
   WorkerPool(const WorkerPool&) = delete;
@@ -35,11 +36,11 @@ class WorkerPool : public Executor {
 
   std::mutex mutex_;
   std::condition_variable_any work_, idle_;
-  std::uint64_t round_ = 0;           // counts calls of run(); guarded by mutex_, as are the three below
-  const FunctionRef* job_ = nullptr;  // of the current round, null between rounds
+  std::uint64_t round_ = 0;           // number of calls of run(); mutex_ guards it and the next three
+  const FunctionRef* job_ = nullptr;  // null between two calls of run()
   int jobs_ = 0;
-  int working_ = 0;           // threads inside the current round
-  std::atomic<int> next_{0};  // job to be taken next
+  int working_ = 0;           // threads that run jobs now
+  std::atomic<int> next_{0};  // number of the next job
   std::vector<std::jthread> threads_;
 };
 

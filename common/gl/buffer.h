@@ -1,6 +1,8 @@
 #pragma once
 
-// Memory of the graphics card: storage blocks, indices, indirect commands. Its size never changes.
+// A block of graphics memory of constant size, for storage blocks, indices and indirect commands.
+//
+// Thread: the thread of its context.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,14 +17,15 @@ class Context;
 
 class Buffer {
  public:
-  /// `bytes` > 0, filled with zeros.
+  /// The memory is filled with zeros. Requires bytes > 0.
   Buffer(Context& context, std::size_t bytes);
 
   std::size_t bytes() const { return bytes_; }
   std::uint32_t id() const { return name_.id(); }
 
-  /// Copies in and out from byte `offset` on. Requires offset + the span's bytes <= bytes(). read() waits
-  /// until the commands before it are done; a shader's writes need Context::barrier(Reader::kHost) before it.
+  /// Copies values to or from the buffer, starting at byte `offset`. Requires offset + the span's
+  /// bytes <= bytes(). read() waits for all earlier commands. To read what a shader wrote, call
+  /// Context::barrier(Reader::kHost) first.
   template <class T, std::size_t N>
   void write(std::span<const T, N> values, std::size_t offset = 0) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -34,10 +37,10 @@ class Buffer {
     read_bytes(std::as_writable_bytes(values), offset);
   }
 
-  /// Zeros everywhere.
+  /// Fills the buffer with zeros.
   void clear();
 
-  /// As the storage block `layout(std430, binding = N)` of the shaders that run from here on.
+  /// Makes it the storage block `layout(std430, binding = N)` of shaders that run later.
   void bind_storage(int binding) const;
 
  private:

@@ -1,6 +1,6 @@
 #include "common/gl/context.h"
 
-// epoxy's GL before its EGL: the other order does not compile
+// epoxy/gl.h must come before epoxy/egl.h.
 #include <epoxy/gl.h>
 //
 #include <epoxy/egl.h>
@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t kErrorsKept = 32;
 
-// EGL hands out one display per device to the whole process, and eglTerminate ends it for everybody.
+// EGL has one display per device in a process. eglTerminate() ends it for all users, so they are
+// counted.
 class Displays {
  public:
   static bool open(EGLDisplay display) {
@@ -45,7 +46,8 @@ class Displays {
   }
 };
 
-// Hardware devices, then Mesa's software without a device, then software devices.
+// The order of attempts: hardware devices, Mesa's software renderer without a device, software
+// devices.
 std::vector<EGLDisplay> candidate_displays() {
   std::vector<EGLDisplay> hardware, software, surfaceless;
   if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") &&
@@ -72,7 +74,8 @@ std::vector<EGLDisplay> candidate_displays() {
   return all;
 }
 
-// A current 4.5 core context without surface; EGL_NO_CONTEXT where the display has none.
+// Makes a 4.5 core context without a surface current. Returns EGL_NO_CONTEXT if the display has
+// none.
 EGLContext make_current_context(EGLDisplay display, Debug debug) {
   if (!eglBindAPI(EGL_OPENGL_API)) return EGL_NO_CONTEXT;
   EGLConfig config = EGL_NO_CONFIG_KHR;
@@ -149,7 +152,7 @@ Result<std::unique_ptr<Context>> Context::headless(Debug debug) {
       Displays::close(display);
       continue;
     }
-    // not private to make_unique
+    // make_unique() cannot call the private constructor.
     std::unique_ptr<Context> context(new Context(debug));
     context->display_ = display;
     context->egl_context_ = egl_context;
@@ -171,7 +174,7 @@ Context::Context(Debug debug) : renderer_name_(text_of(GL_RENDERER)), version_(t
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
     glDebugMessageCallback(on_message, &errors_);
   }
-  // images have no padding between rows
+  // Our images have no padding between rows.
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   GLuint id = 0;
@@ -183,7 +186,7 @@ Context::Context(Debug debug) : renderer_name_(text_of(GL_RENDERER)), version_(t
 Context::~Context() {
   assert(is_on_its_thread());
   vertex_array_ = {};
-  // A window's context lives on, and its driver must not report to this object any more.
+  // The context of a window still exists. Its driver must not call back into this object.
   const bool is_current = !egl_context_ || eglGetCurrentContext() == egl_context_;
   if (is_current) glDebugMessageCallback(nullptr, nullptr);
   if (!egl_context_) return;
@@ -224,11 +227,11 @@ void Context::finish() {
 
 std::vector<std::string> Context::take_errors() {
   assert(is_on_its_thread());
-  // A lost context repeats its error forever, hence the bound.
+  // A lost context reports its error without end, so the number of errors is bounded.
   for (std::size_t i = 0; i < kErrorsKept; ++i) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) break;
-    // with debug output the same error has already come in the driver's own words
+    // With debug output the driver has already reported this error with a description.
     if (errors_.empty() || !glIsEnabled(GL_DEBUG_OUTPUT)) {
       keep_error(errors_, std::string(error_name(error)));
     }

@@ -1,10 +1,11 @@
 #pragma once
 
-// An OpenGL 4.5 core context, headless or a window's. Every GL object's constructor takes one, as a witness
-// that a context is current on this thread. 4.5 and never 4.6: Debian 12's software rasteriser ends there.
+// An OpenGL 4.5 core context, headless or of a window. The constructor of every GL object takes a
+// context, to prove that one is current on this thread. The version is not 4.6, since Debian 12's
+// software renderer has only 4.5.
 //
-// Thread: a context belongs to the thread that made it, and so does every object made with it. A thread has
-// one context at a time.
+// Thread: a context belongs to the thread that created it, and so does every object created with
+// it. A thread has one context at a time.
 
 #include <cstdint>
 #include <memory>
@@ -22,10 +23,11 @@ class Window;
 
 namespace copresence::gl {
 
-/// Whether the driver checks and reports: slower, for tests.
+/// Debug::kOn makes the driver check every call and report errors. It is slower and meant for
+/// tests.
 enum class Debug : bool { kOff, kOn };
 
-/// What will read what shaders have written, for Context::barrier().
+/// The operations that will read what shaders wrote, for Context::barrier().
 enum class Reader : unsigned {
   kFetch = 1,         ///< texture fetches and samples
   kImage = 2,         ///< image loads and stores
@@ -41,13 +43,12 @@ constexpr Reader operator|(Reader a, Reader b) {
 
 class Context {
  public:
-  /// A context without a window, through EGL: of the first graphics card that has one, else in software.
-  /// Fails  kUnavailable where there is neither; the sentence names the way out.
+  /// Creates a context without a window through EGL, on the first graphics card that supports it,
+  /// else in software. Fails with kUnavailable if neither works; the message says what to install.
   static Result<std::unique_ptr<Context>> headless(Debug debug = Debug::kOff);
 
-  /// The context that is current on this thread, which somebody else owns, a window say. It must outlive
-  /// this.
-  /// Fails  kUnsupported where it is older than OpenGL 4.5.
+  /// Wraps the context that is current on this thread and that a window owns, for instance. That
+  /// context must outlive this object. Fails with kUnsupported if its version is below 4.5.
   static Result<std::unique_ptr<Context>> of_current(Debug debug);
 
   ~Context();
@@ -57,24 +58,25 @@ class Context {
   const std::string& renderer_name() const { return renderer_name_; }
   const std::string& version() const { return version_; }
 
-  /// Whether the processor plays graphics card: our own C++ is then several times faster.
+  /// True if the CPU executes the shaders. The CPU renderer is then several times faster.
   bool is_software() const;
 
-  /// What shaders wrote into images and storage blocks so far is seen by these from here on.
+  /// Makes what shaders wrote into images and storage blocks visible to later operations of these
+  /// kinds.
   void barrier(Reader readers);
 
-  /// Sends everything off; finish() also waits until it is done.
+  /// flush() sends all commands to the graphics card. finish() also waits until they are done.
   void flush();
   void finish();
 
-  /// What the driver complained about since the last call, oldest first, at most 32. With Debug::kOff only
-  /// the bare error code is known.
+  /// The errors that the driver reported since the last call, oldest first, at most 32. With
+  /// Debug::kOff they are error codes without a description.
   std::vector<std::string> take_errors();
 
-  /// The first of take_errors() as an Error: kUnavailable, "`doing`: the driver's words".
+  /// Fails with kUnavailable and "`doing`: MESSAGE" if take_errors() has an error.
   Result<void> check(std::string_view doing);
 
-  /// Whether the calling thread is the one that made this context.
+  /// True on the thread that created this context.
   bool is_on_its_thread() const { return std::this_thread::get_id() == thread_; }
 
  private:
@@ -83,20 +85,20 @@ class Context {
 
   explicit Context(Debug debug);
 
-  void* display_ = nullptr;      // EGL's; null for a window's context
-  void* egl_context_ = nullptr;  // EGL's
+  void* display_ = nullptr;      // of EGL; null for a window's context
+  void* egl_context_ = nullptr;  // of EGL
   std::thread::id thread_ = std::this_thread::get_id();
   std::string renderer_name_;
   std::string version_;
   std::vector<std::string> errors_;
-  Name<delete_vertex_array> vertex_array_;  // without attributes: vertices are pulled from textures
+  Name<delete_vertex_array> vertex_array_;  // without attributes: shaders fetch vertices from textures
 };
 
-/// Whether the system shows a graphics card at all. Asked before a context is made only to find that it is
-/// software: that alone loads a compiler and 50 MB.
+/// True if the system has a graphics card. Check it before you create a context that would be of no
+/// use in software: creating it loads a compiler and takes 50 MB.
 bool has_graphics_card();
 
-/// Whether a renderer of this name (GL_RENDERER) is a program and no graphics card.
+/// True if GL_RENDERER has the name of a software renderer.
 bool is_software_renderer(std::string_view renderer_name);
 
 }  // namespace copresence::gl

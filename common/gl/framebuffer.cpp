@@ -36,7 +36,7 @@ Framebuffer::Framebuffer(Context& context, std::initializer_list<const Texture*>
   }
   if (depth) attach(GL_DEPTH_ATTACHMENT, *depth);
   glNamedFramebufferDrawBuffers(id, count, targets.data());
-  // Only formats that every driver must draw into exist in Format, so this holds wherever 4.5 does.
+  // Every OpenGL 4.5 driver must support drawing into all formats of Format.
   assert(glCheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE);
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
-// What is drawn into: colour textures and a depth texture of one size, and the drawing itself. Vertices have
-// no attributes; shaders fetch what they need from textures by gl_VertexID.
+// Draws triangles into colour textures and a depth texture of the same size. Vertices have no
+// attributes: shaders fetch their data from textures by gl_VertexID.
+//
+// Thread: the thread of its context.
 
 #include <array>
 #include <cstddef>
@@ -17,7 +19,7 @@ class Context;
 class Program;
 class Texture;
 
-/// What draw_indirect() reads; OpenGL's DrawElementsIndirectCommand.
+/// The command that draw_indirect() reads: DrawElementsIndirectCommand of OpenGL.
 struct DrawCommand {
   std::uint32_t indices = 0;
   std::uint32_t instances = 1;
@@ -28,8 +30,8 @@ struct DrawCommand {
 
 class Framebuffer {
  public:
-  /// Colour attachment i is `colors[i]`; `depth` may be null. Of stacks, `layer` is drawn into. Requires
-  /// equal sizes, and that the textures outlive the framebuffer.
+  /// Colour attachment i is `colors[i]`; `depth` may be null. Draws into layer `layer` of textures
+  /// with layers. Requires equal sizes. The textures must outlive the framebuffer.
   Framebuffer(Context& context, std::initializer_list<const Texture*> colors, const Texture* depth,
               int layer = 0);
 
@@ -40,20 +42,20 @@ class Framebuffer {
   void clear_integers(int attachment, const std::array<std::uint32_t, 4>& value);  ///< for integer formats
   void clear_depth(float value);
 
-  /// Draws triangles, indices and their number coming from buffers (std::uint32_t; DrawCommand at byte
-  /// `offset`). With a depth texture the nearer fragment (smaller depth) wins. Only
-  /// front sides are drawn: triangles whose corners run counter-clockwise in clip coordinates, y up.
+  /// Draws triangles. `indices` holds std::uint32_t, `command` a DrawCommand at byte `offset`. With
+  /// a depth texture the fragment with the smaller depth wins. Only front faces are drawn:
+  /// triangles with counter-clockwise corners in clip coordinates, y up.
   void draw_indirect(const Program& program, const Buffer& indices, const Buffer& command,
                      std::size_t offset = 0);
 
-  /// Draws `vertices` / 3 triangles without indices.
+  /// Draws vertices / 3 triangles without indices, by the same rules.
   void draw(const Program& program, int vertices);
 
  private:
   void begin(const Program& program);
 
   Name<delete_framebuffer> name_;
-  std::uint32_t vertex_array_;  // the context's
+  std::uint32_t vertex_array_;  // of the context
   int width_ = 0;
   int height_ = 0;
   bool has_depth_;

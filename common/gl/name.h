@@ -1,9 +1,9 @@
 #pragma once
 
-// Owns one OpenGL name (the integer that stands for an object): moving takes the name and leaves 0, and 0
-// owns nothing. The classes of this room hold their objects in one of these.
+// Owns one OpenGL name, the integer that identifies an object. Moving leaves 0 behind, which owns
+// nothing. The classes of this module hold their objects in a Name.
 //
-// Thread: a GL object lives and dies on its context's thread, and before its context.
+// Thread: create and destroy it on the thread of its context, and destroy it before its context.
 
 #include <cstdint>
 #include <utility>

@@ -46,12 +46,12 @@ std::string with_defines(std::string_view source, std::span<const Define> define
   for (const Define& define : defines) {
     text += "#define " + std::string(define.name) + " " + define.value + "\n";
   }
-  text += "#line 2\n";  // so that the log's line numbers are the file's
+  text += "#line 2\n";  // the log then has the line numbers of the file
   text += source.substr(line_end);
   return text;
 }
 
-// Compiles into `program`; the shader object itself goes as soon as the program has it.
+// Compiles a shader and attaches it to `program`, which keeps it.
 Result<void> attach(GLuint program, const Stage& stage, std::span<const Define> defines) {
   const GLuint shader = glCreateShader(stage.kind);
   const std::string text = with_defines(stage.source, defines);

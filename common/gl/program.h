@@ -1,7 +1,8 @@
 #pragma once
 
-// A compute shader, or a vertex and a fragment shader, compiled and linked. A class of ours that draws wraps
-// one of these: its setters are the uniforms, so that a uniform's name stands in one place.
+// A linked shader program: a compute shader, or a vertex and a fragment shader.
+//
+// Thread: the thread of its context.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -18,13 +19,13 @@ namespace copresence::gl {
 class Buffer;
 class Context;
 
-/// `#define name value`, put behind the shader's #version line.
+/// A `#define name value` that is inserted after the shader's #version line.
 struct Define {
   std::string_view name;
   std::string value;
 };
 
-/// What dispatch_indirect() reads; OpenGL's DispatchIndirectCommand.
+/// The command that dispatch_indirect() reads: DispatchIndirectCommand of OpenGL.
 struct DispatchCommand {
   std::uint32_t groups_x = 0;
   std::uint32_t groups_y = 1;
@@ -33,14 +34,14 @@ struct DispatchCommand {
 
 class Program {
  public:
-  /// Requires sources that begin with `#version 450 core`.
-  /// Fails  kInvalid with the compiler's log.
+  /// Compiles and links. Requires sources that begin with `#version 450 core`. Fails with kInvalid
+  /// and the compiler's log.
   static Result<Program> compute(Context& context, std::string_view source,
                                  std::span<const Define> defines = {});
   static Result<Program> graphics(Context& context, std::string_view vertex, std::string_view fragment,
                                   std::span<const Define> defines = {});
 
-  /// Requires that a shader uses the uniform and that its type is the value's.
+  /// Sets a uniform. Requires that a shader uses it and that it has the type of the value.
   void set(const char* uniform, int value);
   void set(const char* uniform, unsigned value);
   void set(const char* uniform, float value);
@@ -50,13 +51,15 @@ class Program {
   void set(const char* uniform, const Eigen::Vector4f& value);
   void set(const char* uniform, const Eigen::Matrix3f& value);
   void set(const char* uniform, const Eigen::Matrix4f& value);
-  void set(const char* uniform, const Eigen::Matrix<float, 3, 4>& value);  ///< GLSL's mat4x3
+  void set(const char* uniform, const Eigen::Matrix<float, 3, 4>& value);  ///< mat4x3 in GLSL
 
-  /// Runs a compute shader in so many groups.
+  /// Runs a compute shader in this number of work groups.
   void dispatch(int groups_x, int groups_y = 1, int groups_z = 1) const;
-  /// Runs it with at least one invocation per pixel; those outside are the shader's to skip.
+  /// Runs a compute shader with at least one invocation per pixel. The shader must skip invocations
+  /// outside.
   void dispatch_over(int width, int height) const;
-  /// Runs it in the groups that a DispatchCommand at byte `offset` of a buffer names.
+  /// Runs a compute shader in the work groups of the DispatchCommand at byte `offset` of the
+  /// buffer.
   void dispatch_indirect(const Buffer& command, std::size_t offset = 0) const;
 
   std::uint32_t id() const { return name_.id(); }

@@ -1,7 +1,9 @@
 #pragma once
 
-// A picture on the graphics card, or a stack of equal ones. Size and format never change. Rows run from the
-// top, as in Image: row 0 is v = 0.
+// A picture in graphics memory, or an array of pictures (layers). Size and format are constant. Row
+// 0 is the top row, as in Image, and has v = 0.
+//
+// Thread: the thread of its context.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +17,7 @@ class Context;
 
 enum class Format : std::uint8_t { kR8ui, kR16ui, kR32ui, kR32f, kRg32f, kRgba32f, kRgba8, kDepth32f };
 
-/// Of one pixel as read() and upload() see it.
+/// The size of one pixel for read() and upload().
 int bytes_per_pixel(Format format);
 
 enum class Filter : bool { kNearest, kLinear };
@@ -23,8 +25,9 @@ enum class Access : std::uint8_t { kRead, kWrite, kReadWrite };
 
 class Texture {
  public:
-  /// Requires width, height > 0 (at most 16384 everywhere). `layers` > 0 makes a stack (sampler2DArray,
-  /// image2DArray), 0 a single picture. The pixels are 0; lookups outside repeat the edge.
+  /// Requires width and height from 1 to 16384. layers > 0 creates an array (sampler2DArray,
+  /// image2DArray), 0 a single picture. All pixels are 0. Samples outside the picture repeat its
+  /// edge.
   Texture(Context& context, Format format, int width, int height, int layers = 0);
 
   Format format() const { return format_; }
@@ -33,31 +36,32 @@ class Texture {
   int layers() const { return layers_; }
   std::uint32_t id() const { return name_.id(); }
 
-  /// Copies an image in. Requires the texture's size and pixels of bytes_per_pixel().
+  /// Copies an image into the texture. Requires equal sizes and pixels of bytes_per_pixel().
   template <class Pixel>
   void upload(const Image<Pixel>& image, int layer = 0) {
     upload_pixels(image.data(), image.width(), image.height(), sizeof(Pixel), layer);
   }
 
-  /// Colour into a kRgba8 texture, with a = 255. Widened here, because drivers take ten times longer for it.
+  /// Copies RGB into a kRgba8 texture, with alpha 255. Drivers take ten times longer for the
+  /// conversion.
   void upload(const ColorImage& image, int layer = 0);
 
-  /// Copies the picture out; `image` gets its size. Waits until the commands before it are done; a shader's
-  /// writes need Context::barrier(Reader::kHost) before it.
+  /// Copies the texture into `image`, which gets its size. Waits for all earlier commands. To read
+  /// what a shader wrote, call Context::barrier(Reader::kHost) first.
   template <class Pixel>
   void read(Image<Pixel>& image, int layer = 0) const {
     image.resize(width_, height_);
     read_pixels(image.data(), sizeof(Pixel), layer);
   }
 
-  /// Zeros everywhere.
+  /// Sets all pixels to 0.
   void clear();
 
-  void set_filter(Filter filter);  ///< kNearest until said otherwise
+  void set_filter(Filter filter);  ///< initially kNearest
 
-  /// As the sampler `layout(binding = N)` of the shaders that run from here on.
+  /// Makes it the sampler `layout(binding = N)` of shaders that run later.
   void bind(int unit) const;
-  /// As the image `layout(binding = N)`, all layers.
+  /// Makes it the image `layout(binding = N)` with all layers.
   void bind_image(int unit, Access access) const;
 
  private:
@@ -69,7 +73,7 @@ class Texture {
   int width_;
   int height_;
   int layers_;
-  Image<Rgba8> widened_;  // keeps its memory from one upload to the next
+  Image<Rgba8> widened_;  // keeps its memory between uploads
 };
 
 }  // namespace copresence::gl

@@ -17,11 +17,11 @@
 namespace copresence::scene {
 namespace {
 
-// Bytes. A name is as long as capture_server's --name, an address as a host's name and a port, a source as a path.
-constexpr double kFarthestM = 10'000;  // of a pose from the origin; a stream's may not be farther either
+constexpr double kFarthestM = 10'000;  // of a pose from the origin along an axis; a stream has the same limit
+// Bytes. The limit of a name is that of capture_server's --name.
 constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 1024;
 
-// Reads one file's tables; the first thing that is wrong stays in error() and everything after it is skipped.
+// Reads the tables of one file. error() is the first error; later ones are ignored.
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : path_(path) {}
@@ -66,14 +66,14 @@ class Reader {
     return value.value_or("");
   }
 
-  /// `count` numbers, or nothing where the key is not there.
+  /// A list of kCount numbers; nothing if the key is missing.
   template <std::size_t kCount>
   std::optional<std::array<double, kCount>> numbers(const toml::table& table, std::string_view key) {
     const toml::node* node = table.get(key);
     return node ? numbers<kCount>(*node, key) : std::nullopt;
   }
 
-  /// kRows lists of kColumns numbers, or nothing where the key is not there.
+  /// kRows lists of kColumns numbers; nothing if the key is missing.
   template <int kRows, int kColumns>
   std::optional<Eigen::Matrix<double, kRows, kColumns>> matrix(const toml::table& table,
                                                                std::string_view key) {
@@ -97,7 +97,7 @@ class Reader {
     const auto m = matrix<4, 4>(table, key);
     if (!m) return std::nullopt;
     const Rigid3 rigid{m->topLeftCorner<3, 3>(), m->topRightCorner<3, 1>()};
-    // People and tools write few digits; the nearest rotation is what they mean.
+    // Many people and tools write few digits, so the nearest rotation is taken.
     constexpr double kRounding = 0.01;
     if (!rigid.is_rigid(kRounding) || m->row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
       wrong(*table.get(key),

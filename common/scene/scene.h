@@ -1,7 +1,7 @@
 #pragma once
 
-// The scene file (TOML): which cameras there are, where they stand and what is known of them. Read by the
-// servers, the client and `calibrate`. The keys are documented in docs/guide/scene_file.md.
+// Reads the scene file (TOML): the cameras of a set-up, their poses and their calibration. The
+// servers, the client and `calibrate` use it. docs/guide/scene_file.md describes the keys.
 //
 // Thread: pure functions and values.
 
@@ -18,7 +18,7 @@
 
 namespace copresence::scene {
 
-/// The colour camera of a sensor whose driver does not register.
+/// The colour camera of a sensor whose driver does not register depth to colour.
 struct ColorCamera {
   CameraModel model;
   Rigid3 color_from_depth;  ///< metres
@@ -26,13 +26,14 @@ struct ColorCamera {
 
 struct Camera {
   std::string name;
-  std::string address;                      ///< HOST:PORT of its capture_server; empty where not said
+  std::string address;                      ///< HOST:PORT of its capture_server; empty if the file has none
   CameraModel model;                        ///< of the depth camera
   std::optional<Rigid3> world_from_camera;  ///< metres
-  std::string
-      source;  ///< what its capture_server opens; a relative recording's path is made relative to the file
+  /// The source that its capture_server opens. A path in the file is relative to the file's folder.
+  std::string source;
   std::optional<ColorCamera> color;
-  std::optional<Eigen::Matrix<float, 3, 4>> color_matching;  ///< RGB 0 to 1, to the reference camera
+  std::optional<Eigen::Matrix<float, 3, 4>>
+      color_matching;  ///< colour correction of RGB values from 0 to 1, to the reference camera
   std::optional<double> calibration_error_mm;
 };
 
@@ -41,18 +42,19 @@ struct Box {
 };
 
 struct Scene {
-  Eigen::Vector3d up{0, -1, 0};  ///< the world's up, a unit vector
+  Eigen::Vector3d up{0, -1, 0};  ///< the up direction of the world, a unit vector
   std::vector<Camera> cameras;
-  std::optional<Box> clip;  ///< what to show
+  std::optional<Box> clip;  ///< the part of the world to show
 
-  const Camera* find(std::string_view name) const;  ///< nullptr where there is none
+  const Camera* find(std::string_view name) const;  ///< nullptr if no camera has this name
 };
 
-/// Fails with `PATH:LINE: what is wrong` on bad TOML, unknown keys, missing or impossible values, names used
-/// twice.
+/// Reads a scene file. Fails with `PATH:LINE: reason` for bad TOML, unknown keys, missing or
+/// impossible values and repeated camera names.
 Result<Scene> load(const std::filesystem::path& path);
 
-/// The same on a text; `path` is what errors name and what relative paths are relative to.
+/// The same for a text. `path` is the file's path in error messages; paths in the text are relative
+/// to its folder.
 Result<Scene> parse(std::string_view text, const std::filesystem::path& path);
 
 }  // namespace copresence::scene

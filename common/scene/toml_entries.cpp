@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The fewest digits that read back as the same number, with a point in it so that nobody takes it for a count.
+// The fewest digits that read back as the same number, with a decimal point or an exponent.
 template <class Number>
 std::string exact(Number value) {
   std::string text = fmt::format("{}", value + Number{0});  // no -0

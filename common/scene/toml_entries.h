@@ -16,17 +16,18 @@
 
 namespace copresence::scene {
 
-/// True if a camera's source is the path of a file. False for an empty source and for one with a scheme, such
-/// as `openni:` or `simulated:`, whatever the scheme is.
+/// True if a camera's source is the path of a file. False for an empty source and for one with a
+/// scheme, such as `openni:` or `simulated:`, whatever the scheme is.
 bool is_path(std::string_view source);
 
 /// A key and its value as TOML text; no value if the file must not have the key.
 using Entry = std::pair<std::string, std::optional<std::string>>;
 
-/// All keys of one camera, in the order of docs/guide/scene_file.md. Two cameras have the same value of a key
-/// exactly if these texts are equal.
+/// All keys of one camera, in the order of docs/guide/scene_file.md. Two cameras have the same
+/// value of a key exactly if these texts are equal.
 ///
-/// folder  of the scene file; paths that are relative to the working directory are written relative to it.
+/// folder  of the scene file; paths that are relative to the working directory are written relative
+///         to it.
 std::vector<Entry> entries(const Camera& camera, const std::filesystem::path& folder);
 
 /// `min` and `max` of [clip].

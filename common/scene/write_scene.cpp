@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A text and the changes to make to it, by place in the original.
+// Collects changes to a text. All positions refer to the original text.
 class EditedText {
  public:
   explicit EditedText(std::string_view text) : text_(text) {
@@ -27,7 +27,7 @@ class EditedText {
   void replace(const toml::node& value, const std::string& by) {
     edits_.push_back({offset(value.source().begin), offset(value.source().end), by});
   }
-  /// Whole lines, numbered from 1.
+  /// Removes whole lines, numbered from 1.
   void remove_lines(std::uint32_t first, std::uint32_t last) {
     edits_.push_back({start_of(first), start_of(last + 1), ""});
   }
@@ -39,14 +39,14 @@ class EditedText {
   }
   void append(const std::string& lines) { insert_after(static_cast<std::uint32_t>(lines_.size()), lines); }
 
-  /// The first of the comment lines that stand directly above `line`, or `line` itself.
+  /// The first of the comment lines directly above `line`; `line` if there are none.
   std::uint32_t first_of_comment_above(std::uint32_t line) const {
     while (line > 1 && text_.substr(start_of(line - 1)).starts_with('#')) --line;
     return line;
   }
 
   std::string apply() {
-    // From the back, so that places stay what they are; those at one place in the order they were asked for.
+    // Changes at the same position keep the order of the calls.
     std::stable_sort(edits_.begin(), edits_.end(),
                      [](const Edit& a, const Edit& b) { return a.begin < b.begin; });
     std::string out;
@@ -68,7 +68,7 @@ class EditedText {
   std::size_t start_of(std::uint32_t line) const {
     return line >= 1 && line <= lines_.size() ? lines_[line - 1] : text_.size();
   }
-  // toml++ counts columns in characters.
+  // toml++ counts columns in characters, not in bytes.
   std::size_t offset(const toml::source_position& place) const {
     std::size_t at = start_of(place.line);
     for (std::uint32_t column = 1; column < place.column && at < text_.size(); ++column) {
@@ -79,7 +79,7 @@ class EditedText {
   }
 
   std::string_view text_;
-  std::vector<std::size_t> lines_;  // where each begins
+  std::vector<std::size_t> lines_;  // the position at which each line begins
   std::vector<Edit> edits_;
   bool was_cut_ = false;
 };
@@ -107,7 +107,7 @@ std::string clip_block(const Box& clip) {
 void rewrite_camera(EditedText& text, const toml::table& table, const Camera& from, const Camera& to,
                     const fs::path& folder) {
   const auto before = entries(from, folder), after = entries(to, folder);
-  std::uint32_t line = table.source().end.line;  // after which a key belongs that is not there yet
+  std::uint32_t line = table.source().end.line;  // a missing key is inserted after this line
   for (std::size_t i = 0; i < after.size(); ++i) {
     const auto& [key, value] = after[i];
     const auto found = table.find(key);
@@ -139,7 +139,7 @@ void rewrite_clip(EditedText& text, const toml::table& root, const Scene& before
   }
 }
 
-// Reading brings it to length 1, which may change its last digit.
+// Reading normalises the vector, which may change the last digit.
 bool is_same_up(const Scene& a, const Scene& b) {
   return a.up.isApprox(b.up, 1e-12);
 }
@@ -159,8 +159,8 @@ bool say_the_same(const Scene& a, const Scene& b, const fs::path& folder) {
   return std::all_of(a.cameras.begin(), a.cameras.end(), [&](const Camera& camera) {
     const Camera* other = b.find(camera.name);
     if (!other) return false;
-    Camera posed =
-        *other;  // poses read back as the nearest rotation, which may differ in the last digit written
+    // Reading takes the nearest rotation, which may change the last digit of a pose.
+    Camera posed = *other;
     if (posed.world_from_camera && camera.world_from_camera &&
         posed.world_from_camera->matrix().isApprox(camera.world_from_camera->matrix(), 1e-9)) {
       posed.world_from_camera = camera.world_from_camera;
@@ -173,7 +173,7 @@ bool say_the_same(const Scene& a, const Scene& b, const fs::path& folder) {
   });
 }
 
-// A file that could never be read again must not replace one that can.
+// Checks that the text can be read again before it replaces a file.
 Result<void> check_readable(const std::string& text, const Scene& scene, const fs::path& path) {
   const auto again = parse(text, path);
   if (!again) {
@@ -237,7 +237,7 @@ Result<void> save(const Scene& scene, const fs::path& path, const fs::path& layo
     text = to_toml(scene, path);
   }
   if (auto readable = check_readable(text, scene, path); !readable) return readable;
-  // Where the name is a link, what it leads to is replaced, and stays readable for whom it was.
+  // If the path is a symbolic link, its target is replaced. The target keeps its permissions.
   std::error_code ignored, problem;
   const fs::path target = fs::exists(path, ignored) ? fs::canonical(path, ignored) : path;
   const auto rights = fs::status(target, ignored).permissions();

@@ -1,6 +1,6 @@
 #pragma once
 
-// The scene file being written: a new one, or one that people have written comments into.
+// Writes the scene file. An existing file keeps its comments and its layout.
 //
 // Thread: pure functions.
 
@@ -13,23 +13,25 @@
 
 namespace copresence::scene {
 
-/// The scene as a file's text, to lie at `path`: recordings in it are named relative to the folder of `path` where
-/// the scene names them relatively. parse() reads the same scene back: numbers to the last bit, poses to 1e-11.
+/// The text of a new scene file at `path`. Relative paths of recordings are written relative to the
+/// folder of `path`. parse() reads the same scene back: numbers to the last bit, poses to 1e-11.
 std::string to_toml(const Scene& scene, const std::filesystem::path& path);
 
-/// `text` changed so that it says what `scene` says. Only values that differ are touched: comments, order and
-/// layout of everything else stay. Cameras are told apart by name; new ones come last, those that `scene` does not
-/// have are taken out. A text of a form that cannot be changed in place (cameras in inline tables, say) is written
-/// anew, without its comments.
+/// Changes the text of a scene file to describe `scene`. Values that are equal, comments and order
+/// stay as they are. Cameras are identified by name: new ones are appended, and those that `scene`
+/// lacks are removed. A text that cannot be changed in place, for instance with cameras in inline
+/// tables, is replaced by to_toml().
 ///
-/// path    where the text is to lie; what relative recordings in it are relative to.
-/// Fails   as parse() does where `text` is no scene file.
+/// path    of the resulting file; relative paths of recordings are relative to its folder.
+/// Fails   as parse() does if `text` is no scene file.
 Result<std::string> rewrite(std::string_view text, const Scene& scene, const std::filesystem::path& path);
 
-/// Writes the scene to `path`: as rewrite() of the file at `layout` where there is one, else anew. The file is
-/// replaced whole or not at all.
-/// Fails   kInvalid where `layout` is there but no scene file, or where what would be written could not be read again (a
-///         name that is not UTF-8, say): the old file stays. kUnavailable where `path` cannot be written.
+/// Writes the scene to `path`. If there is a file at `layout`, the result is rewrite() of it, else
+/// to_toml(). A failure leaves the old file at `path` unchanged.
+///
+/// Fails   kInvalid if the file at `layout` is no scene file, or if the result could not be read
+///         again, for instance because a name is not UTF-8. kUnavailable if `path` cannot be
+///         written.
 Result<void> save(const Scene& scene, const std::filesystem::path& path, const std::filesystem::path& layout);
 
 }  // namespace copresence::scene

@@ -7,8 +7,8 @@
 namespace copresence::text {
 namespace {
 
-/// Characters that reverse the direction of the text after them. A name with one could make a log line read
-/// differently.
+/// Characters that reverse the direction of the text after them. A name with one could make a log
+/// line read differently.
 bool reverses_text(std::uint32_t code) {
   return code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);

@@ -1,6 +1,8 @@
 #pragma once
 
-// Thread: pure.
+// Reads small text files that people wrote.
+//
+// Thread: pure functions.
 
 #include <cstddef>
 #include <filesystem>
@@ -11,14 +13,14 @@
 
 namespace copresence::text {
 
-/// What people write by hand is far below this.
+/// Files that people write by hand are much smaller.
 inline constexpr std::size_t kMostBytes = 1 << 20;
 
-/// All of a regular file.
+/// Reads a whole regular file.
 ///
-/// as      what the file should be, for the sentence: "a scene file"
-/// Fails   kNotFound where it is not there or no regular file, kUnavailable where it cannot be read, kInvalid where it has
-///         more than `most_bytes`.
+/// as      the kind of file for error messages: "a scene file"
+/// Fails   kNotFound if it does not exist or is no regular file, kUnavailable if it cannot be read,
+///         kInvalid if it has more than `most_bytes`.
 Result<std::string> read_text_file(const std::filesystem::path& path, std::string_view as,
                                    std::size_t most_bytes = kMostBytes);
 

@@ -1,14 +1,14 @@
 #pragma once
 
-// What a person does to a window. Positions are pixels of its picture from the top left, fractions included,
-// also on displays where the window system counts in coarser units.
+// Input events of a window. Positions are pixels of the window's picture from its top left corner,
+// with fractions, also if the window system counts in coarser units.
 
 #include <cstdint>
 #include <variant>
 
 namespace copresence::window {
 
-/// Printable keys have their character on a US keyboard, letters in upper case: Key{'R'}.
+/// The value of a printable key is its character on a US keyboard, letters in upper case: Key{'R'}.
 enum class Key : std::uint16_t {
   kUnknown = 0,
   kSpace = ' ',
@@ -42,14 +42,14 @@ struct ButtonEvent {
   Modifiers modifiers;
 };
 
-/// The pointer moved; `left`, `right`, `middle` are held: a drag.
+/// The pointer moved. `left`, `right` and `middle` are true while that button is pressed.
 struct MoveEvent {
   double x, y;
   bool left, right, middle;
   Modifiers modifiers;
 };
 
-/// A wheel or a touchpad, in notches; y > 0 is away from the person.
+/// A wheel or a touchpad was moved, in wheel notches; y > 0 is away from the user.
 struct ScrollEvent {
   double x, y;
 };
@@ -57,11 +57,11 @@ struct ScrollEvent {
 struct KeyEvent {
   Key key;
   bool pressed;
-  bool repeated;  ///< the key is being held down
+  bool repeated;  ///< the system repeats a pressed key
   Modifiers modifiers;
 };
 
-/// The picture's new size, pixels; 0 while the window is an icon.
+/// The window has a new picture size, in pixels; 0 while it is minimised.
 struct ResizeEvent {
   int width, height;
 };

@@ -61,10 +61,11 @@ Result<GLFWwindow*> make_window(const std::string& title, int width, int height,
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, debug == gl::Debug::kOn);
-  glfwWindowHint(GLFW_ALPHA_BITS, 0);  // a view is transparent where nothing is shown; a window is not
+  glfwWindowHint(GLFW_ALPHA_BITS,
+                 0);  // pixels of a view without a surface are transparent; the window must be opaque
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
-  // GLX first, EGL where a driver has only that
+  // Some drivers have only EGL.
   for (const int api : {GLFW_NATIVE_CONTEXT_API, GLFW_EGL_CONTEXT_API}) {
     glfwWindowHint(GLFW_CONTEXT_CREATION_API, api);
     if (GLFWwindow* window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr)) return window;
@@ -122,7 +123,7 @@ struct Window::Callbacks {
 Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height,
                                              gl::Debug debug) {
   assert(width > 0 && height > 0);
-  // GLFW asks libwayland first, which prints a message of its own where there is no display.
+  // GLFW tries Wayland first, and libwayland prints an error of its own if there is no display.
   const bool has_display = std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
   if (!has_display || !glfwInit()) {
     return fail(ErrorCode::kUnavailable, "no display: set DISPLAY or use --headless");
@@ -140,7 +141,7 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
   glCreateFramebuffers(1, &id);
   window->read_framebuffer_ = gl::Name<gl::delete_framebuffer>(id);
   window->set_vsync(true);
-  // A display that counts in coarser units than pixels gave a larger picture than asked for.
+  // If the window system counts in units larger than pixels, the picture is larger than requested.
   if (window->pixels_per_unit_ != 1) {
     glfwSetWindowSize(*made, int(std::lround(width / window->pixels_per_unit_)),
                       int(std::lround(height / window->pixels_per_unit_)));
@@ -255,7 +256,7 @@ void Window::present_again() {
     glClearNamedFramebufferfv(kScreen, GL_COLOR, 0, black.data());
     glNamedFramebufferTexture(read_framebuffer_.id(), GL_COLOR_ATTACHMENT0, shown_.texture, 0);
     const bool is_scaled = width != shown_.width || height != shown_.height;
-    // the screen's rows run from the bottom
+    // Row 0 of the screen is the bottom row.
     glBlitNamedFramebuffer(read_framebuffer_.id(), kScreen, 0, 0, shown_.width, shown_.height, left,
                            bottom + height, left + width, bottom, GL_COLOR_BUFFER_BIT,
                            is_scaled ? GL_LINEAR : GL_NEAREST);
@@ -268,7 +269,7 @@ void Window::keep_pace() {
   using Clock = std::chrono::steady_clock;
   const auto period =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / refresh_rate_hz()));
-  // A display that makes us wait is never this early.
+  // With a display that makes present() wait, less time cannot have passed.
   if (vsync_ && Clock::now() - presented_at_ < period * 3 / 4) {
     std::this_thread::sleep_until(presented_at_ + period);
   }

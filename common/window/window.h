@@ -1,8 +1,8 @@
 #pragma once
 
-// A window with its OpenGL context: shows pictures and tells what the person does.
+// A window with an OpenGL context that shows pictures and returns the user's input.
 //
-// Thread: the program's main thread, because window systems want it so; one window at a time.
+// Thread: the main thread, as window systems require. One window at a time.
 
 #include <chrono>
 #include <cstdint>
@@ -22,8 +22,8 @@ namespace copresence::window {
 
 class Window {
  public:
-  /// Opens a window whose picture has this size where the display allows.
-  /// Fails  kUnavailable "no display: ..." without one; kUnsupported where it has no OpenGL 4.5.
+  /// Opens a window whose picture has this size, if the display allows it. Fails with kUnavailable
+  /// without a display and with kUnsupported without OpenGL 4.5.
   static Result<std::unique_ptr<Window>> open(const std::string& title, int width, int height,
                                               gl::Debug debug = gl::Debug::kOff);
 
@@ -31,20 +31,20 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Current on the main thread as long as the window is.
+  /// It is current on the main thread while the window exists.
   gl::Context& context() { return *context_; }
 
-  /// Size of the picture in pixels of the display; 0 while the window is an icon.
+  /// The size of the picture in pixels of the display; 0 while the window is minimised.
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// How often the display shows a new picture; 60 where it doesn't say.
+  /// The refresh rate of the display; 60 if it is unknown.
   double refresh_rate_hz() const;
 
-  /// What happened since the last call, oldest first; waits up to `timeout` for something to happen.
+  /// The events since the last call, oldest first. Waits up to `timeout` for the first one.
   std::vector<Event> poll(std::chrono::duration<double> timeout = {});
 
-  /// Whether the person wants to go (the window's close button), or request_close() was called.
+  /// True after a click on the window's close button, or after request_close().
   bool should_close() const;
   void request_close();
 
@@ -52,19 +52,19 @@ class Window {
   void set_fullscreen(bool fullscreen);
   bool is_fullscreen() const;
 
-  /// With vsync (the default) present() waits for the display, so that nothing tears; where the display does not make
-  /// it wait (no driver for that, the window an icon) it sleeps, so that a loop around it runs at refresh_rate_hz() at
-  /// most.
+  /// With vsync (the default) present() waits for the display, so that no picture is torn. If the
+  /// display does not make it wait, for instance while the window is minimised, it sleeps. A loop
+  /// of present() therefore runs at refresh_rate_hz() at most.
   void set_vsync(bool vsync);
 
-  /// Shows a picture, scaled to the window with its sides' ratio kept, black around it. The first takes any
-  /// RGBA8 texture of this context by its GL name (MergedView::texture), rows from the top.
+  /// Shows a picture, scaled to the window with its aspect ratio kept and a black border. The first
+  /// overload takes the GL name of an RGBA8 texture of this context, top row first.
   void present(std::uint32_t texture, int width, int height);
   void present(const gl::Texture& texture) { present(texture.id(), texture.width(), texture.height()); }
   void present(const Image<Rgba8>& image);
 
-  /// Shows the last picture anew, for a resized window or the next refresh; nothing where there was none. Requires
-  /// that the texture of present(texture) is still there.
+  /// Shows the last picture again, after a resize or for the next refresh. Does nothing if there
+  /// was no picture. Requires that the texture of the last present() still exists.
   void present_again();
 
  private:
@@ -78,8 +78,8 @@ class Window {
 
   GLFWwindow* window_;
   std::unique_ptr<gl::Context> context_;
-  std::unique_ptr<gl::Texture> host_picture_;  // for present(Image)
-  gl::Name<gl::delete_framebuffer> read_framebuffer_;  // what a picture is copied from
+  std::unique_ptr<gl::Texture> host_picture_;          // the texture of present(Image)
+  gl::Name<gl::delete_framebuffer> read_framebuffer_;  // the source of the blit
   struct Shown {
     std::uint32_t texture = 0;
     int width = 0, height = 0;
@@ -89,8 +89,8 @@ class Window {
   std::vector<Event> events_;
   int width_ = 0;
   int height_ = 0;
-  double pixels_per_unit_ = 1;  // of the window system's coordinates
-  int x_before_ = 0, y_before_ = 0, width_before_ = 0, height_before_ = 0;  // full screen
+  double pixels_per_unit_ = 1;  // unit of the window system's coordinates
+  int x_before_ = 0, y_before_ = 0, width_before_ = 0, height_before_ = 0;  // before full screen
 };
 
 }  // namespace copresence::window

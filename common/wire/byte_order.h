@@ -1,6 +1,7 @@
 #pragma once
 
-// Little-endian numbers in and out of bytes, whatever the machine's own order.
+// Writes and reads little-endian numbers, on machines of any byte order.
+//
 // Thread: values.
 
 #include <bit>
@@ -25,7 +26,7 @@ class ByteWriter {
     }
   }
   void real(double value) { number(std::bit_cast<std::uint64_t>(value)); }
-  void text(std::string_view value) {  // length in two bytes, then the bytes
+  void text(std::string_view value) {  // two bytes of length, then the text
     number(static_cast<std::uint16_t>(value.size()));
     out_.insert(out_.end(), value.begin(), value.end());
   }
@@ -34,14 +35,14 @@ class ByteWriter {
   std::vector<std::uint8_t>& out_;
 };
 
-/// Reading past the end gives zeros and is remembered: read everything, then ask complete().
+/// Reading past the end returns zeros and makes ok() false. Read all fields, then check complete().
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> in) : in_(in) {}
 
   template <std::unsigned_integral Number>
   Number number() {
-    if (in_.size() < sizeof(Number)) return fall_short<Number>();
+    if (in_.size() < sizeof(Number)) return past_end<Number>();
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < sizeof(Number); ++i) value |= std::uint64_t{in_[i]} << (8 * i);
     in_ = in_.subspan(sizeof(Number));
@@ -50,20 +51,20 @@ class ByteReader {
   double real() { return std::bit_cast<double>(number<std::uint64_t>()); }
   std::string text() {
     const std::size_t size = number<std::uint16_t>();
-    if (in_.size() < size) return fall_short<std::string>();
+    if (in_.size() < size) return past_end<std::string>();
     std::string value(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(size));
     in_ = in_.subspan(size);
     return value;
   }
 
-  /// Everything asked for was there.
+  /// True if no read went past the end.
   bool ok() const { return !short_; }
-  /// ... and nothing is left.
+  /// True if ok() and no bytes are left.
   bool complete() const { return !short_ && in_.empty(); }
 
  private:
   template <class Value>
-  Value fall_short() {
+  Value past_end() {
     short_ = true;
     in_ = {};
     return Value{};

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kSamples = 64;  // a minute of pings at one a second
 
-/// Quartz of two machines, both off by at most 50 millionths.
+/// The largest drift of two quartz clocks: 50 ppm each.
 Duration drift(Duration age) {
   return age / 10000;
 }

@@ -1,9 +1,10 @@
 #pragma once
 
-// The server's monotonic clock seen from the client's. A ping that came back after `round_trip` says what the
-// server's clock read somewhere within it: its middle is wrong by at most half of it. The best ping is the
-// one with the smallest bound, counting that two clocks drift apart while it ages (Cristian 1989). No slope
-// is estimated: over the age that a ping may reach, its error would exceed the drift.
+// Estimates the offset between the server's and the client's monotonic clock (Cristian 1989). The
+// server answers a ping with its time. That time is assumed at the middle of the round trip, so the
+// error is at most half the round trip. The best ping has the smallest bound: half its round trip
+// plus the possible drift since then. The drift itself is not estimated: over the age of a ping,
+// the error of an estimate would exceed the drift.
 //
 // Thread: values.
 
@@ -15,8 +16,8 @@
 namespace copresence::wire {
 
 struct ClockOffset {
-  Duration offset{};       ///< server's clock minus client's
-  Duration uncertainty{};  ///< the true offset lies within +- this
+  Duration offset{};       ///< server's clock minus client's clock
+  Duration uncertainty{};  ///< the true offset differs by at most this
 
   Instant to_local(Instant server_time) const { return server_time - offset; }
   friend bool operator==(const ClockOffset&, const ClockOffset&) = default;
@@ -24,8 +25,8 @@ struct ClockOffset {
 
 class ClockEstimate {
  public:
-  /// The server's clock read `server_time` between `sent` and `received` on the client's. Requires sent <=
-  /// received.
+  /// Adds a ping: the server's clock showed `server_time` between `sent` and `received` on the
+  /// client's clock. Requires sent <= received.
   void add(Instant sent, Instant server_time, Instant received);
 
   /// The best estimate at `now`. Requires at least one add().
@@ -37,11 +38,12 @@ class ClockEstimate {
     Duration offset;
     Duration half_round_trip;
   };
-  std::deque<Sample> samples_;  // the latest kSamples
+  std::deque<Sample> samples_;  // the newest kSamples
 };
 
-/// Identifies the monotonic clock of this machine: two processes that get the same number read one clock.
-/// Made from the kernel's boot id and the time namespace's offsets; 0 where the kernel does not say.
+/// Identifies the monotonic clock of this machine: two processes with the same number use the same
+/// clock. It is a hash of the kernel's boot id and the time namespace's offsets; 0 if they are
+/// unknown.
 std::uint64_t monotonic_clock_id();
 
 }  // namespace copresence::wire

@@ -8,7 +8,7 @@
 namespace copresence::wire {
 namespace {
 
-constexpr std::size_t kNetworks = 1000;  // remembered in one period
+constexpr std::size_t kNetworks = 1000;  // counted in one period
 
 const char* in_words(Ending why) {
   switch (why) {
@@ -43,17 +43,17 @@ std::string counted(std::uint64_t count, const char* what) {
 void ConnectionLog::begin_period(Instant now) {
   if (std::exchange(in_period_, true)) return;
   period_ends_ = now + kPeriod;
-  said_ = 0;
+  written_ = 0;
 }
 
-bool ConnectionLog::may_say(Instant now) {
+bool ConnectionLog::may_write(Instant now) {
   begin_period(now);
-  return said_ < kLines && ++said_;
+  return written_ < kLines && ++written_;
 }
 
-void ConnectionLog::came(const std::string& address, std::size_t clients, Instant now) {
-  if (!may_say(now)) {
-    ++came_unsaid_;
+void ConnectionLog::joined(const std::string& address, std::size_t clients, Instant now) {
+  if (!may_write(now)) {
+    ++joined_unwritten_;
     return;
   }
   due_.push_back({false, fmt::format("viewer {} connected ({} now)", address, clients)});
@@ -61,8 +61,8 @@ void ConnectionLog::came(const std::string& address, std::size_t clients, Instan
 
 void ConnectionLog::left(const std::string& address, Ending why, Duration after, std::size_t clients,
                          Instant now) {
-  if (!may_say(now)) {
-    ++left_unsaid_;
+  if (!may_write(now)) {
+    ++left_unwritten_;
     return;
   }
   const bool by_itself = why == Ending::kHungUp || why == Ending::kServerEnds;
@@ -83,10 +83,10 @@ std::vector<ConnectionLog::Line> ConnectionLog::take(Instant now) {
   std::vector<Line> lines = std::exchange(due_, {});
   if (!in_period_ || now < period_ends_) return lines;
   in_period_ = false;
-  if (came_unsaid_ + left_unsaid_ > 0) {
+  if (joined_unwritten_ + left_unwritten_ > 0) {
     lines.push_back(
-        {false, fmt::format("{} connected and {} left in the last {} s", counted(came_unsaid_, "more viewer"),
-                            left_unsaid_, kPeriod.count())});
+        {false, fmt::format("{} connected and {} left in the last {} s",
+                            counted(joined_unwritten_, "more viewer"), left_unwritten_, kPeriod.count())});
   }
   if (early_total_ > 0) {
     std::string reasons;
@@ -101,7 +101,7 @@ std::vector<ConnectionLog::Line> ConnectionLog::take(Instant now) {
                      counted(early_total_, "connection"), kPeriod.count(), reasons, most->second,
                      most->first)});
   }
-  came_unsaid_ = left_unsaid_ = early_total_ = 0;
+  joined_unwritten_ = left_unwritten_ = early_total_ = 0;
   early_.clear();
   early_by_network_.clear();
   return lines;

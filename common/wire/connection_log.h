@@ -1,11 +1,11 @@
 #pragma once
 
-// Turns what happens to a server's connections into a few lines for its log, however much happens.
+// Writes the log lines about a server's connections and limits their number.
 //
-// A client that comes or leaves is one line each, at most kLines of them in kPeriod. Connections that ended
-// before they acknowledged a frame are counted. At the end of a period one line says how many there were, why
-// they ended, and which network most of them came from, and one says how many clients came and left beyond
-// those that have lines.
+// Each client that joins or leaves is one line, at most kLines of them per kPeriod. At the end of a
+// period, one line has the number of further clients that joined and left. Another line has the
+// number of connections that ended before they acknowledged a frame, the reasons, and the network
+// of most of them.
 //
 // Thread: a value.
 
@@ -21,14 +21,14 @@ namespace copresence::wire {
 
 /// Why a connection ended.
 enum class Ending {
-  kHungUp,        ///< the other end closed it, or the network did
-  kNoHello,       ///< said no hello in time
-  kNonsense,      ///< sent what no client sends
-  kSilent,        ///< nothing came from it, and nothing arrived there
+  kHungUp,        ///< the peer or the network closed it
+  kNoHello,       ///< sent no Hello in time
+  kNonsense,      ///< violated the protocol
+  kSilent,        ///< sent nothing and received nothing for too long
   kNoProgress,    ///< acknowledged no frame in time
-  kMadeRoom,      ///< closed for somebody else
-  kNoPlace,       ///< all places are taken
-  kOtherVersion,  ///< another release
+  kMadeRoom,      ///< closed to make room for another connection
+  kNoPlace,       ///< the server has as many clients as it takes
+  kOtherVersion,  ///< has another protocol version
   kServerEnds,
 };
 
@@ -42,24 +42,24 @@ class ConnectionLog {
     std::string text;
   };
 
-  /// `clients` are all there are now.
-  void came(const std::string& address, std::size_t clients, Instant now);
+  /// `clients` is their number now.
+  void joined(const std::string& address, std::size_t clients, Instant now);
   void left(const std::string& address, Ending why, Duration after, std::size_t clients, Instant now);
   /// A connection ended before its first acknowledgement.
   void ended_early(const std::string& network, Ending why, Instant now);
 
-  /// The lines that are due, each once.
+  /// Returns the lines that are due and forgets them.
   std::vector<Line> take(Instant now);
 
  private:
   void begin_period(Instant now);
-  bool may_say(Instant now);
+  bool may_write(Instant now);
 
   std::vector<Line> due_;
   Instant period_ends_{};
   bool in_period_ = false;
-  std::size_t said_ = 0;
-  std::uint64_t came_unsaid_ = 0, left_unsaid_ = 0;
+  std::size_t written_ = 0;
+  std::uint64_t joined_unwritten_ = 0, left_unwritten_ = 0;
   std::map<Ending, std::uint64_t> early_;
   std::map<std::string, std::uint64_t> early_by_network_;
   std::uint64_t early_total_ = 0;

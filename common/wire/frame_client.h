@@ -1,12 +1,18 @@
 #pragma once
 
-// One connection to a capture_server: frames in, acknowledgements and pings out.
+// A connection to a capture_server: receives frames, sends acknowledgements and pings.
 //
-// Errors  kRefused is final: the releases differ. kEndOfStream carries the server's own words. All others
-//         may pass: connect anew after a while. kNotFound: nobody answers there. kUnavailable: somebody does,
-//         but is full or hung up. kCorrupt: it is no capture_server, or damaged. kTimeout: it fell silent.
-//         After any of them the connection is over, but for receive() that was stopped or too late.
-// Thread  one thread; request_keyframe() may be called from any.
+// Errors:
+//   kRefused      the releases differ; connecting again is of no use
+//   kEndOfStream  the server ended the stream; the text is its reason
+//   kNotFound     no server answers at this address
+//   kUnavailable  the server is full or closed the connection, or a stop was requested
+//   kCorrupt      the peer is no capture_server, or its messages are damaged
+//   kTimeout      the server sent nothing for too long
+// After an error the connection is closed, except when receive() was stopped or reached `latest`.
+// Connecting again may help after all errors but kRefused.
+//
+// Thread: one thread; any thread may call request_keyframe().
 
 #include <chrono>
 #include <cstdint>
@@ -27,14 +33,14 @@ namespace copresence::wire {
 struct ReceivedFrame {
   EncodedFrame frame;
   FrameCounters counters;
-  Instant sent_at{};      ///< server's clock; FrameClient::clock() maps it
-  Instant received_at{};  ///< this process's clock: when the last byte arrived, however late it was read
+  Instant sent_at{};      ///< server's clock; FrameClient::clock() converts it
+  Instant received_at{};  ///< own clock: arrival of the last byte, also if it was read later
 };
 
 class FrameClient {
  public:
-  /// Connects and shakes hands within `timeout`. Looking a host's name up comes before that and takes as long
-  /// as the system's resolver does. Returns kUnavailable at once when asked to stop.
+  /// Connects and exchanges the first messages within `timeout`. The lookup of a host name comes
+  /// before that and is not limited. A stop request returns kUnavailable at once.
   static Result<FrameClient> connect(const std::string& host_port, std::chrono::milliseconds timeout,
                                      std::stop_token stop);
   FrameClient(FrameClient&&) noexcept;
@@ -43,19 +49,20 @@ class FrameClient {
 
   const StreamDescription& description() const;
 
-  /// receive() will call `callback` when the server reports what keeps its camera from sending frames, and
-  /// with an empty text once the camera works.
+  /// Sets a callback for the status of the server's camera. receive() calls it with the reason why
+  /// no frames come, and with an empty text once the camera works again.
   void on_camera_status(std::function<void(const std::string&)> callback);
 
-  /// Waits for the next frame and acknowledges it: call again when ready for one more, that is what keeps the
-  /// latency bounded. Returns kUnavailable when asked to stop, and kTimeout when no byte has come for 5 s.
-  /// Returns kTimeout, too, when no frame has come until `latest`; the connection then goes on.
+  /// Waits for the next frame and acknowledges it. Call it when you can use another frame: the
+  /// acknowledgements bound the latency. A stop request returns kUnavailable. Returns kTimeout if
+  /// no byte arrives for 5 s, or if no frame arrives until `latest`; in the second case the
+  /// connection stays open.
   Result<ReceivedFrame> receive(std::stop_token stop, std::optional<Instant> latest = {});
 
-  /// What comes cannot be decoded: asks for a keyframe. Sent at once, or from within the next receive().
+  /// Requests a keyframe, because the stream cannot be decoded. The request is sent by receive().
   void request_keyframe();
 
-  ClockOffset clock() const;  ///< exactly 0 +- 0 where both ends read the same clock
+  ClockOffset clock() const;  ///< exactly 0 +- 0 if both ends use the same clock
   std::uint64_t bytes_received() const;
 
  private:

@@ -56,7 +56,7 @@ class FrameServer::Loop {
   void send(OutboundFrame outbound) {
     std::lock_guard lock(mutex_);
     ++frames_offered_;
-    if (outbound_.size() >= kMaxOutbound) {  // the wire thread stands still: begin anew at a keyframe
+    if (outbound_.size() >= kMaxOutbound) {  // the wire thread is stalled: continue with a keyframe
       overrun_ += outbound_.size();
       outbound_.clear();
     }
@@ -99,7 +99,7 @@ class FrameServer::Loop {
     session->start();
   }
 
-  /// Whether there is room for `session` in `stage`; makes room where admit() says so.
+  /// True if `session` may enter `stage`. Closes another session if wire::admit() requires it.
   bool admit(Session& session, Stage stage) {
     forget_closed();
     std::vector<Standing> others;
@@ -110,14 +110,14 @@ class FrameServer::Loop {
       sessions.push_back(other.get());
     }
     const Instant now = Clock::now();
-    // Without a place to come to, there is no use in watching as a newcomer.
+    // A newcomer that could not become a client is rejected at once.
     if (stage == Stage::kNewcomer && !wire::admit(Stage::kClient, session.network(), others, now).admitted)
       return false;
     const Decision decision = wire::admit(stage, session.network(), others, now);
     if (decision.in_exchange_for) sessions[*decision.in_exchange_for]->close(Ending::kMadeRoom);
     if (decision.admitted && stage == Stage::kClient) {
-      log_.came(session.address(), 1 + count_clients(&session), now);
-      say_log(now);
+      log_.joined(session.address(), 1 + count_clients(&session), now);
+      write_log(now);
     }
     return decision.admitted;
   }
@@ -129,7 +129,7 @@ class FrameServer::Loop {
         }));
   }
 
-  void say_log(Instant now) {
+  void write_log(Instant now) {
     for (const ConnectionLog::Line& line : log_.take(now)) {
       if (log_line_) log_line_(line.text, line.is_warning);
     }
@@ -139,8 +139,8 @@ class FrameServer::Loop {
     if (alive_) alive_();
     for (const auto& session : sessions_) session->sweep(Clock::now());
     forget_closed();
-    say_log(Clock::now());
-    publish();  // bytes_sent
+    write_log(Clock::now());
+    publish();  // for bytes_sent
     sweeper_.expires_after(kSweep);
     sweeper_.async_wait([this](const asio::error_code& error) {
       if (!error) sweep();
@@ -184,7 +184,7 @@ class FrameServer::Loop {
     publish();
   }
 
-  /// Brings what other threads may ask for up to date.
+  /// Updates the values that other threads read.
   void publish() {
     EncoderDemand::Clients clients;
     std::size_t streaming = 0;
@@ -216,7 +216,7 @@ class FrameServer::Loop {
     flush_.async_wait([this](const asio::error_code&) { io_.stop(); });
   }
 
-  // The wire thread's.
+  // Used by the wire thread only.
   asio::io_context io_{1};
   Acceptor acceptor_{io_};
   asio::steady_timer sweeper_{io_}, flush_{io_};
@@ -227,10 +227,10 @@ class FrameServer::Loop {
   std::function<void()> alive_;
   bool ending_ = false;
 
-  // Everybody's.
+  // Used by all threads under mutex_.
   mutable std::mutex mutex_;
   std::vector<OutboundFrame> outbound_;
-  bool distributing_ = false;  // the wire thread has been told of them
+  bool distributing_ = false;  // distribute() is posted to the wire thread
   std::uint64_t overrun_ = 0, frames_offered_ = 0, bytes_sent_ = 0;
   std::size_t clients_ = 0;
   EncoderDemand demand_;

@@ -1,11 +1,12 @@
 #pragma once
 
-// Sends one stream's frames to every client that has room for them. An encoded frame is not copied: all
-// clients share it, and each gets its own 96 bytes in front. A slow client delays nobody and holds at most
-// its window (client_window.h) of frames. A silent or dead client, or one that breaks the protocol, loses its
-// connection and nothing else. Whom the server takes when many connect is decided by admission.h.
+// Serves one stream of frames to all clients. Clients share the encoded frames without copies; each
+// client gets its own 96 bytes before a frame. A slow client delays no other one and holds at most
+// its window of frames (flow_control/client_window.h). A client that is silent or violates the
+// protocol loses its connection. flow_control/admission.h decides which clients the server keeps if
+// many connect.
 //
-// Thread: run() on the wire thread; everything else on any thread at any time.
+// Thread: one thread calls run(); any thread may call the other functions.
 
 #include <chrono>
 #include <cstdint>
@@ -30,39 +31,40 @@ struct ServerCounters {
 
 class FrameServer {
  public:
-  /// A sentence for the server's log: who came and left, and what kept others from it. At most about two a
-  /// second, whatever happens. Called on the wire thread.
+  /// Receives lines for the server's log: clients that joined and left, and failed connections. At
+  /// most about two lines a second. Called on the wire thread.
   using LogLine = std::function<void(const std::string& sentence, bool is_warning)>;
 
-  /// Serves the port with a descriptor of its own: the caller may keep the socket, or close it.
-  /// Fails with kInvalid for a description that does not pass wire::check(), kUnavailable without file
-  /// descriptors.
+  /// Serves the port with its own file descriptor: the caller may keep the socket or close it.
+  /// Fails with kInvalid if the description does not pass wire::check(), and with kUnavailable
+  /// without free file descriptors.
   static Result<std::unique_ptr<FrameServer>> open(const ListeningSocket& socket,
                                                    StreamDescription description, LogLine log_line = {});
   ~FrameServer();
 
-  /// Accepts, sends and receives until asked to stop, or until end() is done. Calls `alive` four times a
-  /// second. Call once.
+  /// Serves clients until a stop request, or until end() is done. Calls `alive` four times a
+  /// second. Call run() once.
   void run(std::stop_token stop, std::function<void()> alive = {});
 
-  /// Hands a frame to every client that may have it; never blocks. Frames come in the order of their
-  /// encoding. `counters`: of the whole stream; window_full counts frames that were not encoded since
-  /// wants_frames() was false. Requires sequence and depth of at least one.
+  /// Sends a frame to every client that can accept it; never blocks. Call it in the order of
+  /// encoding. `counters` are those of the whole stream: window_full counts frames that were not
+  /// encoded because wants_frames() was false. Requires a sequence number of at least 1 and depth.
   void send(std::shared_ptr<const EncodedFrame> frame, const FrameCounters& counters);
 
-  /// Whether a frame encoded now would reach anybody. False without clients: the encoder may rest.
+  /// True if a client would get a frame that is encoded now. False without clients, so the encoder
+  /// can pause.
   bool wants_frames() const;
 
-  /// Whether the next frame must be a keyframe: somebody joined, has room again, or asked. True at most once
-  /// a second; a true answer is a promise of the caller to encode one.
+  /// True if the next frame must be a keyframe: a client joined, fell behind, or requested one.
+  /// Returns true at most once a second. The caller must then encode a keyframe.
   bool take_keyframe_request();
 
-  /// Sends all clients, and clients that join later, what keeps the camera from sending frames: one sentence,
-  /// or an empty text once the camera works.
+  /// Sends the status of the camera to all clients, also to those that join later: one sentence
+  /// with the reason why no frames come, or an empty text once the camera works.
   void set_camera_status(std::string status);
 
-  /// Tells all clients that nothing follows and why (one sentence); run() returns when they know, after at
-  /// most 0.4 s. Frames sent before still go out first.
+  /// Ends the stream after the frames that were sent. All clients get `reason`, one sentence. run()
+  /// returns when they have received it, or after 0.4 s.
   void end(std::string reason);
 
   ServerCounters counters() const;

@@ -1,6 +1,7 @@
 #pragma once
 
-// HOST:PORT as people write it: 127.0.0.1:7001, localhost:7001, [::1]:7001.
+// Parses HOST:PORT: 127.0.0.1:7001, localhost:7001, [::1]:7001.
+//
 // Thread: pure functions.
 
 #include <cstdint>
@@ -19,7 +20,7 @@ struct HostPort {
   friend bool operator==(const HostPort&, const HostPort&) = default;
 };
 
-/// Fails with kInvalid and how to write it.
+/// Fails with kInvalid and a message with examples.
 Result<HostPort> parse_host_port(std::string_view text);
 
 }  // namespace copresence::wire

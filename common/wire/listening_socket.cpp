@@ -16,7 +16,7 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr int kWaiting = 64;  // connections the kernel keeps until they are accepted
+constexpr int kWaiting = 64;  // connections that wait in the kernel to be accepted
 
 int option(int descriptor, int name) {
   int value = 0;
@@ -76,11 +76,12 @@ Result<ListeningSocket> listen(const std::string& host_port, bool insecure) {
         ErrorCode::kInvalid,
         fmt::format(
             "{} can be reached from other machines, and the stream is not encrypted: listen on {}, or "
-            "add --insecure if everybody on that network may see into this room",
+            "add --insecure if everybody on that network may watch this stream",
             host_port, kDefaultAddress));
   }
   tcp::acceptor acceptor(io);
-  for (const tcp::endpoint endpoint : found) {  // of localhost's two addresses, one may be switched off
+  for (const tcp::endpoint endpoint :
+       found) {  // localhost may be 127.0.0.1 and ::1, of which one may be disabled
     acceptor = tcp::acceptor(io);
     acceptor.open(endpoint.protocol(), error);
     if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);

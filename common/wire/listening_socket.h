@@ -1,9 +1,9 @@
 #pragma once
 
-// The port a server listens on. Made by the supervising parent, served by its child: the port stays the
-// parent's while a crashed child is replaced.
+// A listening TCP socket. The supervising parent process creates it and its child process serves
+// it. So the port stays open while a crashed child is replaced.
 //
-// Thread: a value; one thread at a time.
+// Thread: a value.
 
 #include <string>
 
@@ -13,8 +13,8 @@ namespace copresence::wire {
 
 class ListeningSocket {
  public:
-  /// Takes over a descriptor inherited from the parent. Fails with kInvalid if it is not a listening TCP
-  /// socket (and leaves it alone).
+  /// Takes ownership of a descriptor that the parent process left open. Fails with kInvalid if it
+  /// is no listening TCP socket; the descriptor then stays open.
   static Result<ListeningSocket> adopt(int descriptor);
 
   ListeningSocket(ListeningSocket&& other) noexcept;
@@ -22,18 +22,18 @@ class ListeningSocket {
   ~ListeningSocket();
 
   int descriptor() const { return descriptor_; }  ///< close-on-exec; non-blocking
-  std::string address() const;  ///< HOST:PORT as bound: names the port where 0 was asked for
+  std::string address() const;  ///< HOST:PORT with the real port, also if port 0 was requested
 
  private:
   explicit ListeningSocket(int descriptor) : descriptor_(descriptor) {}
   int descriptor_ = -1;  // -1: moved from
 };
 
-/// Listens on HOST:PORT; port 0 takes a free one.
+/// Listens on HOST:PORT; port 0 takes a free port.
 ///
-/// Fails  kInvalid for what is no address, and for one that other machines can reach unless `insecure`:
-/// nothing is
-///        encrypted yet; kNotFound for an unknown host; kUnavailable for a port in use.
+/// Fails  kInvalid if the text is no address, or if other machines can reach the address and
+///        `insecure` is false: the stream is not encrypted. kNotFound for an unknown host,
+///        kUnavailable for a port in use.
 Result<ListeningSocket> listen(const std::string& host_port, bool insecure);
 
 }  // namespace copresence::wire

@@ -1,12 +1,12 @@
 #pragma once
 
-// What the two processes say to each other. docs/internals/wire_format.md draws every message byte by byte; a test
-// holds that page against message_codec.h.
+// The messages between client and server. docs/internals/wire_format.md draws their bytes; a test
+// compares that page with message_codec.h.
 //
-// Every message is a header of 8 bytes and a body; numbers are little-endian. The client speaks first
-// (Hello), the server answers with a Reject or a Welcome and then sends frames; the client acknowledges each
-// one. Hello and Reject keep their layout in every version, so that any two releases can tell each other
-// apart.
+// A message is a header of 8 bytes and a body; numbers are little-endian. The client sends Hello.
+// The server answers with a Reject, or with a Welcome and then frames. The client acknowledges each
+// frame. Hello and Reject have the same layout in every version, so that different releases can
+// recognise each other.
 //
 // Thread: values.
 
@@ -21,29 +21,29 @@
 
 namespace copresence::wire {
 
-/// Both ends must have the same: there is no compatibility code. Raise it with every change of a released
-/// format.
+/// Client and server must have the same version. Increase it with every change of the format after
+/// a release.
 inline constexpr std::uint32_t kProtocolVersion = 6;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
 inline constexpr std::size_t kHeaderBytes = 8;
-inline constexpr std::size_t kFrameHeadBytes = 96;  ///< of a frame's body, before its access units
-inline constexpr std::size_t kMaxMessageBytes = 8 * 1024 * 1024;  ///< body of the largest message, a frame
-inline constexpr std::size_t kMaxTextBytes = 512;                 ///< a sentence for a person, UTF-8
-inline constexpr std::size_t kMaxNameBytes = 64;   ///< a camera's, a codec's, a parameter's name
+inline constexpr std::size_t kFrameHeadBytes = 96;  ///< in a frame's body, before its access units
+inline constexpr std::size_t kMaxMessageBytes = 8 * 1024 * 1024;  ///< the largest body, that of a frame
+inline constexpr std::size_t kMaxTextBytes = 512;                 ///< a sentence for the user, UTF-8
+inline constexpr std::size_t kMaxNameBytes = 64;   ///< the name of a camera, a codec or a parameter
 inline constexpr std::size_t kMaxParameters = 64;  ///< of a depth codec
 
 enum class MessageType : std::uint8_t {
   kHello = 1,            ///< client: the first message
-  kKeyframeRequest = 2,  ///< client: what follows cannot be decoded without a keyframe
+  kKeyframeRequest = 2,  ///< client: cannot decode the next frames without a keyframe
   kFrameAck = 3,         ///< client: this frame and all before it have arrived
-  kPing = 4,             ///< client: what time is it?
-  kReject = 17,          ///< server: instead of Welcome; nothing follows
-  kWelcome = 18,         ///< server: what is going to be streamed
+  kPing = 4,             ///< client: asks for the time of the server's clock
+  kReject = 17,          ///< server: sent instead of Welcome; the last message
+  kWelcome = 18,         ///< server: describes the stream
   kFrame = 19,           ///< server: one EncodedFrame
-  kEndOfStream = 20,     ///< server: nothing follows
-  kPong = 21,            ///< server: answer to Ping
-  kCameraStatus = 22,    ///< server: how its camera is, when that changes
+  kEndOfStream = 20,     ///< server: the last message
+  kPong = 21,            ///< server: answers a Ping
+  kCameraStatus = 22,    ///< server: the status of its camera has changed
 };
 
 struct MessageHeader {
@@ -58,8 +58,8 @@ struct Hello {
 };
 
 enum class RejectReason : std::uint8_t {
-  kVersion = 1,  ///< final: trying again is of no use
-  kFull = 2,     ///< as many clients as the server takes; one may leave
+  kVersion = 1,  ///< other version: connecting again is of no use
+  kFull = 2,     ///< the server has as many clients as it takes; connecting later may work
 };
 
 struct Reject {
@@ -69,43 +69,44 @@ struct Reject {
 };
 
 struct Welcome {
-  std::uint64_t clock_id = 0;  ///< monotonic_clock_id(): equal where both ends read one clock; 0 unknown
-  Instant server_time{};       ///< when this was written: the first answer to "what time is it?"
+  std::uint64_t clock_id = 0;  ///< monotonic_clock_id() of the server; 0: unknown
+  Instant server_time{};       ///< when this message was encoded
   StreamDescription description;
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
-/// Where the frames of a stream went, counted from its start. For two frames a and b that a client received
-/// one after the other, b.sequence - a.sequence - 1 = the growth of encoder_busy plus that of window_full.
+/// The number of frames since the start of the stream, by what happened to them. If a client
+/// received frame b directly after frame a, then b.sequence - a.sequence - 1 is the increase of
+/// encoder_busy plus that of window_full.
 struct FrameCounters {
-  std::uint64_t captured = 0;  ///< frames the server had from its sensor
-  std::uint64_t encoder_busy =
-      0;  ///< never encoded: a newer one was there, or nearly, before the encoder was free
-  std::uint64_t window_full = 0;  ///< not sent: this client had not acknowledged enough of the ones before
+  std::uint64_t captured = 0;      ///< frames from the sensor
+  std::uint64_t encoder_busy = 0;  ///< not encoded, since the encoder was busy
+  std::uint64_t window_full = 0;   ///< not sent, since the client had not acknowledged enough frames
 
-  // What became of the sensor's pictures.
-  std::uint64_t depth_without_color = 0;  ///< frames whose colour is an older picture, or none
-  std::uint64_t color_without_depth = 0;  ///< colour pictures that no frame carried
-  std::uint64_t damaged = 0;              ///< pictures that did not decode, or that a recording lacks
-  std::uint64_t late = 0;                 ///< pictures that the next one replaced before they were taken
-  std::uint64_t dark = 0;                 ///< depth pictures that its projector was not to light, left out
-  // `damaged` and `late` travel in 32 bits each and stay at the largest number that these hold.
+  // The sensor's pictures, by what happened to them.
+  std::uint64_t depth_without_color = 0;  ///< frames with an older colour picture, or with none
+  std::uint64_t color_without_depth = 0;  ///< colour pictures that are in no frame
+  std::uint64_t damaged = 0;              ///< pictures that could not be decoded, or that a recording lacks
+  std::uint64_t late = 0;                 ///< pictures that a newer one replaced before the server used them
+  std::uint64_t dark = 0;                 ///< depth pictures left out, since the projector was off
+  // `damaged` and `late` are sent in 32 bits each. Larger numbers are sent as the largest number of
+  // 32 bits.
   friend bool operator==(const FrameCounters&, const FrameCounters&) = default;
 };
 
-/// A frame without its access units, which follow it: first depth, then colour.
+/// The head of a frame. The access units follow it: depth, then colour.
 struct FrameHead {
   bool keyframe = false;
   std::uint64_t sequence = 0;
-  Instant sent_at{};  ///< server's clock, when the encoder was done: the wire stage begins
+  Instant sent_at{};  ///< server's clock, when the frame was encoded
   FrameCounters counters;
-  StageDurations durations;  ///< travel as microseconds, at most 71 minutes
+  StageDurations durations;  ///< sent in microseconds, at most 71 minutes
   std::uint32_t depth_bytes = 0;
   std::uint32_t color_bytes = 0;  ///< 0: no colour
 };
 
-/// After these two reasons a server does not come back by itself: it has sent what it was asked to send. After
-/// any other reason a client may expect that somebody starts the server again.
+/// The reasons after which a server has sent everything and does not start again by itself. After
+/// any other reason the server may be started again.
 inline constexpr std::string_view kRecordingIsOver = "the recording is over";
 inline constexpr std::string_view kAllFramesAreSent = "all frames that --frames asked for are sent";
 
@@ -116,7 +117,7 @@ struct EndOfStream {
   friend bool operator==(const EndOfStream&, const EndOfStream&) = default;
 };
 
-/// What keeps the server's camera from sending frames; it goes on by itself. Empty: nothing does any more.
+/// The reason why the camera sends no frames at present. Empty once it works again.
 struct CameraStatus {
   std::string text;  ///< one sentence
   friend bool operator==(const CameraStatus&, const CameraStatus&) = default;
@@ -133,7 +134,7 @@ struct Ping {
 };
 
 struct Pong {
-  Instant client_time{};  ///< the ping's
+  Instant client_time{};  ///< from the Ping
   Instant server_time{};
   friend bool operator==(const Pong&, const Pong&) = default;
 };

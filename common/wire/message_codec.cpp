@@ -14,7 +14,7 @@
 namespace copresence::wire {
 namespace {
 
-// Fixed parts of the bodies, in bytes. docs/internals/wire_format.md draws them.
+// Bytes of the fixed parts of the bodies, as drawn in docs/internals/wire_format.md.
 constexpr std::size_t kHelloBytes = kMagic.size() + 4;
 constexpr std::size_t kRejectBytes = 1 + 2;
 constexpr std::size_t kWelcomeBytes = 8 + 8 + 8 * (4 + 8 + 9 + 3 + 2 + 1 + 2) + 8 + 2 + 2 + 2;
@@ -32,7 +32,7 @@ struct SizeRange {
   std::size_t smallest = 0, largest = 0;
 };
 
-/// What a body of this type may measure; nothing for a type that does not exist.
+/// Sets the allowed sizes of a body of this type. Returns false for an unknown type.
 bool size_range(std::uint8_t type, SizeRange& range) {
   switch (static_cast<MessageType>(type)) {
     case MessageType::kHello:
@@ -70,7 +70,7 @@ void write_header(ByteWriter& writer, MessageType type, std::size_t body_bytes) 
   writer.number(static_cast<std::uint32_t>(type));
 }
 
-/// A message whose body is what `write_body` writes.
+/// Builds a message whose body `write_body` writes.
 template <class WriteBody>
 Bytes message(MessageType type, const WriteBody& write_body) {
   Bytes body;
@@ -99,7 +99,7 @@ ReadInstant read_instant(ByteReader& reader) {
   return {instant.value_or(Instant{}), instant.has_value()};
 }
 
-/// The number, or the largest one that fits.
+/// The number, or the largest number of 32 bits if it is larger.
 std::uint32_t in_32_bits(std::uint64_t number) {
   return static_cast<std::uint32_t>(
       std::min<std::uint64_t>(number, std::numeric_limits<std::uint32_t>::max()));
@@ -257,7 +257,7 @@ Result<Hello> decode_hello(std::span<const std::uint8_t> body) {
   bool magic = true;
   for (const char c : kMagic) magic &= from.number<std::uint8_t>() == static_cast<std::uint8_t>(c);
   const Hello hello{from.number<std::uint32_t>()};
-  if (!magic || !from.complete()) return corrupt("a hello that no render_client says");
+  if (!magic || !from.complete()) return corrupt("a hello of no render_client");
   return hello;
 }
 

@@ -12,12 +12,12 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kHandshakeTime{2};
 constexpr std::chrono::seconds kSilence{30};    // a client pings once a second
-constexpr std::chrono::seconds kFrameTime{60};  // from queueing a frame to its acknowledgement
+constexpr std::chrono::seconds kFrameTime{60};  // until a queued frame is acknowledged
 constexpr std::chrono::seconds kGoodbyeTime{1};
 
-constexpr std::size_t kLargestOfClient = 1024;  // bytes of a message's body; far more than any has
+constexpr std::size_t kLargestOfClient = 1024;  // bytes of a body; all messages of a client are much smaller
 constexpr std::size_t kMessagesAtOnce = 16;
-constexpr std::size_t kMaxQueued = 64 + ClientWindow::kFrames;  // frames, and pongs that are not read
+constexpr std::size_t kMaxQueued = 64 + ClientWindow::kFrames;  // messages
 
 Duration frame_period(const StreamDescription& stream) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / stream.frames_per_second));
@@ -57,14 +57,15 @@ void Session::read_body(MessageHeader header) {
                       if (self->phase_ == Phase::kLeaving) return self->discard();
                       if (!self->take(header.type)) return self->close(Ending::kNonsense);
                       if (self->phase_ == Phase::kClosed) return;
-                      // Only whole messages prove life: their bytes could come one by one for ever.
+                      // Single bytes do not count as a sign of life: they could come one by one
+                      // without end.
                       if (self->phase_ == Phase::kStreaming) self->prolong(Clock::now());
                       self->read_header();
                     });
 }
 
-/// Reads on until the client hangs up. Closing a socket with unread bytes would reset the connection, and the
-/// client would lose the last message.
+/// Reads and ignores bytes until the client closes the connection. Closing a socket with unread
+/// bytes resets the connection, and the client would not get the last message.
 void Session::discard() {
   connection_->read({asio::buffer(header_)}, [self = shared_from_this()](const asio::error_code& error) {
     error ? self->close(Ending::kHungUp) : self->discard();
@@ -123,7 +124,7 @@ bool Session::take_ack() {
   if (!ack || !window_.acknowledge(ack->sequence, Clock::now())) return false;
   if (stage_ == Stage::kNewcomer) {
     if (!stream_.admit(*this, Stage::kClient)) {
-      close(Ending::kNoPlace);  // it connects anew and then gets a Reject
+      close(Ending::kNoPlace);  // it will connect again and get a Reject
       return true;
     }
     stage_ = Stage::kClient;
@@ -159,7 +160,7 @@ void Session::skip(std::uint64_t frames) {
 }
 
 void Session::send_status(const Bytes& message) {
-  // A client that reads nothing does not need it.
+  // If the queue is full, the client reads nothing and does not need the status.
   if (is_streaming() && out_.size() < kMaxQueued) queue({message, nullptr});
 }
 

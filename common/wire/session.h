@@ -1,7 +1,7 @@
 #pragma once
 
-// One client of a FrameServer: the handshake, the client's window, and the queue of messages to it. Private to
-// this module.
+// A FrameServer's connection to one client: handshake, window and the queue of messages to the
+// client. Private to this module.
 //
 // Thread: the wire thread.
 
@@ -23,10 +23,10 @@
 
 namespace copresence::wire {
 
-/// A frame on its way to every client.
+/// A frame that is sent to every client.
 struct OutboundFrame {
   std::shared_ptr<const EncodedFrame> frame;
-  FrameCounters counters;  ///< window_full counts frames that were not encoded, since no client wanted one
+  FrameCounters counters;  ///< window_full: frames that were not encoded, since no client requested one
   Instant sent_at{};
 };
 
@@ -41,14 +41,14 @@ class Session : public std::enable_shared_from_this<Session> {
     std::string camera_status;        ///< what keeps the camera from sending frames; empty: nothing
     /// A client joined, left, can take frames again, or requested a keyframe.
     std::function<void()> on_change;
-    /// True if a session may enter a stage. May close other sessions to make room.
+    /// Returns true if a session may enter a stage. May close other sessions.
     std::function<bool(Session&, Stage)> admit;
   };
 
   Session(std::unique_ptr<Connection> connection, Stream& stream);
 
   void start();
-  /// Queues the frame if the window allows it, and counts it as skipped otherwise.
+  /// Queues the frame if the client can accept it. Counts it as skipped otherwise.
   void offer(const OutboundFrame& frame);
   void skip(std::uint64_t frames);
   void send_status(const Bytes& message);

@@ -1,18 +1,21 @@
 #pragma once
 
-// Decides which connections a server keeps when more come than it has room for.
+// Decides which connections a server keeps if more arrive than it can serve.
 //
-// A connection passes three stages. A stranger has not said hello. A newcomer has said hello and gets frames,
-// but has not acknowledged one yet. A client has acknowledged a frame. Only clients take one of the places
-// that an operator counts, and each stage has room of its own, so nobody can take a place, or keep one,
-// without receiving pictures.
+// A connection has one of three stages:
+//   stranger   has not sent Hello
+//   newcomer   has sent Hello and gets frames, but has not acknowledged one
+//   client     has acknowledged a frame
+// Each stage has its own limit, and only clients count as such for the user. So nobody can occupy a
+// client's place without receiving pictures.
 //
-// When a stage of strangers or newcomers is full, one more is let in for the oldest of the network that has
-// most of them: an attacker displaces himself first, and everybody has time to prove that he is a viewer. A
-// newcomer becomes a client when a place is free, or held by a client that has not acknowledged anything for
-// 10 s though frames are on their way to it. Nobody is remembered or banned.
+// If strangers or newcomers are at their limit, a new connection replaces one of them: the oldest
+// one of the network with the most of them. An attacker therefore replaces mostly its own
+// connections. A newcomer becomes a client if there are fewer clients than the limit. Otherwise it
+// replaces a client that has frames in flight and has acknowledged none for 10 s. No address is
+// remembered or banned.
 //
-// Thread: pure.
+// Thread: pure functions.
 
 #include <cstddef>
 #include <optional>
@@ -25,23 +28,24 @@ namespace copresence::wire {
 
 enum class Stage { kStranger, kNewcomer, kClient };
 
-/// How many connections of one stage a server keeps.
+/// The largest number of connections in a stage.
 std::size_t room_for(Stage stage);
 
 struct Standing {
   std::string network;  ///< of the address it comes from: Connection::peer_network()
   Stage stage = Stage::kStranger;
-  Instant since{};                     ///< connected at
-  std::optional<Instant> waits_since;  ///< the oldest frame on its way to it; nothing where none is
+  Instant since{};  ///< connected at
+  std::optional<Instant>
+      waits_since;  ///< when the oldest frame in flight was sent; nothing if none is in flight
 };
 
 struct Decision {
   bool admitted = false;
-  std::optional<std::size_t> in_exchange_for;  ///< index of the connection to close first
+  std::optional<std::size_t> in_exchange_for;  ///< index of a connection that must be closed
 };
 
-/// Whether one more connection from `network` may enter `stage`. `others` are all connections except that
-/// one.
+/// Decides whether a connection from `network` may enter `stage`. `others` are all other
+/// connections.
 Decision admit(Stage stage, const std::string& network, std::span<const Standing> others, Instant now);
 
 }  // namespace copresence::wire

@@ -1,12 +1,12 @@
 #pragma once
 
-// Tells a connection that brings bytes, however slowly, from one that died.
+// Detects a dead connection from the arrival of bytes.
 //
-// Bytes are a sign of life, so a large frame on a slow path may take long: at 100 kbit/s a keyframe takes 6
-// s. But bytes that come one by one must end somewhere, so a message has a time limit by its size as well. A
-// path below kSlowestPath is too slow to watch anything over.
+// Bytes are a sign of life, also if they arrive slowly: at 100 kbit/s a keyframe takes 6 s. A
+// message also has a time limit by its size, so that a peer cannot send single bytes without end. A
+// path below kSlowestPath is too slow.
 //
-// Time during which nobody reads from the connection does not count.
+// Time in which the client does not read does not count.
 //
 // Thread: a value.
 
@@ -19,28 +19,29 @@ namespace copresence::wire {
 
 class ArrivalWatch {
  public:
-  static constexpr std::chrono::seconds kSilence{5};  ///< without any byte
+  static constexpr std::chrono::seconds kSilence{5};  ///< the longest time without a byte
   static constexpr double kSlowestPath = 4096;        ///< bytes per second
   static constexpr std::chrono::seconds kLongestMessage{60};
 
   enum class Verdict {
     kAlive,
-    kSilent,  ///< no byte for kSilence
-    /// A message is not complete in time: kSilence plus its size at kSlowestPath, at most kLongestMessage.
+    kSilent,  ///< no byte arrived for kSilence
+    /// A message was not complete within kSilence plus its size at kSlowestPath, at most
+    /// kLongestMessage.
     kTooSlow,
   };
 
-  /// Reading begins, or goes on after a pause.
+  /// Call when reading begins, also after a pause.
   void resume(Instant now);
   void pause(Instant now);
 
-  /// Bytes of a message came, the newest of them at `at`; the first of them begin it.
+  /// Bytes of a message arrived, the newest of them at `at`. The first bytes begin the message.
   void bytes_came(Instant at);
-  /// The size of the message that is coming.
+  /// Sets the size of the message that is arriving.
   void message_has(std::size_t bytes) { message_bytes_ = bytes; }
   void message_is_complete() { message_began_at_.reset(); }
 
-  /// Requires that reading is not paused.
+  /// The verdict at `now`. Requires that reading is not paused.
   Verdict at(Instant now) const;
 
  private:

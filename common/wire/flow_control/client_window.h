@@ -1,25 +1,27 @@
 #pragma once
 
-// Decides which frames one client gets, so that latency and memory stay bounded on any network path.
-// docs/decisions/0002-window-per-client.md gives the reasons.
+// Decides which frames one client gets, so that latency and memory stay bounded on any network
+// path. docs/decisions/0002-window-per-client.md gives the reasons.
 //
-// A frame is in flight from being queued for a client until that client acknowledges it. Everything in flight is
-// expected to arrive within the path's base delay (path_estimate.h) plus an allowance for queueing. There are two
-// allowances:
-//  - wants_until(): the client requests another frame. The allowance is 8 frame periods. It becomes 2 periods
-//    when every frame of half a second was delayed by more than that: then a queue never empties. It grows again
-//    by one period per half second. If 2 periods did not help, the client requests nothing until the path is
-//    empty, so that a longer path is not taken for a queue. The encoder pauses when no client requests a frame.
-//  - can_accept(): the client accepts a frame that was encoded for others. The allowance is 500 ms. Behind a
-//    keyframe with a long transmission it is up to 300 ms more. Skipping the frame would cost a keyframe.
+// A frame is in flight from being queued for a client until that client acknowledges it. Everything
+// in flight is expected to arrive within the path's base delay (path_estimate.h) plus an allowance
+// for queueing. There are two allowances:
+//   - wants_until(): the client requests another frame. The allowance is 8 frame periods. It
+//     becomes 2 periods when every frame of half a second was delayed by more than that: then a
+//     queue never empties. It grows again by one period per half second. If 2 periods did not help,
+//     the client requests nothing until the path is empty, so that a longer path is not taken for a
+//     queue. The encoder pauses when no client requests a frame.
+//   - can_accept(): the client accepts a frame that was encoded for others. The allowance is 500
+//     ms. Behind a keyframe with a long transmission it is up to 300 ms more. Skipping the frame
+//     would cost a keyframe.
 // While the path is unknown, 2 requested or 6 accepted frames may be in flight.
 //
-// A path that stops or becomes much slower is noticed by an acknowledgement that is overdue. The limit follows the
-// path's jitter: twice the largest lateness of the last seconds plus one period. It is at least 3 periods for
-// requested frames and 5 for accepted ones.
+// A path that stops or becomes much slower is noticed by an acknowledgement that is overdue. The
+// limit follows the path's jitter: twice the largest lateness of the last seconds plus one period.
+// It is at least 3 periods for requested frames and 5 for accepted ones.
 //
-// After a frame was skipped, the client cannot decode any frame before the next keyframe. It can accept a keyframe
-// once nothing is in flight to it.
+// After a frame was skipped, the client cannot decode any frame before the next keyframe. It can
+// accept a keyframe once nothing is in flight to it.
 //
 // Thread: a value.
 
@@ -41,15 +43,16 @@ class ClientWindow {
 
   explicit ClientWindow(Duration frame_period);
 
-  /// True if the client got every frame since a keyframe, so that it can decode the next one. False before the
-  /// first frame.
+  /// True if the client got every frame since a keyframe, so that it can decode the next one. False
+  /// before the first frame.
   bool in_sync() const { return in_sync_; }
   /// True if the client was sent a frame and later ones were skipped.
   bool fell_behind() const { return !in_sync_ && has_begun_; }
-  /// True if the client can accept a keyframe and nothing else: it is not in sync, and nothing is in flight.
+  /// True if the client can accept a keyframe and nothing else: it is not in sync, and nothing is
+  /// in flight.
   bool awaits_keyframe() const { return !in_sync_ && in_flight_.empty(); }
-  /// Until when a client in sync requests another frame, if nothing happens meanwhile. In the past if it
-  /// requests none.
+  /// Until when a client in sync requests another frame, if nothing happens meanwhile. In the past
+  /// if it requests none.
   Instant wants_until() const;
   bool can_accept(bool keyframe, Instant now) const;
 
@@ -57,8 +60,8 @@ class ClientWindow {
   void sent(std::uint64_t sequence, std::size_t bytes, Instant now);
   /// This many frames of the stream are not sent to this client.
   void skip(std::uint64_t frames);
-  /// The client has this frame and all before it. Returns false if the frame is not in flight, which is a
-  /// protocol error.
+  /// The client has this frame and all before it. Returns false if the frame is not in flight,
+  /// which is a protocol error.
   bool acknowledge(std::uint64_t sequence, Instant now);
 
   std::uint64_t skipped() const { return skipped_; }            ///< frames

@@ -52,7 +52,8 @@ void PathEstimate::measure_rate(const Sent& frame, Instant now) {
   Duration interval = std::max<Duration>(now - frame.at, std::chrono::milliseconds(1));
   bool limited_by_path = false;
   if (frame.alone) {
-    // This interval includes the base delay. That is harmless if the frame arrives before the next one is due.
+    // This interval includes the base delay. That is harmless if the frame arrives before the next
+    // one is due.
     if (interval > tolerance_ / 2) return;
   } else {
     const Duration sent_apart = frame.at - previous_->at,
@@ -65,7 +66,8 @@ void PathEstimate::measure_rate(const Sent& frame, Instant now) {
   const bool is_busy = queueing_ > tolerance_ / 4;
   if (!is_larger && !is_busy) return;
   while (!rates_.empty() && rates_.back().bytes_per_second <= rate) {
-    // A sender that waits for acknowledgements sends at the path's rate. It is still the path that limits it.
+    // A sender that waits for acknowledgements sends at the path's rate. It is still the path that
+    // limits it.
     limited_by_path |= rates_.back().limited_by_path && rate < kSame * rates_.back().bytes_per_second;
     rates_.pop_back();
   }

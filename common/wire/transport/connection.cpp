@@ -20,10 +20,10 @@ namespace {
 using asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
-// A keyframe of one camera fits, so that it leaves in one call.
+// Bytes. A keyframe of one camera fits and can be written in one call.
 constexpr int kSendBuffer = 256 * 1024;
 
-// Writes as much as there is in one call; Asio's own default is 64 KiB at a time.
+// Makes Asio write everything in one call. Its default is 64 KiB at a time.
 constexpr auto kWhole = [](const asio::error_code& error, std::size_t) -> std::size_t {
   return error ? 0 : std::size_t{1} << 24;
 };
@@ -61,8 +61,8 @@ void Connection::connect(const std::vector<tcp::endpoint>& addresses, Done done)
                       });
 }
 
-/// Small messages leave at once, and a peer that vanished without a word is noticed within about ten seconds.
-/// A socket that refuses an option still works, so failures are ignored.
+/// Sets options: small messages are sent at once, and a peer that has vanished is detected within
+/// about 10 s. A socket works without these options, so failures are ignored.
 void Connection::begin() {
   const auto set = [this](int level, int name, int value) {
     ::setsockopt(socket_.native_handle(), level, name, &value, sizeof value);
@@ -87,7 +87,8 @@ void Connection::read(std::initializer_list<asio::mutable_buffer> buffers, Done 
 }
 
 void Connection::read_on(Buffers buffers, Done done) {
-  // Posted, since `done` begins the next read: a peer that always has bytes ready would grow the stack.
+  // Posted, since `done` starts the next read: without it, a peer that sends fast would make the
+  // stack grow.
   const auto finish = [this](Done what, const asio::error_code& error) {
     asio::post(socket_.get_executor(), [what = std::move(what), error] { what(error); });
   };
@@ -127,7 +128,8 @@ Instant Connection::arrival_of(msghdr& message) const {
     timespec queued, wall_now;
     std::memcpy(&queued, CMSG_DATA(note), sizeof queued);
     ::clock_gettime(CLOCK_REALTIME, &wall_now);
-    // The kernel's times are wall-clock times. The limits bound the error when somebody sets the wall clock.
+    // The kernel's times are wall-clock times. The clamp bounds the error if the wall clock is set
+    // meanwhile.
     const Instant arrived = now - (nanoseconds_of(wall_now) - nanoseconds_of(queued));
     return std::clamp(arrived, last_arrival_, now);
   }

@@ -13,10 +13,10 @@ using Work = asio::executor_work_guard<asio::io_context::executor_type>;
 
 }  // namespace
 
-/// What the lookup's thread and its owner share.
+/// The state that the lookup's thread and the NameLookup share.
 struct NameLookup::Shared {
   std::mutex mutex;
-  std::optional<Work> work;  ///< keeps the io_context running; nothing once the owner has given up
+  std::optional<Work> work;  ///< keeps the io_context running; nothing after a cancellation
   Done done;                 ///< only called on the io_context's thread
 };
 

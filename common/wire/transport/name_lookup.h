@@ -1,12 +1,11 @@
 #pragma once
 
-// Looks a host's name up in the background, so that whoever waits for it can give up at once. Private to this
-// module: it shows Asio.
+// Looks up a host name in the background, so that the caller can cancel it at once.
 //
-// The system's getaddrinfo() cannot be interrupted and may take half a minute where no name server answers.
-// It runs on a thread of its own, which nobody joins: a lookup that was given up ends there by itself.
+// The system's getaddrinfo() cannot be interrupted and may take half a minute without a name
+// server. It runs on a detached thread: after a cancelled lookup that thread ends by itself.
 //
-// Thread: make, use and destroy it on the thread that runs the io_context.
+// Thread: the thread that runs the io_context.
 
 #include <asio.hpp>
 #include <cstdint>
@@ -21,10 +20,10 @@ class NameLookup {
  public:
   using Done = std::function<void(const asio::error_code&, std::vector<asio::ip::tcp::endpoint>)>;
 
-  /// Calls `done` from the io_context, which must outlive this, when the system knows the host's addresses or
-  /// fails.
+  /// Starts the lookup. The io_context calls `done` with the addresses or an error. It must outlive
+  /// this object.
   NameLookup(asio::io_context& io, std::string host, std::uint16_t port, Done done);
-  /// Gives up: `done` is not called any more.
+  /// Cancels the lookup: `done` will not be called.
   ~NameLookup();
   NameLookup(const NameLookup&) = delete;
   NameLookup& operator=(const NameLookup&) = delete;

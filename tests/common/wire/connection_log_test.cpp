@@ -16,7 +16,7 @@ const Instant kNow = Instant{} + 1000s;
 
 TEST(ConnectionLog, SaysWhoCameAndWhoLeftAtOnce) {
   ConnectionLog log;
-  log.came("10.0.0.1:5000", 1, kNow);
+  log.joined("10.0.0.1:5000", 1, kNow);
   log.left("10.0.0.1:5000", Ending::kHungUp, 35s, 0, kNow + 35s);
   log.left("10.0.0.2:5000", Ending::kNoProgress, 70s, 0, kNow + 35s);
   EXPECT_THAT(log.take(kNow + 35s),
@@ -48,7 +48,7 @@ TEST(ConnectionLog, StaysShortWhateverHappens) {
   for (int second = 0; second < 100; ++second) {
     for (int i = 0; i < 1000; ++i) {
       const Instant now = kNow + second * 1s + i * 1ms;
-      log.came("10.0.0.1:" + std::to_string(i), 1, now);
+      log.joined("10.0.0.1:" + std::to_string(i), 1, now);
       log.left("10.0.0.1:" + std::to_string(i), Ending::kHungUp, 1ms, 0, now);
       log.ended_early("10.0.0." + std::to_string(i), Ending::kNonsense, now);
       lines += log.take(now).size();
@@ -59,7 +59,7 @@ TEST(ConnectionLog, StaysShortWhateverHappens) {
 
 TEST(ConnectionLog, CountsWhatItDoesNotSay) {
   ConnectionLog log;
-  for (std::size_t i = 0; i < ConnectionLog::kLines + 3; ++i) log.came("10.0.0.1:1", 1, kNow);
+  for (std::size_t i = 0; i < ConnectionLog::kLines + 3; ++i) log.joined("10.0.0.1:1", 1, kNow);
   log.left("10.0.0.1:1", Ending::kHungUp, 1s, 0, kNow);
   EXPECT_THAT(log.take(kNow), SizeIs(ConnectionLog::kLines));
   EXPECT_THAT(log.take(kNow + 10s), ElementsAre(Field(&ConnectionLog::Line::text,

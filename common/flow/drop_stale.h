@@ -9,9 +9,8 @@
 namespace copresence::flow {
 
 /// True if a frame that arrived at `came` should be dropped when its worker becomes free at `free`.
-/// The frame is then older than half a frame `period`, so the next one is due sooner than that. A
-/// frame that arrived after the worker became free is never dropped, so two frames in a row are
-/// never dropped.
+/// The frame is then older than half a `period`, and the next one is due in less than half a period. A
+/// frame that arrived after the worker became free is kept, so two frames in a row are never dropped.
 constexpr bool should_drop_stale(Instant came, Instant free, Duration period) {
   return free - came > period / 2;
 }

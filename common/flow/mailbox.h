@@ -1,8 +1,7 @@
 #pragma once
 
 // A slot for one value between threads, in which a newer value replaces an older one. Used where a
-// late frame is worth less than a lost one: between sensor and encoder, and between decoder and
-// view.
+// lost frame is better than a late one: between sensor and encoder, and between decoder and view.
 //
 // Thread: any number of threads may call any member at any time.
 

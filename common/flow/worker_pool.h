@@ -39,8 +39,9 @@ class WorkerPool : public Executor {
   std::uint64_t round_ = 0;           // number of calls of run(); mutex_ guards it and the next three
   const FunctionRef* job_ = nullptr;  // null between two calls of run()
   int jobs_ = 0;
-  int working_ = 0;           // threads that run jobs now
-  std::atomic<int> next_{0};  // number of the next job
+  int working_ = 0;  // the number of threads that run jobs now
+
+  std::atomic<int> next_{0};  // the number of the next job
   std::vector<std::jthread> threads_;
 };
 

@@ -269,7 +269,7 @@ void Window::keep_pace() {
   using Clock = std::chrono::steady_clock;
   const auto period =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / refresh_rate_hz()));
-  // With a display that makes present() wait, less time cannot have passed.
+  // A display that makes present() wait would have taken longer than this.
   if (vsync_ && Clock::now() - presented_at_ < period * 3 / 4) {
     std::this_thread::sleep_until(presented_at_ + period);
   }

@@ -11,9 +11,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kHandshakeTime{2};
-constexpr std::chrono::seconds kSilence{30};    // a client pings once a second
-constexpr std::chrono::seconds kFrameTime{60};  // until a queued frame is acknowledged
 constexpr std::chrono::seconds kGoodbyeTime{1};
+// A client pings once a second.
+constexpr std::chrono::seconds kSilence{30};
+// The longest time from queueing a frame to its acknowledgement.
+constexpr std::chrono::seconds kFrameTime{60};
 
 constexpr std::size_t kLargestOfClient = 1024;  // bytes of a body; all messages of a client are much smaller
 constexpr std::size_t kMessagesAtOnce = 16;

@@ -36,7 +36,8 @@ Instant ClientWindow::room_until(const Limits& limits) const {
                   next_acknowledgement_due() + overdue);
 }
 
-/// The path carries one frame after the other: the oldest one since the acknowledgement before it.
+/// The path carries frames one after the other. So the oldest one is under way since the latest
+/// acknowledgement, or since it was sent if that was later.
 Instant ClientWindow::next_acknowledgement_due() const {
   const PathEstimate::Sent& oldest = in_flight_.front().sent;
   return std::max(acknowledged_at_, oldest.at + *path_.base_delay()) + path_.transmission_time(oldest.bytes);

@@ -16,8 +16,10 @@ using Work = asio::executor_work_guard<asio::io_context::executor_type>;
 /// The state that the lookup's thread and the NameLookup share.
 struct NameLookup::Shared {
   std::mutex mutex;
-  std::optional<Work> work;  ///< keeps the io_context running; nothing after a cancellation
-  Done done;                 ///< only called on the io_context's thread
+  /// Keeps the io_context running. Empty after a cancellation.
+  std::optional<Work> work;
+  /// Used on the io_context's thread only.
+  Done done;
 };
 
 NameLookup::NameLookup(asio::io_context& io, std::string host, std::uint16_t port, Done done)

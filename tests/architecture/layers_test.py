@@ -4,7 +4,7 @@
   tests/architecture/layers_test.py FOLDER [BUILD]
 
 A module may use what lies below it and nothing beside it, and each foreign library has one home. The table here is the
-table in docs/architecture.md. A module's private headers are included only by itself, its tests and its benchmarks. A
+table in docs/internals/architecture.md. A module's private headers are included only by itself, its tests and its benchmarks. A
 .cpp includes its own header before all else."""
 import dataclasses
 import pathlib

@@ -112,8 +112,8 @@ void try_hole_filling(RgbdFrame frame, hole_filling::Method method) {
 
 void try_renderer(renderer::Looking& left, renderer::Looking& right) {
   for (double degrees : {0.0, 20.0}) {
-    const renderer::VirtualCamera eye = renderer::orbiting_eye(640, 360, degrees, 2);
-    const renderer::MergedView view = renderer::render({&left, &right}, eye);
+    const auto eye = renderer::orbiting_eye(640, 360, degrees, 2);
+    const auto view = renderer::render({&left, &right}, eye);
     Checksum sum;
     sum.add(view.depth_m);
     sum.add(view.color);

@@ -1,12 +1,12 @@
 #pragma once
 
-// A learnt distribution over sixteen symbols, for ANS coding (ans_coder.h): sixteen cumulative frequencies that move
-// together towards what came, in a few vector instructions.
+// Adaptive distribution over sixteen symbols, for ANS coding (ans_coder.h). It is kept as sixteen cumulative
+// frequencies, all of which move towards each coded symbol in a few vector instructions.
 //
-// Every symbol keeps a frequency of at least 1 of 16384, whatever was learnt. Thread: a value.
+// Every symbol keeps a frequency of at least 1 of 16384. Thread: a value.
 
-#ifdef __AVX2__
-#include <immintrin.h>
+#ifdef __SSE2__
+#include <emmintrin.h>
 #endif
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace copresence::depth {
 
-class alignas(32) AdaptiveCdf {
+class AdaptiveCdf {
  public:
   static constexpr int kSymbols = 16;
   static constexpr int kBits = 14;  ///< frequencies are of 2^kBits
@@ -28,20 +28,21 @@ class alignas(32) AdaptiveCdf {
     for (int i = 0; i < kSymbols; ++i) start_[i] = static_cast<std::int16_t>(i * (kLearnt / kSymbols) + i);
   }
 
-  /// Requires 0 <= symbol < kSymbols.
+  /// Requires symbol < kSymbols.
   Slot slot(unsigned symbol) const {
-    const std::uint32_t start = start_[symbol];
-    return {start, (start_[(symbol + 1) % kSymbols] - start) &
-                       ((1u << kBits) - 1)};  // after the last comes 2^kBits, like 0
+    // The end of the last slot is 2^kBits, which the mask treats like 0.
+    const std::uint32_t start = start_[symbol], end = start_[(symbol + 1) % kSymbols];
+    return {start, (end - start) & ((1u << kBits) - 1)};
   }
 
   /// The symbol whose slot holds `point`. Requires point < 2^kBits.
   unsigned symbol_at(std::uint32_t point) const {
-#ifdef __AVX2__
-    const __m256i beyond =
-        _mm256_cmpgt_epi16(load(start_), _mm256_set1_epi16(static_cast<std::int16_t>(point)));
-    const auto bits = std::uint64_t{static_cast<std::uint32_t>(_mm256_movemask_epi8(beyond))};
-    return static_cast<unsigned>(std::countr_zero(bits | std::uint64_t{1} << 32)) / 2 - 1;
+#ifdef __SSE2__  // on every x86-64 machine
+    const __m128i limit = _mm_set1_epi16(static_cast<std::int16_t>(point));
+    const __m128i beyond =
+        _mm_packs_epi16(_mm_cmpgt_epi16(eight(start_, 0), limit), _mm_cmpgt_epi16(eight(start_, 1), limit));
+    const auto bits = static_cast<unsigned>(_mm_movemask_epi8(beyond));
+    return static_cast<unsigned>(std::countr_zero(bits | 1u << kSymbols)) - 1;
 #else
     unsigned symbol = 0;
     for (unsigned i = 1; i < kSymbols; ++i) symbol += static_cast<std::uint32_t>(start_[i]) <= point;
@@ -50,13 +51,16 @@ class alignas(32) AdaptiveCdf {
   }
 
   void learn(unsigned symbol) {
-#ifdef __AVX2__
-    const __m256i start = load(start_);
-    const __m256i step = _mm256_srai_epi16(_mm256_sub_epi16(load(kTarget[symbol]), start), kRate);
-    _mm256_store_si256(reinterpret_cast<__m256i*>(start_.data()), _mm256_add_epi16(start, step));
+    const Row& target = kTarget[symbol];
+#ifdef __SSE2__
+    for (int half = 0; half < 2; ++half) {
+      const __m128i start = eight(start_, half);
+      const __m128i step = _mm_srai_epi16(_mm_sub_epi16(eight(target, half), start), kRate);
+      _mm_store_si128(reinterpret_cast<__m128i*>(start_.data()) + half, _mm_add_epi16(start, step));
+    }
 #else
     for (int i = 0; i < kSymbols; ++i) {
-      start_[i] = static_cast<std::int16_t>(start_[i] + ((kTarget[symbol][i] - start_[i]) >> kRate));
+      start_[i] = static_cast<std::int16_t>(start_[i] + ((target[i] - start_[i]) >> kRate));
     }
 #endif
   }
@@ -64,8 +68,8 @@ class alignas(32) AdaptiveCdf {
  private:
   using Row = std::array<std::int16_t, kSymbols>;
   static constexpr int kLearnt = (1 << kBits) - kSymbols;  // what is left when every symbol has its 1
-  static constexpr int kRate =
-      5;  // a symbol moves its distribution by 1/32; 1/64 saves 1 % and learns a keyframe later
+  // A symbol moves its distribution by 1/32. A rate of 1/64 saves 1 % but learns more slowly after a keyframe.
+  static constexpr int kRate = 5;
 
   static constexpr std::array<Row, kSymbols> make_targets() {
     std::array<Row, kSymbols> targets{};
@@ -75,15 +79,16 @@ class alignas(32) AdaptiveCdf {
     }
     return targets;
   }
-#ifdef __AVX2__
-  static __m256i load(const Row& row) {
-    return _mm256_load_si256(reinterpret_cast<const __m256i*>(row.data()));
+
+#ifdef __SSE2__
+  static __m128i eight(const Row& row, int half) {
+    return _mm_load_si128(reinterpret_cast<const __m128i*>(row.data()) + half);
   }
 #endif
 
   alignas(32) static const std::array<Row, kSymbols> kTarget;
 
-  Row start_{};  // the frequencies of all symbols below each; ascends
+  alignas(32) Row start_{};  // cumulative frequency below each symbol; ascends
 };
 
 alignas(32) inline constexpr std::array<AdaptiveCdf::Row, AdaptiveCdf::kSymbols> AdaptiveCdf::kTarget =

@@ -12,15 +12,15 @@ constexpr std::uint32_t kLeastState = 1u << 16;  // states lie from here to 2^32
 
 void AnsWriter::finish(std::vector<std::uint8_t>& out) {
   constexpr std::uint32_t kFrequency = (1u << kStartAt) - 1, kStart = (1u << AdaptiveCdf::kBits) - 1;
-  std::uint32_t state[kLanes];
-  std::fill_n(state, kLanes, kLeastState);
-  // A symbol makes at most one word of half its size: they take the place of the symbols that were read.
+  std::uint32_t state[kStreams];
+  std::fill_n(state, kStreams, kLeastState);
+  // A symbol gives at most one word of half its size, so the words can replace the symbols already encoded.
   auto* byte = reinterpret_cast<std::uint8_t*>(next_);
   const std::uint8_t* const end = byte;
   for (const std::uint32_t* symbol = next_; symbol != begin_;) {
     const std::uint32_t packed = *--symbol;
     const std::uint32_t frequency = packed & kFrequency;
-    std::uint32_t& x = state[packed >> kLaneAt];
+    std::uint32_t& x = state[packed >> kStreamAt];
     if (x >> (32 - AdaptiveCdf::kBits) >= frequency) {
       *--byte = static_cast<std::uint8_t>(x >> 8);
       *--byte = static_cast<std::uint8_t>(x);

@@ -1,11 +1,12 @@
 #pragma once
 
-// Asymmetric numeral systems (Duda 2013, the range variant): symbols in the number of bits that their frequency
-// deserves, decoded with one multiplication each. Two states, the lanes, take turns as the caller says, in one stream
-// of 16-bit words, so that a processor works on both at a time.
+// Entropy coder: asymmetric numeral systems, the range variant (Duda 2013). A symbol takes about -log2(its frequency)
+// bits and is decoded with one multiplication. Two interleaved streams of symbols, each with a state of its own, share
+// the 16-bit words of the output, so that a processor can work on both at a time.
 //
-// The writer notes what is to be written and writes it backwards at the end, since the last symbol written is the first one
-// read. A reader past the end of its bytes sees zeros: any bytes decode to something, in bounded time.
+// The last symbol that is encoded is the first one decoded. The writer therefore collects all symbols and encodes them
+// backwards at the end. The reader reads zeros past the end of its bytes: it decodes any bytes to some symbols, in
+// bounded time.
 //
 // Thread: distinct objects are independent.
 
@@ -18,30 +19,30 @@
 
 namespace copresence::depth {
 
-/// A cursor into a caller's room: small and copied freely, so that a loop can keep it in registers.
+/// A cursor into the caller's buffer. It is small and cheap to copy, so that a loop can keep it in registers.
 class AnsWriter {
  public:
-  static constexpr int kLanes = 2;
+  static constexpr int kStreams = 2;
 
-  /// Requires room for every symbol put.
-  explicit AnsWriter(std::uint32_t* room) : begin_(room), next_(room) {}
+  /// Requires an element of the buffer for every symbol that is put.
+  explicit AnsWriter(std::uint32_t* buffer) : begin_(buffer), next_(buffer) {}
 
-  /// Requires lane < kLanes and a frequency that is not 0.
-  void put(unsigned lane, AdaptiveCdf::Slot slot) {
-    *next_++ = lane << kLaneAt | slot.start << kStartAt | slot.frequency;
+  /// Requires stream < kStreams and a frequency above 0.
+  void put(unsigned stream, AdaptiveCdf::Slot slot) {
+    *next_++ = stream << kStreamAt | slot.start << kStartAt | slot.frequency;
   }
 
-  /// A number of so many bits, at most kBits, all numbers alike.
-  void put_bits(unsigned lane, std::uint32_t value, int bits) {
-    put(lane, {value << (AdaptiveCdf::kBits - bits), 1u << (AdaptiveCdf::kBits - bits)});
+  /// A number of so many bits, at most kBits; all numbers have the same frequency.
+  void put_bits(unsigned stream, std::uint32_t value, int bits) {
+    put(stream, {value << (AdaptiveCdf::kBits - bits), 1u << (AdaptiveCdf::kBits - bits)});
   }
 
-  /// Appends everything to `out`; the room is needed for it, and free afterwards.
+  /// Encodes all symbols and appends them to `out`. Overwrites the buffer, which is empty afterwards.
   void finish(std::vector<std::uint8_t>& out);
 
  private:
-  static constexpr int kStartAt = AdaptiveCdf::kBits + 1,
-                       kLaneAt = 31;  // in a symbol's 32 bits, above its frequency
+  // Positions in a symbol's 32 bits, above its frequency.
+  static constexpr int kStartAt = AdaptiveCdf::kBits + 1, kStreamAt = 31;
 
   std::uint32_t* begin_;
   std::uint32_t* next_;
@@ -51,28 +52,28 @@ class AnsReader {
  public:
   explicit AnsReader(std::span<const std::uint8_t> bytes);
 
-  unsigned get(unsigned lane, const AdaptiveCdf& model) {
-    const std::uint32_t point = state_[lane] & kMask;
+  unsigned get(unsigned stream, const AdaptiveCdf& model) {
+    const std::uint32_t point = state_[stream] & kMask;
     const unsigned symbol = model.symbol_at(point);
-    advance(lane, model.slot(symbol), point);
+    advance(stream, model.slot(symbol), point);
     return symbol;
   }
 
   /// Requires 0 <= bits <= kBits.
-  std::uint32_t get_bits(unsigned lane, int bits) {
-    const std::uint32_t point = state_[lane] & kMask;
+  std::uint32_t get_bits(unsigned stream, int bits) {
+    const std::uint32_t point = state_[stream] & kMask;
     const int shift = AdaptiveCdf::kBits - bits;
-    advance(lane, {point >> shift << shift, 1u << shift}, point);
+    advance(stream, {point >> shift << shift, 1u << shift}, point);
     return point >> shift;
   }
 
  private:
   static constexpr std::uint32_t kMask = (1u << AdaptiveCdf::kBits) - 1;
 
-  void advance(unsigned lane, AdaptiveCdf::Slot slot, std::uint32_t point) {
-    std::uint32_t state = slot.frequency * (state_[lane] >> AdaptiveCdf::kBits) + point - slot.start;
+  void advance(unsigned stream, AdaptiveCdf::Slot slot, std::uint32_t point) {
+    std::uint32_t state = slot.frequency * (state_[stream] >> AdaptiveCdf::kBits) + point - slot.start;
     if (state < 1u << 16) state = state << 16 | word();
-    state_[lane] = state;
+    state_[stream] = state;
   }
 
   std::uint32_t word() {
@@ -83,7 +84,7 @@ class AnsReader {
 
   const std::uint8_t* next_;
   const std::uint8_t* end_;
-  std::uint32_t state_[AnsWriter::kLanes];
+  std::uint32_t state_[AnsWriter::kStreams];
 };
 
 }  // namespace copresence::depth

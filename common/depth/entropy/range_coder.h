@@ -1,10 +1,10 @@
 #pragma once
 
-// Binary adaptive range coding: writes decisions in the number of bits that their probability deserves.
+// Binary adaptive range coder: codes a decision in about -log2(its probability) bits.
 //
-// The interval is kept in 32 bits and renormalised bytewise; a carry runs back into the bytes already written
-// (the construction of Martin 1979, as in LZMA). A reader past the end of its bytes sees zeros, so any bytes
-// decode to something in bounded time; whether they are the right ones is for a checksum to say.
+// The interval has 32 bits and is renormalised by bytes. A carry propagates into the bytes already written (Martin
+// 1979, as in LZMA). The decoder reads zeros past the end of its bytes. It decodes any bytes to some decisions, in
+// bounded time; only a checksum can tell whether they are the right ones.
 //
 // Thread: distinct objects are independent.
 
@@ -16,8 +16,8 @@
 
 namespace copresence::depth {
 
-/// The learnt probability of one decision being 1, in 1/65536. Learns fast at first, then slowly: the n-th
-/// decision moves it by 1/(n + 1.5) of its error, until n reaches `kMemory`.
+/// Adaptive probability that a decision is 1, in 1/65536. It learns fast at first, then slowly: the n-th decision
+/// corrects 1/(n + 1.5) of its error, until n reaches kMemory.
 class BinaryContext {
  public:
   std::uint32_t probability_of_one() const { return probability_; }
@@ -29,7 +29,7 @@ class BinaryContext {
   }
 
  private:
-  static constexpr std::int32_t kLeast = 32;  // of 65536: certainty costs 1/1400 bit
+  static constexpr std::int32_t kLeast = 32;  // of 65536; a certain decision costs 1/1400 bit
   static constexpr int kMemory = 160;  // decisions; the best of 40 to 400 on moving and static recordings
   static constexpr std::array<std::int32_t, kMemory + 1> kRate = [] {
     std::array<std::int32_t, kMemory + 1> rate{};
@@ -41,18 +41,18 @@ class BinaryContext {
   std::uint16_t seen_ = 0;
 };
 
-/// A cursor into a caller's room: small and copied freely, so that a loop can keep it in registers.
+/// A cursor into the caller's buffer. It is small and cheap to copy, so that a loop can keep it in registers.
 class RangeEncoder {
  public:
-  /// What is left to write into must at any time be kMostBytes a decision, and kEndBytes.
+  /// The buffer must have room for kMostBytes for each decision, and kEndBytes.
   static constexpr std::size_t kMostBytes = 2, kEndBytes = 2;
 
-  explicit RangeEncoder(std::uint8_t* room) : next_(room) {}
+  explicit RangeEncoder(std::uint8_t* buffer) : next_(buffer) {}
 
   void encode(BinaryContext& model, bool bit) {
     const std::uint32_t split = split_of(range_, model);
-    const std::uint32_t one =
-        -static_cast<std::uint32_t>(bit);  // all ones for 1: no branch that could be mispredicted
+    // All ones if the bit is 1. A branch on the bit would often be mispredicted.
+    const std::uint32_t one = -static_cast<std::uint32_t>(bit);
     low_ += split & ~one;
     range_ = (split & one) | ((range_ - split) & ~one);
     model.learn(bit);
@@ -62,14 +62,20 @@ class RangeEncoder {
     }
   }
 
-  /// Writes what is left to write and returns the end of the bytes; those of zero at the end may be left off.
-  std::uint8_t* finish();
+  /// Writes the last bytes and returns their end. Zero bytes at the end may be left off.
+  std::uint8_t* finish() {
+    // Any number of the interval will do. The one with most zero bytes at its end is the shortest, since the decoder reads
+    // zeros past the end. The range is at least kBottom, so one byte below the carry is enough.
+    low_ = (low_ + kBottom - 1) & ~std::uint64_t{kBottom - 1};
+    shift_low();
+    return next_;
+  }
 
-  /// Goes on in another room that begins with what was written so far.
+  /// Continues in another buffer, which begins with the bytes written so far.
   void move_to(std::uint8_t* next) { next_ = next; }
   std::uint8_t* next() const { return next_; }
 
-  /// The part of [0, range) that stands for 1: never empty, never all.
+  /// [0, split) stands for 1, the rest of [0, range) for 0. Neither part is empty.
   static std::uint32_t split_of(std::uint32_t range, const BinaryContext& model) {
     return (range >> 16) * model.probability_of_one();
   }
@@ -100,7 +106,7 @@ class RangeDecoder {
   bool decode(BinaryContext& model) {
     const std::uint32_t split = RangeEncoder::split_of(range_, model);
     const bool bit = code_ < split;
-    // A branch, since what follows would wait for its outcome: most decisions are well predicted.
+    // Most decisions are well predicted. Without a branch, all that follows would wait for this decision.
     if (bit) {
       range_ = split;
     } else {

@@ -12,142 +12,146 @@
 namespace copresence::depth {
 namespace {
 
-constexpr int kLanes = AnsWriter::kLanes;
-constexpr unsigned kEscape = AdaptiveCdf::kSymbols - 1;  // a difference that no other symbol stands for
-constexpr int kReach = 2;  // differences of neighbours are told apart up to here
+constexpr int kStreams = AnsWriter::kStreams;
+constexpr unsigned kEscape = AdaptiveCdf::kSymbols - 1;  // for differences without a symbol of their own
+constexpr int kReach = 2;  // differences of neighbours are clamped to this in a context
 constexpr int kSteps = 2 * kReach + 1;
 constexpr int kContexts = kSteps * kSteps * kSteps * kSteps;
-constexpr int kMiddle = 7;               // the symbol of no difference
-constexpr unsigned kMostBits = 11;       // of a larger difference, after the first
-constexpr std::size_t kMostSymbols = 3;  // for a pixel: escape, bits, those bits
+constexpr int kMiddle = 7;               // the symbol of difference 0
+constexpr unsigned kMostBits = 11;       // of an escaped difference, below its leading bit
+constexpr std::size_t kMostSymbols = 3;  // for a pixel: escape, number of bits, bits
 
-// A lane's own: two lanes that shared them would wait for each other.
+// Each stream has models of its own. With shared ones, the streams would wait for each other.
 struct Models {
   std::array<AdaptiveCdf, kContexts> difference;
-  AdaptiveCdf bits_beyond;
+  AdaptiveCdf escaped_bits;
 };
 
 int step(int difference) {
   return std::clamp(difference, -kReach, kReach) + kReach;
 }
 
-// A lane's way through its rows.
-struct Lane {
-  Lane(int y_, int end_, std::ptrdiff_t width)
+// A stream's position in its rows.
+struct Stream {
+  Stream(int y_, int end_, std::ptrdiff_t width)
       : y(y_),
         end(end_),
         columns(static_cast<std::size_t>(width) + 1),
         contexts(static_cast<std::size_t>(width)) {}
 
-  int y, end;                           // rows still to come
-  std::uint16_t* row = nullptr;         // the row's samples
-  const std::uint16_t* next = nullptr;  // columns of the pixels in it that are still to come
+  int y, end;                           // rows still to code
+  std::uint16_t* row = nullptr;         // samples of the current row
+  const std::uint16_t* next = nullptr;  // columns of its pixels still to code, up to row_end
   const std::uint16_t* row_end = nullptr;
   std::vector<std::uint16_t> columns;   // of the row's pixels that are no holes
-  std::vector<std::uint16_t> contexts;  // of all its pixels, as far as the row above says
+  std::vector<std::uint16_t> contexts;  // of all its pixels, without the part that depends on the row itself
 };
 
-// One walk for both directions, from the left to the right through rows from the top: the first lane takes the upper half of
-// the pixels, the second the rest, in turns. Samples stand in an array with two rows of margin before and after; a neighbour beyond
-// the image's left or right is one in the next row, which does no harm.
+// The raster scan over all samples, shared by encoder and decoder. The first stream codes the upper half of the pixels,
+// the second the lower half, in turns. The array of samples has a margin of two rows before and after. The neighbour of
+// a pixel at the image's left or right border is a pixel of the next row, which both sides see alike.
 template <class Coder>
-class Walk {
+class Scan {
  public:
-  Walk(Coder coder, std::array<Models, kLanes>& models, std::uint16_t* samples, const StateImage& states)
+  Scan(Coder coder, std::array<Models, kStreams>& models, std::uint16_t* samples, const StateImage& states)
       : coder_(coder), models_(models), samples_(samples), states_(states), width_(states.width()) {}
 
-  void run(const std::array<int, kLanes + 1>& split) {
-    std::vector<Lane> lanes;
-    for (std::size_t i = 0; i < kLanes; ++i) lanes.emplace_back(split[i], split[i + 1], width_);
+  void run(const std::array<int, kStreams + 1>& split) {
+    std::vector<Stream> streams;
+    for (std::size_t i = 0; i < kStreams; ++i) streams.emplace_back(split[i], split[i + 1], width_);
     while (true) {
       std::ptrdiff_t count = width_;
-      for (Lane& lane : lanes) count = std::min(count, to_do(lane));
+      for (Stream& stream : streams) count = std::min(count, remaining(stream));
       if (count == 0) break;
-      together(lanes.data(), count, std::make_integer_sequence<unsigned, kLanes>());
+      interleave(streams.data(), count, std::make_integer_sequence<unsigned, kStreams>());
     }
-    for (unsigned i = 0; i < kLanes; ++i) {
-      while (to_do(lanes[i]) > 0) {
-        const unsigned column = *lanes[i].next++;
-        sample(coder_, i, lanes[i].row + column, lanes[i].contexts[column]);
+    for (unsigned i = 0; i < kStreams; ++i) {
+      while (remaining(streams[i]) > 0) {
+        const unsigned column = *streams[i].next++;
+        sample(coder_, i, streams[i].row + column, streams[i].contexts[column]);
       }
     }
   }
 
-  // As the walk left it.
   Coder& coder() { return coder_; }
 
  private:
-  // Pixels left in a lane's row, or the next; 0 at its end.
-  std::ptrdiff_t to_do(Lane& lane) {
-    while (lane.next == lane.row_end && lane.y < lane.end) look_ahead(lane);
-    return lane.row_end - lane.next;
+  // Number of pixels left in a stream's row. Begins the next row if there are none; 0 at the stream's end.
+  std::ptrdiff_t remaining(Stream& stream) {
+    while (stream.next == stream.row_end && stream.y < stream.end) begin_row(stream);
+    return stream.row_end - stream.next;
   }
 
-  void look_ahead(Lane& lane) {
+  // Lists the row's pixels and finds their contexts.
+  void begin_row(Stream& stream) {
     const int width = static_cast<int>(width_);
-    lane.row = samples_ + static_cast<std::ptrdiff_t>(lane.y) * width_;
-    const std::uint16_t* const row = lane.row;
+    stream.row = samples_ + static_cast<std::ptrdiff_t>(stream.y) * width_;
+    const std::uint16_t* const row = stream.row;
     const std::uint16_t* const above = row - width_;
-    const DepthState* const state = states_.row(lane.y).data();
-    std::uint16_t* const contexts = lane.contexts.data();
+    const DepthState* const state = states_.row(stream.y).data();
+    std::uint16_t* const contexts = stream.contexts.data();
     for (int x = 0; x < width; ++x) {
       const int context = (step(above[x + 1] - above[x]) * kSteps + step(above[x - 1] - above[x])) * kSteps +
                           step(row[x] - above[x]);
       contexts[x] = static_cast<std::uint16_t>(kSteps * context);
     }
-    std::uint16_t* const columns = lane.columns.data();
+    std::uint16_t* const columns = stream.columns.data();
     std::size_t count = 0;
     for (int x = 0; x < width; ++x) {
       columns[count] = static_cast<std::uint16_t>(x);
       count += state[x] != DepthState::kHole;
     }
-    lane.next = columns;
-    lane.row_end = lane.next + count;
-    ++lane.y;
+    stream.next = columns;
+    stream.row_end = stream.next + count;
+    ++stream.y;
   }
 
-  template <unsigned... kLane>
-  void together(Lane* lanes, std::ptrdiff_t count, std::integer_sequence<unsigned, kLane...>) {
+  // Codes `count` pixels of each stream, in turns.
+  template <unsigned... kStream>
+  void interleave(Stream* streams, std::ptrdiff_t count, std::integer_sequence<unsigned, kStream...>) {
     Coder coder = coder_;
-    const std::uint16_t* const next[] = {lanes[kLane].next...};
+    const std::uint16_t* const next[] = {streams[kStream].next...};
     for (std::ptrdiff_t i = 0; i < count; ++i) {
-      (sample(coder, kLane, lanes[kLane].row + next[kLane][i], lanes[kLane].contexts[next[kLane][i]]), ...);
+      (sample(coder, kStream, streams[kStream].row + next[kStream][i],
+              streams[kStream].contexts[next[kStream][i]]),
+       ...);
     }
-    ((lanes[kLane].next += count), ...);
+    ((streams[kStream].next += count), ...);
     coder_ = coder;
   }
 
-  [[gnu::always_inline]] void sample(Coder& coder, unsigned lane, std::uint16_t* here, int context) {
-    Models& models = models_[lane];
+  [[gnu::always_inline]] void sample(Coder& coder, unsigned stream, std::uint16_t* here, int context) {
+    Models& models = models_[stream];
     const int left = here[-1];
     AdaptiveCdf& model = models.difference[context + step(*(here - width_) - left)];
     int difference = 0;
     if constexpr (!Coder::kReads) difference = *(coder.picture + (here - samples_)) - left;
     unsigned symbol = std::min(static_cast<unsigned>(difference + kMiddle), kEscape);
-    symbol = coder.code(lane, model, symbol);
+    symbol = coder.code(stream, model, symbol);
     model.learn(symbol);
     if constexpr (Coder::kReads) difference = static_cast<int>(symbol) - kMiddle;
     if (symbol == kEscape) [[unlikely]]
-      difference = beyond(coder, lane, models.bits_beyond, difference);
+      difference = escaped(coder, stream, models.escaped_bits, difference);
     *here = static_cast<std::uint16_t>(left + difference);
   }
 
-  // A difference of more than kMiddle: how many bits has what it is more by than that, and its sign; then those bits but the first.
-  int beyond(Coder& coder, unsigned lane, AdaptiveCdf& model, int difference) {
+  // Escape code of a difference beyond the symbols. The number 2 (|difference| - kMiddle) + sign is coded as its bit length
+  // and the bits below its leading one.
+  int escaped(Coder& coder, unsigned stream, AdaptiveCdf& model, int difference) {
     unsigned number = 0;
     if constexpr (!Coder::kReads)
       number = difference < 0 ? static_cast<unsigned>(-difference - kMiddle) * 2 + 1
                               : static_cast<unsigned>(difference - kMiddle) * 2;
     const unsigned bits =
-        std::min(coder.code(lane, model, static_cast<unsigned>(std::bit_width(number) - 1)), kMostBits);
+        std::min(coder.code(stream, model, static_cast<unsigned>(std::bit_width(number) - 1)), kMostBits);
     model.learn(bits);
-    number = (1u << bits) + coder.code_bits(lane, number - (1u << bits), static_cast<int>(bits));
+    number = (1u << bits) + coder.code_bits(stream, number - (1u << bits), static_cast<int>(bits));
     const int size = static_cast<int>(number >> 1) + kMiddle;
     return number % 2 != 0 ? -size : size;
   }
 
   Coder coder_;
-  std::array<Models, kLanes>& models_;
+  std::array<Models, kStreams>& models_;
   std::uint16_t* const samples_;
   const StateImage& states_;
   const std::ptrdiff_t width_;
@@ -157,12 +161,12 @@ struct Writer {
   static constexpr bool kReads = false;
   AnsWriter ans;
   const std::uint16_t* picture;
-  unsigned code(unsigned lane, const AdaptiveCdf& model, unsigned symbol) {
-    ans.put(lane, model.slot(symbol));
+  unsigned code(unsigned stream, const AdaptiveCdf& model, unsigned symbol) {
+    ans.put(stream, model.slot(symbol));
     return symbol;
   }
-  unsigned code_bits(unsigned lane, unsigned value, int bits) {
-    ans.put_bits(lane, value, bits);
+  unsigned code_bits(unsigned stream, unsigned value, int bits) {
+    ans.put_bits(stream, value, bits);
     return value;
   }
 };
@@ -170,8 +174,8 @@ struct Writer {
 struct Reader {
   static constexpr bool kReads = true;
   AnsReader ans;
-  unsigned code(unsigned lane, const AdaptiveCdf& model, unsigned) { return ans.get(lane, model); }
-  unsigned code_bits(unsigned lane, unsigned, int bits) { return ans.get_bits(lane, bits); }
+  unsigned code(unsigned stream, const AdaptiveCdf& model, unsigned) { return ans.get(stream, model); }
+  unsigned code_bits(unsigned stream, unsigned, int bits) { return ans.get_bits(stream, bits); }
 };
 
 }  // namespace
@@ -182,7 +186,7 @@ struct ResidualMemory {
         width(width_),
         height(height_),
         stored(static_cast<std::size_t>(width) * (height + 4)),
-        models(std::make_unique<std::array<Models, kLanes>>()) {}
+        models(std::make_unique<std::array<Models, kStreams>>()) {}
 
   std::uint16_t* samples() { return stored.data() + 2 * width; }
 
@@ -192,8 +196,8 @@ struct ResidualMemory {
     models->fill({});
   }
 
-  // The rows at which lanes begin, and the last one's end: about as many pixels for each.
-  std::array<int, kLanes + 1> split(const StateImage& states) const {
+  // The rows at which the streams begin, and the end of the last one. Each stream has about as many pixels.
+  std::array<int, kStreams + 1> split(const StateImage& states) const {
     std::vector<std::ptrdiff_t> above(static_cast<std::size_t>(height) + 1);
     for (int y = 0; y < height; ++y) {
       const auto* row = reinterpret_cast<const std::uint8_t*>(states.row(y).data());
@@ -201,21 +205,21 @@ struct ResidualMemory {
       for (int x = 0; x < width; ++x) count += row[x] != 0;
       above[y + 1] = above[y] + count;
     }
-    std::array<int, kLanes + 1> rows{};
-    for (int lane = 1; lane <= kLanes; ++lane) {
-      rows[lane] = rows[lane - 1];
-      while (rows[lane] < height && above[rows[lane]] < above[height] * lane / kLanes) ++rows[lane];
+    std::array<int, kStreams + 1> rows{};
+    for (int i = 1; i <= kStreams; ++i) {
+      rows[i] = rows[i - 1];
+      while (rows[i] < height && above[rows[i]] < above[height] * i / kStreams) ++rows[i];
     }
-    rows[kLanes] = height;
+    rows[kStreams] = height;
     return rows;
   }
 
   PixelFormat format;
   int width, height;
   std::vector<std::uint16_t> stored;
-  std::unique_ptr<std::array<Models, kLanes>> models;
-  std::vector<std::uint16_t> widened;     // of the encoder: an 8-bit picture
-  std::unique_ptr<std::uint32_t[]> room;  // of the encoder
+  std::unique_ptr<std::array<Models, kStreams>> models;
+  std::vector<std::uint16_t> widened;        // of the encoder: an 8-bit picture
+  std::unique_ptr<std::uint32_t[]> symbols;  // of the encoder
 };
 
 ResidualEncoder::ResidualEncoder(PixelFormat format, int width, int height)
@@ -230,8 +234,8 @@ void ResidualEncoder::encode(const Picture& picture, const StateImage& states, b
   assert(picture.format() == memory.format && picture.width() == memory.width &&
          picture.height() == memory.height);
   memory.next(complete);
-  if (!memory.room)
-    memory.room = std::make_unique_for_overwrite<std::uint32_t[]>(kMostSymbols * states.pixels().size());
+  if (!memory.symbols)
+    memory.symbols = std::make_unique_for_overwrite<std::uint32_t[]>(kMostSymbols * states.pixels().size());
   const std::uint16_t* source = nullptr;
   if (memory.format == PixelFormat::kGray10) {
     source = picture.plane10().data();
@@ -239,9 +243,9 @@ void ResidualEncoder::encode(const Picture& picture, const StateImage& states, b
     memory.widened.assign(picture.plane8(0).begin(), picture.plane8(0).end());
     source = memory.widened.data();
   }
-  Walk walk(Writer{AnsWriter(memory.room.get()), source}, *memory.models, memory.samples(), states);
-  walk.run(memory.split(states));
-  walk.coder().ans.finish(out);
+  Scan scan(Writer{AnsWriter(memory.symbols.get()), source}, *memory.models, memory.samples(), states);
+  scan.run(memory.split(states));
+  scan.coder().ans.finish(out);
 }
 
 ResidualDecoder::ResidualDecoder(PixelFormat format, int width, int height)
@@ -254,8 +258,8 @@ void ResidualDecoder::decode(std::span<const std::uint8_t> bytes, const StateIma
                              Picture& picture) {
   ResidualMemory& memory = *memory_;
   memory.next(complete);
-  Walk walk(Reader{AnsReader(bytes)}, *memory.models, memory.samples(), states);
-  walk.run(memory.split(states));
+  Scan scan(Reader{AnsReader(bytes)}, *memory.models, memory.samples(), states);
+  scan.run(memory.split(states));
   if (picture.format() != memory.format || picture.width() != memory.width ||
       picture.height() != memory.height) {
     picture = Picture(memory.format, memory.width, memory.height);

@@ -1,14 +1,15 @@
 #pragma once
 
-// The samples of a monochrome picture where there is depth, without loss: for depth that must come back exactly, where H.264
-// spends a third more bits and several times the time.
+// Lossless coder for the monochrome pictures of a depth codec. Lossless H.264 takes a third more bits and several times
+// the time.
 //
-// Every sample is coded as its difference to the one on its left, with a distribution learnt for how the samples above, to
-// the upper left, the upper right and of the frame before differ from their neighbours. Holes cost nothing: both sides know
-// the states. docs/internals/codecs.md has the bytes.
+// Every sample is coded as its difference to the sample on its left. Its adaptive distribution is selected by a context:
+// how the samples above, to the upper left, to the upper right and in the frame before differ from their neighbours.
+// Holes are left out, since both sides know the states. docs/internals/codecs.md describes the format.
 //
-// Both sides keep samples and distributions from frame to frame, up to the next complete picture. The bytes carry no check of
-// their own (side_data_seal.h has it): any bytes decode to some samples, in bounded time.
+// Encoder and decoder keep samples and distributions from frame to frame, until the next complete picture. The decoder
+// cannot detect damage: it decodes any bytes to some samples, in bounded time. The checksum of the side data
+// (common/bitstream) protects the bytes.
 //
 // Thread: distinct objects are independent.
 
@@ -22,18 +23,18 @@
 
 namespace copresence::depth {
 
-struct ResidualMemory;  // what was learnt so far, the same on both sides
+struct ResidualMemory;  // what is kept from frame to frame, the same on both sides
 
 class ResidualEncoder {
  public:
-  /// Requires kGray8 or kGray10 and sizes as of a DepthFormat.
+  /// Requires kGray8 or kGray10, and sizes that a DepthFormat may have.
   ResidualEncoder(PixelFormat format, int width, int height);
   ~ResidualEncoder();
   ResidualEncoder(ResidualEncoder&&) noexcept;
   ResidualEncoder& operator=(ResidualEncoder&&) noexcept;
 
-  /// Appends the samples of `picture` where `states` is not kHole to `out`. `complete`: without use of earlier frames; the
-  /// first must be. Requires the format and shape given to the constructor.
+  /// Appends the coded samples of `picture` to `out`, without those in holes. A complete picture uses nothing of earlier
+  /// frames; the first must be complete. Requires the format and shape given to the constructor.
   void encode(const Picture& picture, const StateImage& states, bool complete,
               std::vector<std::uint8_t>& out);
 
@@ -48,7 +49,7 @@ class ResidualDecoder {
   ResidualDecoder(ResidualDecoder&&) noexcept;
   ResidualDecoder& operator=(ResidualDecoder&&) noexcept;
 
-  /// `picture` gets the format and shape given to the constructor; its samples where `states` is kHole mean nothing.
+  /// `picture` gets the format and shape given to the constructor. Its samples in holes are arbitrary.
   void decode(std::span<const std::uint8_t> bytes, const StateImage& states, bool complete, Picture& picture);
 
  private:

@@ -1,10 +1,5 @@
 #include "common/depth/mask/mask_planes.h"
 
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
-
-#include <algorithm>
 #include <cstring>
 
 namespace copresence::depth {
@@ -13,7 +8,8 @@ namespace {
 static_assert(static_cast<int>(DepthState::kHole) == 0 && static_cast<int>(DepthState::kMeasured) == 1 &&
               static_cast<int>(DepthState::kFilled) == 2);
 
-// Up to 64 states (bytes of 0, 1 or 2) to as many bits of each plane, and back.
+// Up to 64 states (bytes of 0, 1 or 2) and the same states as bits of each plane. Eight states are converted at a time by
+// a multiplication.
 struct Bits {
   std::uint64_t measured, filled;
 };
@@ -22,44 +18,37 @@ constexpr std::uint64_t kLowBits = 0x0101010101010101u;
 
 Bits gather_states(const std::uint8_t* states, int count) {
   Bits bits{0, 0};
-  int i = 0;
-#ifdef __AVX2__
-  for (; i + 32 <= count; i += 32) {
-    const __m256i bytes = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(states + i));
-    const auto top_bits = [](__m256i v) {
-      return std::uint64_t{static_cast<std::uint32_t>(_mm256_movemask_epi8(v))};
-    };
-    bits.measured |= top_bits(_mm256_slli_epi16(bytes, 7)) << i;
-    bits.filled |= top_bits(_mm256_slli_epi16(bytes, 6)) << i;
-  }
-#endif
-  for (; i < count; i += 8) {
+  for (int i = 0; i < count; i += 8) {
     std::uint64_t eight = 0;
     std::memcpy(&eight, states + i, static_cast<std::size_t>(std::min(8, count - i)));
-    // A multiplication gathers the lowest bits of eight bytes.
     bits.measured |= ((eight & kLowBits) * 0x0102040810204080u >> 56) << i;
     bits.filled |= ((eight >> 1 & kLowBits) * 0x0102040810204080u >> 56) << i;
   }
   return bits;
 }
 
+// Byte i of the result is bit i of `eight`.
+std::uint64_t spread(std::uint64_t eight) {
+  const std::uint64_t bit_of_byte = (eight & 255) * kLowBits & 0x8040201008040201u;
+  return (bit_of_byte + 0x00406070787c7e7fu) >> 7 & kLowBits;
+}
+
 void spread_states(Bits bits, std::uint8_t* states, int count) {
-  int i = 0;
-#ifdef __AVX2__
-  const __m256i byte_of_bit = _mm256_setr_epi64x(0, kLowBits, 2 * kLowBits, 3 * kLowBits);
-  const __m256i bit = _mm256_set1_epi64x(static_cast<std::int64_t>(0x8040201008040201u));
-  const auto spread = [&](std::uint64_t plane) {  // a byte of all ones for every bit that is set
-    const __m256i all = _mm256_set1_epi32(static_cast<std::int32_t>(plane));
-    return _mm256_cmpeq_epi8(_mm256_and_si256(_mm256_shuffle_epi8(all, byte_of_bit), bit), bit);
-  };
-  for (; i + 32 <= count; i += 32) {
-    const __m256i measured = _mm256_and_si256(spread(bits.measured >> i), _mm256_set1_epi8(1));
-    const __m256i filled = _mm256_and_si256(spread(bits.filled >> i), _mm256_set1_epi8(2));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(states + i), _mm256_or_si256(measured, filled));
+  for (int i = 0; i < count; i += 8) {
+    const std::uint64_t eight = spread(bits.measured >> i) | spread(bits.filled >> i) << 1;
+    std::memcpy(states + i, &eight, static_cast<std::size_t>(std::min(8, count - i)));
   }
-#endif
-  for (; i < count; ++i)
-    states[i] = static_cast<std::uint8_t>((bits.measured >> i & 1) | (bits.filled >> i & 1) << 1);
+}
+
+// Bits that are set in all (any) of the five pixels around them. `w[-1]` and `w[1]` are the words beside.
+std::uint64_t all_of_five(const std::uint64_t* w) {
+  return *w & (*w << 1 | w[-1] >> 63) & (*w << 2 | w[-1] >> 62) & (*w >> 1 | w[1] << 63) &
+         (*w >> 2 | w[1] << 62);
+}
+
+std::uint64_t any_of_five(const std::uint64_t* a, const std::uint64_t* b) {
+  const std::uint64_t before = a[-1] | b[-1], w = *a | *b, after = a[1] | b[1];
+  return w | w << 1 | before >> 63 | w << 2 | before >> 62 | w >> 1 | after << 63 | w >> 2 | after << 62;
 }
 
 }  // namespace
@@ -85,6 +74,39 @@ void unpack(const MaskPlanes& planes, StateImage& states) {
       spread_states({planes.measured.row(y)[x >> 6], planes.filled.row(y)[x >> 6]}, to + x,
                     std::min(64, states.width() - x));
     }
+  }
+}
+
+MaskContext::MaskContext(int width)
+    : count_(static_cast<std::size_t>((width + 63) / 64 + 2)),
+      rows_(4 * count_),
+      uniform_(3, RowBits(width)),
+      any_uniform_(width) {}
+
+void MaskContext::find(const MaskPlanes& now, const MaskPlanes& earlier, int y) {
+  std::uint64_t *const m_all = rows_.data(), *const m_any = m_all + count_, *const f_all = m_any + count_,
+                       *const f_any = f_all + count_;
+  gather(now.measured, earlier.measured, y, m_all, m_any);
+  gather(now.filled, earlier.filled, y, f_all, f_any);
+  std::uint64_t *const hole = uniform_[0].words(), *const measured = uniform_[1].words(),
+                       *const filled = uniform_[2].words(), *const any = any_uniform_.words();
+  for (std::size_t i = 1; i + 1 < count_; ++i) {
+    measured[i - 1] = all_of_five(m_all + i);
+    filled[i - 1] = all_of_five(f_all + i);
+    hole[i - 1] = ~any_of_five(m_any + i, f_any + i);
+    any[i - 1] = measured[i - 1] | filled[i - 1] | hole[i - 1];
+  }
+}
+
+void MaskContext::gather(const BitPlane& now, const BitPlane& earlier, int y, std::uint64_t* all,
+                         std::uint64_t* any) const {
+  const std::uint64_t* const above = now.row(y - 1) - 1;
+  const std::uint64_t* const before_above = earlier.row(y - 1) - 1;
+  const std::uint64_t* const before = earlier.row(y) - 1;
+  const std::uint64_t* const before_below = earlier.row(y + 1) - 1;
+  for (std::size_t i = 0; i < count_; ++i) {
+    all[i] = above[i] & before_above[i] & before[i] & before_below[i];
+    any[i] = above[i] | before_above[i] | before[i] | before_below[i];
   }
 }
 

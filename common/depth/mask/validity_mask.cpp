@@ -6,22 +6,20 @@
 #include <cassert>
 
 #include "common/depth/entropy/range_coder.h"
-#include "common/depth/mask/bit_plane.h"
-#include "common/depth/mask/mask_context.h"
 #include "common/depth/mask/mask_planes.h"
 
 namespace copresence::depth {
 namespace {
 
-// A run of pixels that is not all as expected is halved until it is shorter than twice this.
+// A run that does not have the expected state everywhere is halved until it is shorter than twice this.
 constexpr int kLeastRun = 8;
-constexpr int kStretch = 48;               // pixels that are looked at with one set of windows
-constexpr std::size_t kMostDecisions = 4;  // a pixel: measured, filled, and less than two for runs
+constexpr int kStretch = 48;               // pixels that are coded with one set of windows
+constexpr std::size_t kMostDecisions = 4;  // for a pixel: measured, filled, and less than two for runs
 
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;
   std::array<BinaryContext, 1 << 12> filled;
-  // By the expected state, by whether not all of the run can be so, and by the bits of its length.
+  // By the expected state, by whether the run is known to hold another state, and by the bits of its length.
   std::array<std::array<std::array<BinaryContext, 14>, 2>, 3> as_expected;
   BinaryContext any_filled;
 };
@@ -36,17 +34,18 @@ struct Windows {
   }
 };
 
-// One walk for both directions. Coder::decide(model, bit) writes the bit, or reads and returns it.
+// The scan over all pixels, shared by encoder and decoder. Coder::decide(model, bit) writes the bit, or reads and returns
+// it.
 template <class Coder>
-class Walk {
+class Scan {
  public:
-  Walk(Models& models, Coder& coder, const MaskPlanes& earlier, MaskPlanes& now, int width, int height)
+  Scan(Models& models, Coder& coder, const MaskPlanes& earlier, MaskPlanes& now, int width, int height)
       : models_(models), coder_(coder), earlier_(earlier), now_(now), width_(width), height_(height) {}
 
   void run(bool any_filled) {
     any_filled_ = coder_.decide(models_.any_filled, any_filled);
     for (int y = 0; y < height_; ++y) {
-      surroundings_.look(now_, earlier_, y);
+      context_.find(now_, earlier_, y);
       row(y);
     }
   }
@@ -58,16 +57,17 @@ class Walk {
     left_measured_ = left_filled_ = 0;
     std::uint64_t* const measured = now_.measured.row(y);
     std::uint64_t* const filled = now_.filled.row(y);
-    int odd_until = 0;  // up to there not all pixels are as expected
+    int mixed_until = 0;  // before this column, not all pixels have the expected state
     for (int x = 0; x < width_;) {
       const int state = state_to_the_left();
-      const bool odd = x < odd_until;
-      int count = odd         ? odd_until - x
+      const bool mixed = x < mixed_until;
+      int count = mixed       ? mixed_until - x
                   : state < 0 ? 0
-                              : surroundings_.alike(state).run_of(true, x, width_ - x);
-      if (count > 0 && !(odd && count < 2 * kLeastRun)) {
-        if (odd) count /= 2;
-        BinaryContext& model = models_.as_expected[state][odd][std::bit_width(static_cast<unsigned>(count))];
+                              : context_.uniform(state).run_of(true, x, width_ - x);
+      if (count > 0 && !(mixed && count < 2 * kLeastRun)) {
+        if (mixed) count /= 2;
+        BinaryContext& model =
+            models_.as_expected[state][mixed][std::bit_width(static_cast<unsigned>(count))];
         if (coder.decide(model, !Coder::kReads && all_are(state, measured, filled, x, count))) {
           if constexpr (Coder::kReads) {
             if (state == 1) set(measured, x, count);
@@ -77,12 +77,12 @@ class Walk {
           left_filled_ = state == 2 ? ~std::uint64_t{0} : 0;
           x += count;
         } else {
-          odd_until = x + count;
+          mixed_until = x + count;
         }
         continue;
       }
       if (count == 0)
-        count = std::max(surroundings_.any().run_of(false, x, std::min(kStretch, width_ - x)),
+        count = std::max(context_.uniform().run_of(false, x, std::min(kStretch, width_ - x)),
                          std::min(2, width_ - x));
       if (any_filled_) {
         pixels<true>(coder, x, y, count, measured, filled);
@@ -94,7 +94,7 @@ class Walk {
     coder_ = coder;
   }
 
-  // The state of the two pixels to the left; -1 where they differ.
+  // The state of the two pixels to the left; -1 if they differ.
   int state_to_the_left() const {
     const std::uint64_t m = left_measured_ & 3, f = left_filled_ & 3;
     return m == 3 ? 1 : m != 0 ? -1 : f == 3 ? 2 : f != 0 ? -1 : 0;
@@ -124,7 +124,7 @@ class Walk {
     }
   }
 
-  // Decides pixels one by one.
+  // Codes pixels one by one.
   template <bool kFilled>
   void pixels(Coder& coder, int x, int y, int count, std::uint64_t* measured, std::uint64_t* filled) {
     Windows m = Windows::at(now_.measured, earlier_.measured, x, y);
@@ -137,7 +137,7 @@ class Walk {
     }
     std::uint64_t got_measured = 0, got_filled = 0;
     std::uint64_t left_measured = left_measured_, left_filled = left_filled_;
-    const auto known_context = [&] {  // all of it but the pixels to the left
+    const auto known_context = [&] {  // the context without the pixels to the left
       return (m.above & 31) << 3 | (m.above2 >> 1 & 7) << 8 | (m.before >> 1 & 7) << 11 |
              (m.before_below >> 1 & 7) << 14;
     };
@@ -147,8 +147,8 @@ class Walk {
       const std::uint64_t m_above = m.above, m_before = m.before;
       m.above >>= 1, m.above2 >>= 1, m.before >>= 1, m.before_below >>= 1;
       next_context = known_context();
-      __builtin_prefetch(
-          &models_.measured[next_context]);  // the eight it may be lie in one line of the cache
+      // The eight models that the pixels to the left select from are in one line of the cache.
+      __builtin_prefetch(&models_.measured[next_context]);
       const bool is_measured = coder.decide(models_.measured[context], known_measured >> i & 1);
       bool is_filled = false;
       if (kFilled && !is_measured) {
@@ -181,25 +181,25 @@ class Walk {
   const MaskPlanes& earlier_;
   MaskPlanes& now_;
   const int width_, height_;
-  MaskContext surroundings_{width_};
+  MaskContext context_{width_};
   std::uint64_t left_measured_ = 0, left_filled_ = 0;  // the pixels to the left, nearest in bit 0
   bool any_filled_ = false;
 };
 
 struct Writer {
   static constexpr bool kReads = false;
-  std::vector<std::uint8_t>* room;
-  RangeEncoder range{room->data()};
+  std::vector<std::uint8_t>* buffer;
+  RangeEncoder range{buffer->data()};
   bool decide(BinaryContext& model, bool bit) {
     range.encode(model, bit);
     return bit;
   }
   void expect(std::size_t decisions) {
-    const auto used = static_cast<std::size_t>(range.next() - room->data());
+    const auto used = static_cast<std::size_t>(range.next() - buffer->data());
     const std::size_t needed = used + decisions * RangeEncoder::kMostBytes + RangeEncoder::kEndBytes;
-    if (needed <= room->size()) return;
-    room->resize(2 * needed);
-    range.move_to(room->data() + used);
+    if (needed <= buffer->size()) return;
+    buffer->resize(2 * needed);
+    range.move_to(buffer->data() + used);
   }
 };
 
@@ -215,7 +215,7 @@ struct Reader {
 struct ValidityMaskMemory {
   ValidityMaskMemory(int w, int h) : width(w), height(h), now{{w, h}, {w, h}}, earlier(now) {}
 
-  // Makes room for a new frame; a complete mask starts from nothing.
+  // Begins a new frame. A complete mask uses nothing of earlier frames.
   void next(bool complete) {
     std::swap(now, earlier);
     if (!complete) return;
@@ -229,7 +229,7 @@ struct ValidityMaskMemory {
   int width, height;
   MaskPlanes now, earlier;
   Models models;
-  std::vector<std::uint8_t> room;  // of the encoder
+  std::vector<std::uint8_t> buffer;  // of the encoder
 };
 
 ValidityMaskEncoder::ValidityMaskEncoder(int width, int height)
@@ -243,11 +243,11 @@ void ValidityMaskEncoder::encode(const StateImage& states, bool complete, std::v
   assert(states.width() == memory.width && states.height() == memory.height);
   memory.next(complete);
   const bool any_filled = pack(states, memory.now);
-  Writer writer{&memory.room};
+  Writer writer{&memory.buffer};
   writer.expect(1);
-  Walk(memory.models, writer, memory.earlier, memory.now, memory.width, memory.height).run(any_filled);
+  Scan(memory.models, writer, memory.earlier, memory.now, memory.width, memory.height).run(any_filled);
   const std::uint8_t* end = writer.range.finish();
-  const std::uint8_t* const begin = memory.room.data();
+  const std::uint8_t* const begin = memory.buffer.data();
   while (end != begin && end[-1] == 0) --end;
   out.insert(out.end(), begin, end);
 }
@@ -263,7 +263,7 @@ void ValidityMaskDecoder::decode(std::span<const std::uint8_t> bytes, bool compl
   memory.next(complete);
   memory.now.clear();
   Reader reader{RangeDecoder(bytes)};
-  Walk(memory.models, reader, memory.earlier, memory.now, memory.width, memory.height).run(false);
+  Scan(memory.models, reader, memory.earlier, memory.now, memory.width, memory.height).run(false);
   states.resize(memory.width, memory.height);
   unpack(memory.now, states);
 }

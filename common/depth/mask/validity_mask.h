@@ -1,16 +1,16 @@
 #pragma once
 
-// The state mask: which pixels are measured, filled or holes, lossless, in about a tenth of a bit for a pixel
-// at an edge and next to nothing elsewhere.
+// Lossless coder of the validity mask: which pixels are measured, filled or holes. It takes about a tenth of a bit for
+// a pixel at an edge, and next to nothing elsewhere.
 //
-// A pixel's state is written as one or two decisions (measured? if not, filled?), each range-coded with the
-// probability learnt for its neighbourhood: pixels above and to the left in this frame, all around it in the
-// frame before. A run of pixels whose whole neighbourhood is of one state costs one decision: all as
-// expected? docs/internals/codecs.md draws it.
+// A pixel's state is coded as one or two binary decisions: whether it is measured and, if not, whether it is filled.
+// Each decision is range-coded with the probability learnt for the pixel's neighbourhood: pixels above and to the left
+// in this frame, and on all sides in the frame before. If the whole neighbourhood of a run of pixels has one state, a
+// single decision says that the run has it, too. docs/internals/codecs.md describes the format.
 //
-// Both sides learn alike and keep what they learnt from frame to frame, up to the next complete mask. The
-// bytes carry no check of their own (side_data_seal.h has it): any bytes decode to some mask, in bounded
-// time.
+// Encoder and decoder learn the same probabilities and keep them from frame to frame, until the next complete mask. The
+// decoder cannot detect damage: it decodes any bytes to some mask, in bounded time. The checksum of the side data
+// (common/bitstream) protects the bytes.
 //
 // Thread: distinct objects are independent.
 
@@ -23,7 +23,7 @@
 
 namespace copresence::depth {
 
-struct ValidityMaskMemory;  // what was learnt so far, the same on both sides
+struct ValidityMaskMemory;  // what is kept from frame to frame, the same on both sides
 
 class ValidityMaskEncoder {
  public:
@@ -33,7 +33,7 @@ class ValidityMaskEncoder {
   ValidityMaskEncoder(ValidityMaskEncoder&&) noexcept;
   ValidityMaskEncoder& operator=(ValidityMaskEncoder&&) noexcept;
 
-  /// Appends the coded states to `out`. `complete`: without use of earlier frames; the first must be.
+  /// Appends the coded states to `out`. A complete mask uses nothing of earlier frames; the first must be complete.
   /// Requires the shape given to the constructor.
   void encode(const StateImage& states, bool complete, std::vector<std::uint8_t>& out);
 

@@ -19,6 +19,7 @@ find_package(nlohmann_json REQUIRED)                    # nlohmann_json::nlohman
 find_package(tomlplusplus REQUIRED)                     # tomlplusplus::tomlplusplus
 find_package(glfw3 REQUIRED)                            # glfw
 find_package(PNG REQUIRED)                              # PNG::PNG
+find_package(ZLIB REQUIRED)                             # ZLIB::ZLIB
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(OPENNI2 REQUIRED IMPORTED_TARGET libopenni2)
 pkg_check_modules(FREENECT REQUIRED IMPORTED_TARGET libfreenect)

@@ -1,11 +1,12 @@
 #include "common/bitstream/side_data.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 
-#include "common/bitstream/crc32c.h"
 #include "common/frame/bounds.h"
 
 namespace copresence::bitstream {
@@ -13,14 +14,14 @@ namespace {
 
 constexpr std::uint8_t kUserDataUnregistered = 5;
 constexpr std::uint8_t kStopBit = 0x80;
-constexpr std::uint8_t kLayoutVersion = 2;
+constexpr std::uint8_t kLayoutVersion = 3;
 constexpr std::array<std::uint8_t, 16> kUuid = {0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58,
                                                 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d, 0x80, 0x6a};
 constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 51, kPoseBytes = 96, kSizeBytes = 4;
-constexpr std::size_t kFramingBytes =
-    8;  // start code, NAL unit header, payload type, last byte of its size, end
+// Start code, NAL unit header, payload type, last byte of the payload size, stop bit.
+constexpr std::size_t kFramingBytes = 8;
 
-enum Flag : std::uint8_t { kHasColor = 1, kHasPose = 2, kHasSamples = 4 };
+enum Flag : std::uint8_t { kHasColor = 1, kHasPose = 2, kHasResiduals = 4 };
 
 class Writer {
  public:
@@ -35,7 +36,7 @@ class Writer {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Past the end it reads zeros and remembers it.
+/// Reads zeros past the end and remembers that it did.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -84,9 +85,14 @@ Rigid3 read_pose(Reader& reader) {
   return pose;
 }
 
+/// CRC-32 of the bytes that `before` covers, followed by `bytes`; 0 covers no bytes.
+std::uint32_t crc(std::span<const std::uint8_t> bytes, std::uint32_t before) {
+  return static_cast<std::uint32_t>(crc32_z(before, bytes.data(), bytes.size()));
+}
+
 std::uint32_t crc_of_essentials(const std::vector<Nal>& nals, std::uint32_t before) {
   for (const Nal& nal : nals) {
-    if (nal.is_essential()) before = crc32c(nal.bytes, before);
+    if (nal.is_essential()) before = crc(nal.bytes, before);
   }
   return before;
 }
@@ -120,7 +126,7 @@ std::optional<std::vector<std::uint8_t>> unwrap(const Nal& nal) {
 
 std::uint32_t crc_of_all(std::span<const std::uint8_t> payload, const std::vector<Nal>& depth,
                          const std::vector<Nal>& color) {
-  return crc_of_essentials(color, crc_of_essentials(depth, crc32c(payload.subspan(kCheckedFrom))));
+  return crc_of_essentials(color, crc_of_essentials(depth, crc(payload.subspan(kCheckedFrom), 0)));
 }
 
 }  // namespace
@@ -142,11 +148,11 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
 
   Writer writer;
   writer.append(kUuid);
-  writer.number<std::uint32_t>(0);  // the CRC, below
+  writer.number<std::uint32_t>(0);  // replaced by the CRC below
   writer.number(kLayoutVersion);
   writer.number(static_cast<std::uint8_t>((data.has_color ? kHasColor : 0) |
                                           (data.world_from_camera ? kHasPose : 0) |
-                                          (data.residuals.empty() ? 0 : kHasSamples)));
+                                          (data.residuals.empty() ? 0 : kHasResiduals)));
   writer.number(data.qp);
   writer.number(data.sequence);
   writer.number(data.previous);
@@ -160,8 +166,9 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
     writer.append(data.residuals);
   }
   writer.append(data.validity_mask);
-  const std::uint32_t crc = crc_of_all(writer.bytes, *depth_nals, *color_nals);
-  for (std::size_t i = 0; i < 4; ++i) writer.bytes[kCrcAt + i] = static_cast<std::uint8_t>(crc >> (8 * i));
+  const std::uint32_t checksum = crc_of_all(writer.bytes, *depth_nals, *color_nals);
+  for (std::size_t i = 0; i < 4; ++i)
+    writer.bytes[kCrcAt + i] = static_cast<std::uint8_t>(checksum >> (8 * i));
   const std::vector<std::uint8_t> sei = wrap(writer.bytes);
 
   std::vector<std::uint8_t> spliced;
@@ -200,12 +207,12 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   Reader reader(*payload);
   reader.take(kCrcAt);
   if (reader.number<std::uint32_t>() != crc_of_all(*payload, *depth_nals, color_nals)) {
-    return fail(ErrorCode::kCorrupt, "an access unit is damaged: its check sum differs");
+    return fail(ErrorCode::kCorrupt, "an access unit is damaged: its checksum differs");
   }
-  // From here on the bytes are what an encoder wrote, though not necessarily a well-meaning one.
+  // From here on the bytes are as they were sent, perhaps by a malicious server.
   const auto version = reader.number<std::uint8_t>();
   const auto flags = reader.number<std::uint8_t>();
-  if (version != kLayoutVersion || (flags & ~(kHasColor | kHasPose | kHasSamples)) != 0) {
+  if (version != kLayoutVersion || (flags & ~(kHasColor | kHasPose | kHasResiduals)) != 0) {
     return fail(ErrorCode::kCorrupt, "the side data of an access unit has a layout of another version");
   }
   SideData data;
@@ -226,17 +233,18 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   }
   const auto table = reader.take(reader.number<std::uint32_t>());
   data.table.assign(table.begin(), table.end());
-  if (flags & kHasSamples) {
-    const auto samples = reader.take(reader.number<std::uint32_t>());
-    data.residuals.assign(samples.begin(), samples.end());
-    if (samples.empty())
-      return fail(ErrorCode::kCorrupt, "the side data of an access unit lacks its samples");
+  if (flags & kHasResiduals) {
+    const auto residuals = reader.take(reader.number<std::uint32_t>());
+    data.residuals.assign(residuals.begin(), residuals.end());
+    if (residuals.empty())
+      return fail(ErrorCode::kCorrupt, "the side data of an access unit lacks its residuals");
   }
   const auto mask = reader.take(reader.left());
   data.validity_mask.assign(mask.begin(), mask.end());
   if (reader.ended_early()) return fail(ErrorCode::kCorrupt, "the side data of an access unit ends early");
   if (data.has_color == color.empty()) {
-    return fail(ErrorCode::kCorrupt, "a frame's depth and colour pictures have come apart");
+    return fail(ErrorCode::kCorrupt,
+                "a frame's colour picture is missing, or it has one that its depth does not belong to");
   }
   return data;
 }

@@ -8,7 +8,6 @@
 #include "common/depth/codec_catalogue.h"
 #include "common/depth/edge_repair.h"
 #include "common/depth/entropy/residual_coder.h"
-#include "common/depth/levels/chained_checksum.h"
 #include "common/depth/mask/validity_mask.h"
 #include "common/depth/plane_codec.h"
 
@@ -16,13 +15,13 @@ namespace copresence::depth {
 
 namespace {
 
-// The byte before a state mask: how the picture comes.
-constexpr std::uint8_t kThroughVideo = 0, kAsSamples = 1;
+// The byte before a validity mask says how the picture is coded.
+constexpr std::uint8_t kThroughVideo = 0, kAsResiduals = 1;
 
-// From this quantiser of 8 bits on video coding blurs edges more often than a true point lies between two surfaces: it is where
-// H.264's deblocking begins to act.
+// The lowest QP at 8 bits at which edges are repaired. H.264's deblocking begins to act there. At lower QPs, a point that
+// really lies between two surfaces is more frequent than a blurred edge.
 constexpr int kRepairFrom = 12;
-constexpr int kTenBits = 12;  // quantisers as coarse are higher by this at 10 bit
+constexpr int kTenBits = 12;  // at 10 bits, an equally coarse QP is higher by this
 
 bool is_monochrome(PixelFormat format) {
   return format == PixelFormat::kGray8 || format == PixelFormat::kGray10;
@@ -44,16 +43,15 @@ struct Encoder::Parts {
       : planes(std::move(planes_)),
         description(planes->description()),
         format(format_),
-        completion(format.width, format.height, format.units(), format.unit, format.noise),
+        background(format.width, format.height, format.units(), format.unit, format.noise),
         mask(format.width, format.height) {}
 
   std::unique_ptr<PlaneEncoder> planes;
   DepthCodecDescription description;
   DepthFormat format;
-  BackgroundFill completion;
+  BackgroundFill background;
   ValidityMaskEncoder mask;
-  std::optional<ResidualEncoder> residuals;  // where pictures are coded without loss and monochrome
-  ChainedChecksum seal;
+  std::optional<ResidualEncoder> residuals;  // if monochrome pictures are coded without loss
   std::uint8_t coding = kThroughVideo;
   bool lossless = false;
   bool keyframe_due = true;
@@ -84,7 +82,7 @@ void Encoder::set_lossless(bool lossless) {
   if (lossless == parts.lossless) return;
   const bool exact = lossless && is_monochrome(parts.description.format);
   parts.lossless = lossless;
-  parts.coding = exact ? kAsSamples : kThroughVideo;
+  parts.coding = exact ? kAsResiduals : kThroughVideo;
   parts.planes->set_lossless(lossless);
   parts.keyframe_due = true;
   parts.residuals.reset();
@@ -93,19 +91,18 @@ void Encoder::set_lossless(bool lossless) {
 
 Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& states, bool keyframe) {
   Parts& parts = *parts_;
-  parts.completion.take(depth, states);
+  parts.background.take(depth, states);
   PlanarDepth out;
   out.keyframe = keyframe || parts.keyframe_due;
   parts.keyframe_due = true;  // until this frame is done
-  const auto encoded = parts.planes->encode(parts.completion.depth(), parts.completion.states(), out);
+  const auto encoded = parts.planes->encode(parts.background.depth(), parts.background.states(), out);
   if (!encoded) return fail(encoded.error());
   out.validity_mask.push_back(parts.coding);
-  parts.mask.encode(parts.completion.states(), out.keyframe, out.validity_mask);
+  parts.mask.encode(parts.background.states(), out.keyframe, out.validity_mask);
   if (parts.residuals) {
-    parts.residuals->encode(out.picture, parts.completion.states(), out.keyframe, out.residuals);
+    parts.residuals->encode(out.picture, parts.background.states(), out.keyframe, out.residuals);
     out.picture = Picture();
   }
-  parts.seal.close(out.keyframe, out.table, out.residuals, out.validity_mask);
   parts.keyframe_due = false;
   return out;
 }
@@ -120,7 +117,7 @@ struct Decoder::Parts {
         repair(format.unit, format.noise),
         repair_from(picture == PixelFormat::kGray10 ? kRepairFrom + kTenBits : kRepairFrom) {}
 
-  bool is_ours(const Picture& other) const {
+  bool has_format_of(const Picture& other) const {
     return other.format() == picture && other.width() == format.width && other.height() == format.height;
   }
 
@@ -129,10 +126,10 @@ struct Decoder::Parts {
   PixelFormat picture;
   ValidityMaskDecoder mask;
   ResidualDecoder residuals;
-  PlanarDepth exact;  // a frame whose picture came as samples, since the last keyframe
+  PlanarDepth exact;  // the last frame with residuals; its picture is empty after a frame without
   EdgeRepair repair;
-  int repair_from;  // quantiser
-  ChainedChecksum seal;
+  int repair_from;  // QP
+  bool keyframe_needed = true;
 };
 
 Decoder::Decoder(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -157,25 +154,20 @@ Result<Decoder> Decoder::open(const DepthCodecDescription& description, const De
 
 Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, StateImage& states) {
   Parts& parts = *parts_;
-  const auto damaged = [&](const char* why) {
-    parts.seal.break_chain();
-    return fail(ErrorCode::kCorrupt, why);
-  };
-  const auto mask = parts.seal.open(planes.keyframe, planes.table, planes.residuals, planes.validity_mask);
-  if (!mask)
-    return damaged("state mask, level table or samples are damaged, or a frame is missing before them");
-  const std::uint8_t coding = mask->empty() ? std::uint8_t{255} : mask->front();
-  const bool exact = coding == kAsSamples;
-  if (coding > kAsSamples || exact == planes.residuals.empty() || (exact && !is_monochrome(parts.picture))) {
-    return damaged("a state mask does not say how its picture is coded");
-  }
-  if (!exact && !parts.is_ours(planes.picture)) {
-    return damaged("a depth picture does not have the format of its stream");
-  }
-  parts.mask.decode(mask->subspan(1), planes.keyframe, states);
+  if (parts.keyframe_needed && !planes.keyframe)
+    return fail(ErrorCode::kCorrupt, "depth builds on a frame that did not decode: a keyframe is needed");
+  parts.keyframe_needed = true;  // until this frame is done
+  const std::span<const std::uint8_t> mask = planes.validity_mask;
+  const std::uint8_t coding = mask.empty() ? std::uint8_t{255} : mask.front();
+  const bool exact = coding == kAsResiduals;
+  if (coding > kAsResiduals || exact == planes.residuals.empty() || (exact && !is_monochrome(parts.picture)))
+    return fail(ErrorCode::kCorrupt, "a validity mask does not say how its picture is coded");
+  if (!exact && !parts.has_format_of(planes.picture))
+    return fail(ErrorCode::kCorrupt, "a depth picture does not have the format of its stream");
+  parts.mask.decode(mask.subspan(1), planes.keyframe, states);
   if (exact) {
     if (!planes.keyframe && parts.exact.picture.empty())
-      return damaged("samples build on frames that had none");
+      return fail(ErrorCode::kCorrupt, "residuals build on frames that had none");
     parts.exact.keyframe = planes.keyframe;
     parts.exact.table = planes.table;
     parts.residuals.decode(planes.residuals, states, planes.keyframe, parts.exact.picture);
@@ -183,15 +175,14 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
     parts.exact.picture = Picture();
   }
   depth.resize(parts.format.width, parts.format.height);
-  if (const auto decoded = parts.planes->decode(exact ? parts.exact : planes, states, depth); !decoded) {
-    parts.seal.break_chain();
+  if (const auto decoded = parts.planes->decode(exact ? parts.exact : planes, states, depth); !decoded)
     return fail(decoded.error());
-  }
   if (planes.qp >= parts.repair_from) parts.repair.repair(depth);
   std::uint16_t* const z = depth.data();
   const DepthState* const state = states.data();
   const std::size_t size = depth.pixels().size();
   for (std::size_t i = 0; i < size; ++i) z[i] = state[i] == DepthState::kHole ? std::uint16_t{0} : z[i];
+  parts.keyframe_needed = false;
   return {};
 }
 

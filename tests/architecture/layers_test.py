@@ -66,6 +66,7 @@ HOMES = {
     r"opencv": set(),  # the two programs start in a sixth of the time without it: docs/decisions/0003-libraries.md
     r"turbojpeg": {"capture_server/recording"},
     r"png\.h": {"render_client/display"},
+    r"zlib\.h": {"common/bitstream"},
     r"CLI/": {"common/command_line", "capture_server", "render_client"},
     r"spdlog": {"capture_server", "render_client"},
     r"nlohmann": {"capture_server/recording", "render_client/statistics"},
@@ -86,6 +87,7 @@ LIBRARY_HOMES = {
     "yaml-cpp": set(),
     "PkgConfig::TURBOJPEG": {"capture_server/recording"},
     "PNG::PNG": {"render_client/display"},
+    "ZLIB::ZLIB": {"common/bitstream"},
     "spdlog::spdlog": {"capture_server", "render_client"},
     "nlohmann_json::nlohmann_json": {"capture_server/recording", "render_client/statistics"},
 }

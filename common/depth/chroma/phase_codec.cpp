@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "common/depth/chroma/chroma_block.h"
-#include "common/depth/description.h"
 
 namespace copresence::depth {
 namespace {

@@ -3,19 +3,83 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "common/depth/chroma/chroma_block.h"
 #include "common/depth/chroma/spiral_filter.h"
-#include "common/depth/chroma/spiral_points.h"
-#include "common/depth/description.h"
 
 namespace copresence::depth {
 namespace {
 
 constexpr int kCodes = 8192;       // 13 bits
 constexpr int kSameSurface = 128;  // codes that pixels of one surface under one chroma sample may lie apart
+
+// The points on the spiral.
+constexpr int kSpiralPoints = 32;
+constexpr double kFirst = 5.0;     // t of the first point; closer to the centre the turns would be too close
+constexpr double kRadius = 127.0;  // of the last point
+
+struct ChromaPoint {
+  std::uint8_t u, v;
+};
+
+// Eq. 3.12 with b = 1.
+double arc_length(double t) {
+  return 0.5 * (t * std::sqrt(t * t + 1) + std::asinh(t));
+}
+
+// t whose arc length is `length`.
+double inverse_arc_length(double length) {
+  double low = 0, high = 100;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (arc_length(middle) < length ? low : high) = middle;
+  }
+  return low;
+}
+
+// Neighbours on the spiral and on its next turn are 38 codes apart or more.
+std::array<ChromaPoint, kSpiralPoints> spiral_points() {
+  // Points as far from each other as turns are: 2 pi b.
+  const double spacing = 2 * std::numbers::pi;
+  const double start = arc_length(kFirst);
+  const double last = inverse_arc_length(start + spacing * (kSpiralPoints - 1));
+  std::array<ChromaPoint, kSpiralPoints> points{};
+  for (int i = 0; i < kSpiralPoints; ++i) {
+    const double t = inverse_arc_length(start + spacing * i);
+    const double r = kRadius * t / last;
+    points[i] = {static_cast<std::uint8_t>(std::lround(128 + r * std::cos(t))),
+                 static_cast<std::uint8_t>(std::lround(128 + r * std::sin(t)))};
+  }
+  return points;
+}
+
+// A UV sample farther from its point than this, in codes of U and V together, was probably moved by video coding.
+constexpr int kMoved = 8;
+constexpr std::uint8_t kOffPoint = 0x80;
+
+// For every UV, at u * 256 + v: the index of the nearest point, with kOffPoint set if the sample is off that point.
+std::vector<std::uint8_t> nearest_spiral_point() {
+  const auto points = spiral_points();
+  std::vector<std::uint8_t> nearest(65536);
+  for (int u = 0; u < 256; ++u) {
+    for (int v = 0; v < 256; ++v) {
+      int least = std::numeric_limits<int>::max();
+      for (int i = 0; i < kSpiralPoints; ++i) {
+        const int du = u - points[i].u, dv = v - points[i].v, distance = du * du + dv * dv;
+        if (distance >= least) continue;
+        least = distance;
+        const bool off = std::abs(du) + std::abs(dv) > kMoved;
+        nearest[u * 256 + v] = static_cast<std::uint8_t>(i | (off ? kOffPoint : 0));
+      }
+    }
+  }
+  return nearest;
+}
 
 class SpiralEncoder final : public PlaneEncoder {
  public:

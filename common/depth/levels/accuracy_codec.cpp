@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/depth/description.h"
 #include "common/depth/levels/code_map.h"
 
 namespace copresence::depth {

@@ -3,10 +3,11 @@
 
 #include "common/bitstream/side_data.h"
 
+#include <zlib.h>
+
 #include <cstdlib>
 #include <span>
 
-#include "common/bitstream/crc32c.h"
 #include "common/frame/bounds.h"
 
 namespace copresence::bitstream {
@@ -20,7 +21,8 @@ const Bytes kSlice = {0x65, 0x33, 0x44};
 
 /// The layout of docs/internals/sei.md.
 Bytes access_unit_with(std::span<const std::uint8_t> checked) {
-  const std::uint32_t crc = crc32c(kSlice, crc32c(checked));
+  const auto of_checked = crc32_z(0, checked.data(), checked.size());
+  const auto crc = static_cast<std::uint32_t>(crc32_z(of_checked, kSlice.data(), kSlice.size()));
   Bytes payload(std::begin(kUuid), std::end(kUuid));
   for (int i = 0; i < 4; ++i) payload.push_back(static_cast<std::uint8_t>(crc >> 8 * i));
   payload.insert(payload.end(), checked.begin(), checked.end());

@@ -37,10 +37,10 @@ TEST(SideData, HasTheDocumentedBytes) {            // docs/internals/sei.md
                           5, 56,                   // user_data_unregistered, 56 bytes
                           0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58, 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d,
                           0x80, 0x6a,                                      // UUID
-                          0xe3, 0xe3, 0x1d, 0x4c,                          // CRC-32C
-                          2,                                               // layout
+                          0x6e, 0x87, 0x16, 0x57,                          // CRC-32
+                          3,                                               // layout
                           1,                                               // flags: colour, no pose
-                          24,                                              // quantiser
+                          24,                                              // QP
                           0x08, 0x07, 0x06, 0x05, 0x04, 0x03, 0x02, 0x01,  // sequence
                           0x07, 0x07, 0x06, 0x05, 0x04, 0x03, 0x02, 0x01,  // previous
                           0x00, 0xca, 0x9a, 0x3b, 0, 0, 3, 0, 0,           // capture time, with an

@@ -103,7 +103,7 @@ TEST_P(ResidualCoder, SpendsNothingOnHoles) {
   Pair pair(GetParam(), 64, 48);
   const StateImage holes(64, 48, DepthState::kHole);
   for (unsigned i = 0; i < 3; ++i) {
-    EXPECT_EQ(pair.carry(noise(GetParam(), 64, 48, i), holes, i == 0), 4u * AnsWriter::kLanes);
+    EXPECT_EQ(pair.carry(noise(GetParam(), 64, 48, i), holes, i == 0), 4u * AnsWriter::kStreams);
   }
 }
 
@@ -171,35 +171,35 @@ TEST(AdaptiveCdf, HoldsEveryPointInTheSlotOfOneSymbolWhateverItLearns) {
   }
 }
 
-TEST(AnsCoder, ReadsWhatItWroteInBothLanes) {
+TEST(AnsCoder, ReadsWhatItWroteInBothStreams) {
   std::minstd_rand random(5);
   std::vector<std::uint32_t> room(20000);
   AnsWriter writer(room.data());
-  std::vector<unsigned> lanes, numbers;
-  AdaptiveCdf models[AnsWriter::kLanes];
+  std::vector<unsigned> streams, numbers;
+  AdaptiveCdf models[AnsWriter::kStreams];
   for (int i = 0; i < 8000; ++i) {
-    const auto lane = static_cast<unsigned>(random() % AnsWriter::kLanes);
+    const auto stream = static_cast<unsigned>(random() % AnsWriter::kStreams);
     const auto number = static_cast<unsigned>(i % 7 == 0 ? random() % 1024 : random() % 3);
-    lanes.push_back(lane);
+    streams.push_back(stream);
     numbers.push_back(number);
     if (i % 7 == 0) {
-      writer.put_bits(lane, number, 10);
+      writer.put_bits(stream, number, 10);
     } else {
-      writer.put(lane, models[lane].slot(number));
-      models[lane].learn(number);
+      writer.put(stream, models[stream].slot(number));
+      models[stream].learn(number);
     }
   }
   std::vector<std::uint8_t> bytes;
   writer.finish(bytes);
   for (AdaptiveCdf& model : models) model = {};
   AnsReader reader(bytes);
-  for (std::size_t i = 0; i < lanes.size(); ++i) {
-    const unsigned lane = lanes[i];
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    const unsigned stream = streams[i];
     if (i % 7 == 0) {
-      ASSERT_EQ(reader.get_bits(lane, 10), numbers[i]);
+      ASSERT_EQ(reader.get_bits(stream, 10), numbers[i]);
     } else {
-      ASSERT_EQ(reader.get(lane, models[lane]), numbers[i]);
-      models[lane].learn(numbers[i]);
+      ASSERT_EQ(reader.get(stream, models[stream]), numbers[i]);
+      models[stream].learn(numbers[i]);
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
-// One coded picture as bytes: an H.264 access unit in Annex B form, and the NAL units in it.
+// Splits an H.264 access unit (the bytes of one coded picture, in Annex B form) into NAL units, and
+// writes them.
 // Source: ITU-T H.264 (08/2021), sections 7.3.1, 7.4.1.2 and annex B.
 // Thread: pure.
 
@@ -25,20 +26,22 @@ struct Nal {
   std::span<const std::uint8_t> bytes;
 
   NalType type() const { return static_cast<NalType>(bytes[0] & 31); }
-  /// Whether the picture depends on it: slices and parameter sets. A stream copy keeps these as they are; it
-  /// may add, move or drop the others (delimiters, fillers, SEI).
+  /// True if the picture depends on this unit: slices and parameter sets. A program that copies a
+  /// stream keeps these units unchanged. It may add, move or drop the others (delimiters, fillers,
+  /// SEI).
   bool is_essential() const;
 };
 
-/// The NAL units in the order of the bytes, which must outlive them.
-/// Fails with kCorrupt when the bytes do not begin with a start code or a NAL unit is empty or forbidden.
+/// The NAL units in the order of the bytes; the result refers to these bytes.
+/// Fails with kCorrupt if the bytes do not begin with a start code, or if a NAL unit is empty or
+/// forbidden.
 Result<std::vector<Nal>> split_access_unit(std::span<const std::uint8_t> access_unit);
 
 /// Appends a start code and the NAL unit.
 void append_nal(std::vector<std::uint8_t>& access_unit, std::span<const std::uint8_t> nal);
 
-/// Puts emulation prevention bytes into a payload so that no start code shows in it, and takes them out
-/// again.
+/// Inserts emulation prevention bytes into a payload, so that it contains no start code; and
+/// removes them.
 std::vector<std::uint8_t> to_nal_bytes(std::span<const std::uint8_t> payload);
 std::vector<std::uint8_t> from_nal_bytes(std::span<const std::uint8_t> nal);
 

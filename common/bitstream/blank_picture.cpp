@@ -13,9 +13,9 @@ constexpr std::uint8_t kImportant = 0x60;  // nal_ref_idc 3
 constexpr int kMacroblock = 16;            // pixels
 constexpr unsigned kFrameNumbers = 16;     // log2_max_frame_num_minus4 is 0
 constexpr unsigned kHigh10Profile = 110;
-constexpr unsigned kLevel = 51;  // 5.1: 4096x2304 at 26 a second, which costs a decoder nothing here
+constexpr unsigned kLevel = 51;  // level 5.1: up to 4096x2304 at 26 pictures a second
 
-/// The bits of one NAL unit, with the codes of 7.2 and 9.1.
+/// Writes the bits of one NAL unit with the codes of 7.2 and 9.1.
 class Bits {
  public:
   explicit Bits(NalType type) { fixed(kImportant | static_cast<unsigned>(type), 8); }
@@ -29,7 +29,7 @@ class Bits {
     fixed(0, bits - 1);
     fixed(value + 1, bits);
   }
-  void zero() { number(0); }  // se(v) of 0 is the same
+  void zero() { number(0); }  // ue(v) or se(v), which are equal for 0
 
   /// Appends the whole NAL unit with its trailing bits.
   void finish(std::vector<std::uint8_t>& access_unit) {
@@ -103,7 +103,7 @@ std::vector<std::uint8_t> BlankPictureWriter::sequence_parameters() const {
   picture.zero();       // pic_init_qp_minus26
   picture.zero();       // pic_init_qs_minus26
   picture.zero();       // chroma_qp_index_offset
-  picture.fixed(4, 3);  // deblocking is told in slices; no constrained intra, no redundant pictures
+  picture.fixed(4, 3);  // deblocking control in slices; no constrained intra, no redundant pictures
   picture.finish(unit);
   return unit;
 }
@@ -122,16 +122,16 @@ std::vector<std::uint8_t> BlankPictureWriter::write(bool keyframe) {
   slice.zero();                    // pic_parameter_set_id
   slice.fixed(frame_number_ % kFrameNumbers, 4);
   if (keyframe) {
-    slice.number(keyframes_ % 2);  // idr_pic_id: another than the one before
+    slice.number(keyframes_ % 2);  // idr_pic_id: must differ from the one before
     slice.fixed(0, 2);             // dec_ref_pic_marking
   } else {
-    slice.fixed(0, 3);  // references as they are, and their marking
+    slice.fixed(0, 3);  // no reference list changes, no marking
   }
   slice.zero();     // slice_qp_delta
   slice.number(1);  // no deblocking
   if (keyframe) {
     for (unsigned i = 0; i < count; ++i) {
-      slice.number(3);   // I_16x16_2_0_0: the mean of the neighbours, mid grey where there are none
+      slice.number(3);   // I_16x16_2_0_0: the mean of the neighbours, or mid grey without neighbours
       slice.zero();      // mb_qp_delta
       slice.flag(true);  // coeff_token: no coefficients
     }

@@ -1,9 +1,12 @@
 #pragma once
 
-// H.264 access units that show nothing: flat grey, a few bytes each. They carry the side data of frames whose depth travels as
-// samples beside the picture, so that a stream remains H.264 for everybody who copies, stores or looks at it.
+// Writes H.264 access units of blank pictures: uniform grey, a few bytes each. They carry the side
+// data of frames whose depth is coded as residuals instead of a picture. So the stream remains
+// valid H.264 for programs that copy, store or show it. libx264 would spend a millisecond and more
+// on each of these pictures, so they are written here.
 //
-// Each is one slice. Keyframes are predicted from mid grey without a residual, the others repeat the picture before.
+// Each picture is one slice. Keyframes are predicted from mid grey without a residual; other
+// pictures repeat the one before.
 // Source: ITU-T H.264 (08/2021), 7.3.2.1, 7.3.2.2, 7.3.3 and table 7-11. Thread: a value.
 
 #include <cstdint>

@@ -97,7 +97,7 @@ std::uint32_t crc_of_essentials(const std::vector<Nal>& nals, std::uint32_t befo
   return before;
 }
 
-/// A whole SEI NAL unit around a payload of the type user_data_unregistered.
+/// Makes an SEI NAL unit of a payload of type user_data_unregistered.
 std::vector<std::uint8_t> wrap(std::span<const std::uint8_t> payload) {
   std::vector<std::uint8_t> message = {static_cast<std::uint8_t>(NalType::kSei), kUserDataUnregistered};
   std::size_t size = payload.size();
@@ -108,7 +108,7 @@ std::vector<std::uint8_t> wrap(std::span<const std::uint8_t> payload) {
   return to_nal_bytes(message);
 }
 
-/// The payload of an SEI NAL unit that holds our message and nothing else; nothing for any other.
+/// The payload of an SEI NAL unit that holds our message and nothing else; otherwise nothing.
 std::optional<std::vector<std::uint8_t>> unwrap(const Nal& nal) {
   if (nal.bytes[0] != static_cast<std::uint8_t>(NalType::kSei)) return std::nullopt;
   const std::vector<std::uint8_t> message = from_nal_bytes(nal.bytes);

@@ -1,10 +1,13 @@
 #pragma once
 
-// What must arrive exactly, inside the depth access unit: stamp, state mask, level table and samples, as one SEI
-// message of type user_data_unregistered with a UUID of our own, so that any copy of the stream (wire,
-// Matroska, MPEG-TS, a relay) keeps them with their picture. A CRC over them and over both coded pictures
-// makes damage, loss of a part and a wrong pair of pictures an error. The layout is drawn byte by byte in
-// docs/internals/sei.md and held by SideData.HasTheDocumentedBytes. Thread: pure.
+// Side data: the parts of a frame that must arrive exactly. Metadata, validity mask, codebook
+// change and residuals are stored inside the depth access unit, as one SEI message of type
+// user_data_unregistered with a UUID of our own. Any copy of the stream (wire, Matroska, MPEG-TS, a
+// relay) keeps them with their picture.
+//
+// A CRC-32 over the side data and both coded pictures detects damage, missing parts, and pictures
+// of different frames. docs/internals/sei.md describes the layout; the test
+// SideData.HasTheDocumentedBytes checks it. Thread: pure.
 
 #include <cstddef>
 #include <cstdint>
@@ -21,11 +24,11 @@ namespace copresence::bitstream {
 
 struct SideData {
   std::uint64_t sequence = 0;
-  std::uint64_t previous = 0;  ///< sequence of the frame this one builds on; 0: on none, it is a keyframe
-  Instant captured_at{};       ///< on the capture process's monotonic clock, at or after its zero
-  std::uint8_t qp = 0;         ///< of the depth picture; 0: lossless
-  bool has_color = false;      ///< a colour access unit belongs to this frame
-  std::optional<Rigid3> world_from_camera;  ///< nothing: as in the frame before
+  std::uint64_t previous = 0;               ///< sequence of the frame that this one needs; 0 in a keyframe
+  Instant captured_at{};                    ///< on the capture process's monotonic clock; not before its zero
+  std::uint8_t qp = 0;                      ///< of the depth picture; 0: lossless
+  bool has_color = false;                   ///< this frame has a colour access unit
+  std::optional<Rigid3> world_from_camera;  ///< if absent, as in the frame before
   std::vector<std::uint8_t> table;
   std::vector<std::uint8_t> residuals;  ///< depth coded without loss; the picture is blank then
   std::vector<std::uint8_t> validity_mask;
@@ -33,18 +36,19 @@ struct SideData {
   friend bool operator==(const SideData&, const SideData&) = default;
 };
 
-/// About what the side data adds to the access unit: emulation prevention bytes are not counted.
+/// Approximate size of the side data in the access unit: emulation prevention bytes are not
+/// counted.
 std::size_t side_data_bytes(const SideData& data);
 
-/// The access unit with its essential NAL units and, before its first slice, the side data. `color` is the
-/// frame's colour access unit, empty where there is none. Requires access units as a PictureEncoder makes
-/// them, data.has_color == !color.empty().
+/// The depth access unit's essential NAL units, with the side data before the first slice. `color`
+/// is the frame's colour access unit, empty if there is none. Requires access units as a
+/// PictureEncoder makes them, and data.has_color == !color.empty().
 std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
                                         std::span<const std::uint8_t> color, const SideData& data);
 
-/// The inverse.
-/// Fails with kCorrupt when anything that matters is not as it was: side data, a slice, a parameter set, of
-/// either picture.
+/// Reads the side data of a frame. Fails with kCorrupt if the side data, or a slice or parameter
+/// set of either picture, is damaged or missing, and on numbers outside the bounds of
+/// common/frame/bounds.h.
 Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::span<const std::uint8_t> color);
 
 }  // namespace copresence::bitstream

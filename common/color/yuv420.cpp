@@ -6,8 +6,8 @@
 namespace copresence::color {
 namespace {
 
-// Coefficients in 1/65536. Each row sums to 65536 or to 0, which is what keeps greys exact: chroma is half of one channel
-// less what the row says of the others.
+// Coefficients in 1/65536. Each row of the matrix sums to 65536 or to 0, which makes greys exact.
+// Chroma is half of one channel less the weighted sum of the others.
 constexpr int kShift = 16;
 constexpr std::uint16_t kYr = 19595, kYg = 38470, kYb = 7471;
 constexpr std::uint16_t kUr = 11058, kUg = 21710;
@@ -16,8 +16,8 @@ static_assert(kYr + kYg + kYb == 1 << kShift && kUr + kUg == 1 << (kShift - 1) &
               kVg + kVb == 1 << (kShift - 1));
 constexpr int kRv = 91881, kGu = -22554, kGv = -46802, kBu = 116130;
 
-// Rows are cut into tiles that stay in the first-level cache: loops over plain arrays that a compiler turns
-// into SIMD.
+// Rows are processed in tiles that stay in the first-level cache. Loops over plain arrays let the
+// compiler use vector instructions.
 constexpr int kTile = 128;
 
 std::uint8_t to_byte(int value) {
@@ -36,7 +36,8 @@ void split(const Rgb8* __restrict rgb, int count, Channels& __restrict out) {
   }
 }
 
-/// A number's share, rounded down. In 16 bits, which a compiler multiplies sixteen at a time.
+/// A number times a coefficient, rounded down. Compilers multiply sixteen of these 16-bit numbers
+/// at a time.
 std::uint16_t share(int of, std::uint16_t coefficient) {
   return static_cast<std::uint16_t>(
       static_cast<std::uint32_t>(static_cast<std::uint16_t>(of)) * coefficient >> kShift);
@@ -44,7 +45,7 @@ std::uint16_t share(int of, std::uint16_t coefficient) {
 
 void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) {
   constexpr int kBits = 8;                           // after the point
-  constexpr int kRounding = (1 << (kBits - 1)) + 1;  // and half of what three shares lose
+  constexpr int kRounding = (1 << (kBits - 1)) + 1;  // and half of what rounding down three products loses
   for (int x = 0; x < count; ++x) {
     const auto sum = static_cast<std::uint16_t>(share(in.r[x] << kBits, kYr) + share(in.g[x] << kBits, kYg) +
                                                 share(in.b[x] << kBits, kYb) + kRounding);
@@ -52,7 +53,7 @@ void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) 
   }
 }
 
-constexpr int kChromaBits = 7;  // after the point: all of 0 to 256 has room in 16 bits
+constexpr int kChromaBits = 7;  // after the point; 0 to 256 fits into 16 bits
 
 /// Means over 2x2 pixels.
 void halve(const std::uint8_t* __restrict upper, const std::uint8_t* __restrict lower, int count,
@@ -64,7 +65,7 @@ void halve(const std::uint8_t* __restrict upper, const std::uint8_t* __restrict 
   }
 }
 
-/// `more` is the channel that the chroma takes from, by half.
+/// U or V. `more` is the channel with the coefficient 1/2: blue for U, red for V.
 template <std::uint16_t kLess, std::uint16_t kLeast>
 void chroma(const std::uint16_t* __restrict more, const std::uint16_t* __restrict less,
             const std::uint16_t* __restrict least, int count, std::uint8_t* __restrict out) {
@@ -79,7 +80,7 @@ void chroma(const std::uint16_t* __restrict more, const std::uint16_t* __restric
   }
 }
 
-/// What chroma adds to luma for each channel, already doubled along the row.
+/// What chroma adds to luma for each channel, repeated for both pixels of a sample along the row.
 struct Tint {
   std::int16_t r[kTile], g[kTile], b[kTile];
 };

@@ -1,23 +1,25 @@
 #pragma once
 
-// Colour as a video codec carries it, and back: full-range BT.601 (the JPEG matrix), chroma halved both ways.
+// Converts RGB to the YUV of a video codec, and back: full-range BT.601 (the JPEG matrix), chroma
+// halved both ways.
 //
-// Chroma is the mean over 2x2 pixels and is given back to all four of them, so a picture whose colour is
-// constant over each 2x2 block makes the round trip to within rounding, and greys make it exactly. Source:
-// ITU-T T.871 (JFIF), section 7, in integer arithmetic: one result on every machine. Thread: pure; concurrent
-// calls on distinct outputs are safe.
+// A chroma sample is the mean over 2x2 pixels; the way back gives it to all four of them. If the
+// colour is constant over each 2x2 block, the round trip is exact up to rounding; greys are exact.
+// Integer arithmetic gives the same result on every machine. Source: ITU-T T.871 (JFIF), section 7.
+// Thread: pure; concurrent calls on distinct outputs are safe.
 
 #include "common/frame/image.h"
 #include "common/frame/picture.h"
 
 namespace copresence::color {
 
-/// `picture` becomes kYuv420 of the image's size; it keeps its memory where it has that shape already.
+/// `picture` becomes kYuv420 of the image's size. It keeps its memory if it has that shape already.
 /// Requires even sizes.
 void rgb_to_yuv420(const ColorImage& image, Picture& picture);
 
-/// `image` takes the picture's size. A channel is off by at most kRoundTripBound after rgb_to_yuv420() where
-/// the colour is constant over 2x2 pixels (Yuv420.RoundTripBound). Requires kYuv420.
+/// `image` takes the picture's size. If the colour is constant over 2x2 pixels, the error of a
+/// channel after rgb_to_yuv420() and this is at most kRoundTripBound (test Yuv420.RoundTripBound).
+/// Requires kYuv420.
 void yuv420_to_rgb(const Picture& picture, ColorImage& image);
 
 inline constexpr int kRoundTripBound = 2;

@@ -11,15 +11,15 @@ namespace copresence::depth {
 
 namespace {
 
-// A hole is filled anew where what it held stands off from its rim by this many sensor steps more than the
-// two sides of the rim stand off from each other. Less costs static scenes, whose rims flicker; more costs
-// moving ones.
+// A hole is filled again if its value differs from its border by this many steps more than the two
+// ends of the border differ from each other. A lower limit costs bits in static scenes, where
+// borders flicker; a higher one in moving scenes.
 constexpr double kCliffSteps = 10;
 
-// Pixels that changed by more than this many steps moved; where more than half of all did, nothing old is
-// worth keeping.
+// A pixel moved if it changed by more than this many steps. If more than half of all pixels moved,
+// all holes are filled again.
 constexpr double kMovedSteps = 2.5;
-constexpr std::size_t kSampling = 37;  // looks at every 37th pixel: odd, so that no column is favoured
+constexpr std::size_t kSampling = 37;  // tests every 37th pixel; an odd number favours no column
 
 }  // namespace
 
@@ -46,7 +46,7 @@ void BackgroundFill::take(const DepthImage& depth, const StateImage& states) {
   const std::uint16_t* const old = earlier_.data();
   std::uint16_t* const out = depth_.data();
   auto* const state_out = reinterpret_cast<std::uint8_t*>(states_.data());
-  // In blocks with masks instead of branches, so that the compiler makes vector instructions of it.
+  // Blocks and masks instead of branches let the compiler use vector instructions.
   constexpr std::size_t kBlock = 64;
   std::array<std::uint16_t, kBlock> keep;
   for (std::size_t first = 0; first < size; first += kBlock) {
@@ -104,7 +104,7 @@ bool BackgroundFill::has_cliffs(const Gap& gap) const {
 bool BackgroundFill::moves_fast() const {
   const std::uint16_t* const now = depth_.data();
   const std::uint16_t* const before = earlier_.data();
-  // steps(now, before) > kMovedSteps, without a division for every pixel
+  // Tests steps(now, before) > kMovedSteps without a division for every pixel.
   const auto reach = static_cast<std::int64_t>(steps_per_inverse_unit_ / kMovedSteps);
   std::size_t seen = 0, moved = 0;
   for (std::size_t i = 0; i < depth_.pixels().size(); i += kSampling) {
@@ -115,7 +115,7 @@ bool BackgroundFill::moves_fast() const {
   return moved * 2 > seen;
 }
 
-// Rows that never had depth take the row above, the first ones the row below.
+// Copies the row above into rows that never had depth; the first rows take the row below.
 void BackgroundFill::fill_rows_without_depth() {
   const auto has_depth = [&](int y) {
     const auto row = states_.row(y);
@@ -123,7 +123,7 @@ void BackgroundFill::fill_rows_without_depth() {
   };
   int first_with = 0;
   while (first_with < depth_.height() && !has_depth(first_with)) ++first_with;
-  if (first_with == depth_.height()) return;  // nothing at all: the next frame is the first again
+  if (first_with == depth_.height()) return;  // no depth at all: the next frame counts as the first
   const auto copy_row = [&](int from, int to) {
     std::copy_n(depth_.row(from).begin(), depth_.width(), depth_.row(to).begin());
   };

@@ -1,11 +1,12 @@
 #pragma once
 
-// Fills holes for coding only: a video codec wants a picture without cliffs and without change where nothing
-// is to be seen. What stands in a hole is never shown, since the state mask makes it a hole again.
+// Fills holes so that the picture costs few bits in a video codec, which codes smooth and unchanged
+// areas cheaply. The values are never shown, since the validity mask makes these pixels holes
+// again.
 //
-// A hole keeps what stood there in the completed picture before: where the camera stands still, H.264 then
-// skips it. Where that has become a cliff against the hole's rim, and everywhere while the camera turns fast,
-// it is filled anew along its row, from the farther side.
+// A hole keeps its value of the frame before, which H.264 can skip if the camera stands still. It
+// is filled again if that value has become a cliff against the hole's border, or if most of the
+// picture moves. Then the hole takes the farther of the two depths at its ends in its row.
 //
 // Thread: distinct objects are independent.
 
@@ -18,14 +19,14 @@ class BackgroundFill {
  public:
   BackgroundFill(int width, int height, DepthRangeUnits range, DepthUnit unit, const DepthNoise& noise);
 
-  /// Takes a frame in: everything outside the range counts as a hole. Afterwards depth() and states() hold
-  /// it. Requires the shape given to the constructor.
+  /// Fills the holes of a frame. Depth outside the range becomes a hole. The result is in depth()
+  /// and states().
+  /// Requires the shape given to the constructor.
   void take(const DepthImage& depth, const StateImage& states);
 
   const DepthImage& depth() const { return depth_; }  ///< within the range at every pixel
-  const StateImage& states() const {
-    return states_;
-  }  ///< the input's, and kHole where depth lay outside the range
+  /// The input's states, but kHole where depth is outside the range.
+  const StateImage& states() const { return states_; }
 
  private:
   // A run of holes in a row: columns from to before end.
@@ -39,13 +40,13 @@ class BackgroundFill {
   bool has_cliffs(const Gap& gap) const;
   bool moves_fast() const;
   void fill_rows_without_depth();
-  double steps(int from, int to) const;  // sensor steps between two depths
+  double steps(int from, int to) const;  // disparity steps between two depths
 
   DepthRangeUnits range_;
   double steps_per_inverse_unit_;
   DepthImage depth_, earlier_;
   StateImage states_;
-  bool first_ = true;  // nothing to keep in any hole yet
+  bool first_ = true;  // no hole has a value yet
 };
 
 }  // namespace copresence::depth

@@ -1,6 +1,6 @@
 #pragma once
 
-// All depth codecs by name: the one place that knows them all.
+// The list of all depth codecs by name.
 
 #include <memory>
 #include <span>
@@ -24,11 +24,13 @@ struct CodecEntry {
 
 std::span<const CodecEntry> codec_catalogue();
 
-/// Fails (kInvalid) on an unknown name, with a sentence that lists the known ones.
+/// Fails (kInvalid) on an unknown name; the message lists the known ones.
 Result<const CodecEntry*> find_codec(std::string_view name);
 
-/// A codec's encoder from what a person wrote: NAME or, where the codec has a period, NAME:period=METRES.
-/// Fails (kInvalid) as find_codec() does, on parameters that the codec does not have and on a period that does not fit.
+/// Makes the encoder for a command line's text: NAME or, for codecs with a period,
+/// NAME:period=METRES.
+/// Fails (kInvalid) as find_codec() does, on parameters that the codec does not have, and on an
+/// unsuitable period.
 Result<std::unique_ptr<PlaneEncoder>> make_encoder(std::string_view text, const DepthFormat& format);
 
 }  // namespace copresence::depth

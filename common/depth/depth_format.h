@@ -1,7 +1,7 @@
 #pragma once
 
-// What a stream's description says about its depth: its shape, and the parameters of its codec. A description may come
-// from an untrusted peer, so everything is checked here.
+// What a stream's description says about its depth: its shape, and the parameters of its codec. A
+// description may come from an untrusted peer, so everything is checked here.
 //
 // Thread: pure.
 
@@ -24,14 +24,17 @@ struct DepthFormat {
   DepthRangeUnits units() const { return to_units(range, unit); }
 };
 
-/// Fails (kInvalid) on sizes that no camera has, on a range that is empty or not finite, and as check_noise() does.
+/// Fails (kInvalid) on sizes that no camera has, on a range that is empty or not finite, and as
+/// check_noise() does.
 Result<void> check(const DepthFormat& format);
 
-/// The codec parameter `name`. Fails (kInvalid) if it is missing, not finite or outside [least, most].
+/// The codec parameter `name`. Fails (kInvalid) if it is missing, not finite or outside [least,
+/// most].
 Result<double> described(const DepthCodecDescription& description, std::string_view name, double least,
                          double most);
 
-/// The codec parameters near and far, in the stream's unit. Fails (kInvalid) unless 1 <= near < far <= 65535.
+/// The codec parameters near and far, in the stream's unit. Fails (kInvalid) unless 1 <= near < far
+/// <= 65535.
 Result<DepthRangeUnits> described_range(const DepthCodecDescription& description);
 
 }  // namespace copresence::depth

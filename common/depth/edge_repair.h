@@ -1,9 +1,11 @@
 #pragma once
 
-// Repairs flying pixels: lossy coding blurs depth edges, and a pixel between two surfaces hangs in the air that neither of them
-// is in. A pixel more than 5 sensor steps from both sides of an edge of 10 steps or more, two pixels off to either side, takes the
-// depth of a side that is clearly nearer to it. In the middle between the two it stays: taken for the wrong one it would be
-// farther off than it is. Worth it from the quantiser on at which video coding blurs edges (depth_codec.h).
+// Repairs flying pixels: pixels that lossy coding has placed between two surfaces by blurring a
+// depth edge. Two pixels to the left and right (or above and below) of a flying pixel are at least
+// 10 disparity steps apart, and it is more than 5 steps from both. It takes the depth of the side
+// that is clearly nearer. Pixels near the midpoint stay as they are: moving one to the wrong
+// surface would make its error larger. At fine QPs the repair moves more correct pixels than
+// blurred ones, so it is not used there (depth_codec.cpp).
 //
 // Thread: distinct objects are independent.
 
@@ -18,7 +20,7 @@ class EdgeRepair {
  public:
   EdgeRepair(DepthUnit unit, const DepthNoise& noise);
 
-  /// Repairs along rows, then along columns. Requires no zeros.
+  /// Repairs along rows, then along columns. Requires depth in every pixel.
   void repair(DepthImage& depth);
 
  private:

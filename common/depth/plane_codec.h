@@ -1,7 +1,8 @@
 #pragma once
 
-// What every depth codec is inside: depth to a picture and back, holes already filled for coding, states out
-// of the way. depth_codec.h wraps range, mask, filling and seal around one of these.
+// The interface of a single depth codec: it converts depth to a picture and back. Encoder and
+// Decoder (depth_codec.h) do what all codecs have in common: they fill holes, clip to the range,
+// and code the validity mask.
 //
 // Thread: distinct objects are independent.
 
@@ -22,15 +23,16 @@ class PlaneEncoder {
 
   virtual DepthCodecDescription description() const = 0;
 
-  /// Writes `out.picture` and, where there is one, `out.table`; `out.keyframe` is set, and may be raised.
-  /// Requires `depth` within the range at every pixel, the values that matter where `states` is not kHole.
-  /// Fails (kUnsupported) where it must be exact and cannot.
+  /// Writes `out.picture` and, for a codec with a codebook, `out.table`. `out.keyframe` says
+  /// whether a keyframe is asked for; the codec may set it. Requires `depth` within the range at
+  /// every pixel. Values in holes do not matter.
+  /// Fails (kUnsupported) if lossless coding is on but impossible.
   virtual Result<void> encode(const DepthImage& depth, const StateImage& states, PlanarDepth& out) = 0;
 
-  /// From the next frame on the pictures are coded without loss, or no longer.
+  /// Switches lossless coding on or off from the next frame on.
   virtual void set_lossless(bool) {}
 
-  /// The depths that the sensor can report, ascending; before the first frame.
+  /// Sets the depths that the sensor can report, ascending. Called before the first frame.
   virtual void set_sensor_levels(std::span<const std::uint16_t>) {}
 };
 
@@ -38,8 +40,9 @@ class PlaneDecoder {
  public:
   virtual ~PlaneDecoder() = default;
 
-  /// Writes a depth within the range to every pixel of `out`, which has the picture's shape; those of holes
-  /// mean nothing. Requires a picture of the described format. Fails (kCorrupt) on tables that make no sense.
+  /// Writes a depth within the range to every pixel of `out`, which has the picture's shape. Values
+  /// in holes are arbitrary. Requires a picture of the described format. Fails (kCorrupt) on an
+  /// impossible codebook change.
   virtual Result<void> decode(const PlanarDepth& in, const StateImage& states, DepthImage& out) = 0;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Bounds for numbers from untrusted input: the wire, a stream's side data, files. Two numbers of a kind within
-// these bounds can be added and subtracted without overflow.
+// Bounds for numbers from untrusted input: the wire, a stream's side data, files. Two numbers of a
+// kind within these bounds can be added and subtracted without overflow.
 //
 // Thread: pure.
 
@@ -22,8 +22,8 @@ inline bool is_within_bounds(std::uint64_t number) {
   return number < kNumberBound;
 }
 
-/// The instant that is so many nanoseconds after its clock's zero; nothing if the number is out of bounds. A
-/// negative number that was read as unsigned is out of bounds, too.
+/// The instant that is so many nanoseconds after its clock's zero; nothing if the number is out of
+/// bounds. A negative number that was read as unsigned is out of bounds, too.
 std::optional<Instant> instant_from_nanoseconds(std::uint64_t nanoseconds);
 
 /// A rigid transform with a translation of at most 10 km along each axis. Fails with kInvalid.

@@ -29,8 +29,8 @@ Eigen::Vector2d distort(const std::array<double, 8>& k, const Eigen::Vector2d& p
           y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y};
 }
 
-// The derivatives of distort(), a symmetric matrix. `is_regular` is true if the distortion is one-to-one around the
-// point.
+// The derivatives of distort(), a symmetric matrix. `is_regular` is true if the distortion is
+// one-to-one around the point.
 struct Jacobian {
   double xx, xy, yy;
   bool is_regular;
@@ -53,9 +53,9 @@ struct Jacobian {
   }
 };
 
-// Inverts distort() by Newton's method, starting at the optical axis. Each step is halved until it reduces the error
-// and stays where the distortion is one-to-one. Beyond a fold of the distortion another ray leads to the same pixel.
-// If no ray leads there, the result is the best point found.
+// Inverts distort() by Newton's method, starting at the optical axis. Each step is halved until it
+// reduces the error and stays where the distortion is one-to-one. Beyond a fold of the distortion
+// another ray leads to the same pixel. If no ray leads there, the result is the best point found.
 Eigen::Vector2d undistort(const std::array<double, 8>& k, const Eigen::Vector2d& distorted) {
   constexpr int kSteps = 50, kHalvings = 20;
   constexpr double kExact = 1e-24;  // squared error; 1e-9 px at a focal length of 1000 px
@@ -75,8 +75,9 @@ Eigen::Vector2d undistort(const std::array<double, 8>& k, const Eigen::Vector2d&
   return p;
 }
 
-// True if the sum of c[i] x^i is above 0 everywhere in [0, end]; exact up to rounding. A polynomial whose Bernstein
-// coefficients are all positive is positive. Otherwise the interval is bisected and both halves are tested.
+// True if the sum of c[i] x^i is above 0 everywhere in [0, end]; exact up to rounding. A polynomial
+// whose Bernstein coefficients are all positive is positive. Otherwise the interval is bisected and
+// both halves are tested.
 template <std::size_t kSize>
 bool is_positive(const std::array<double, kSize>& c, double end) {
   const auto bernstein_positive = [](const std::array<double, kSize>& b, int depth,
@@ -107,8 +108,9 @@ bool is_positive(const std::array<double, kSize>& c, double end) {
   return bernstein_positive(b, kDepth, bernstein_positive);
 }
 
-// Up to distance r from the axis the radial distortion has no pole, and its derivative lies between 0 and kMostStretch.
-// With x = r^2, the derivative of r A(x) / B(x) is (A B + 2 x (A' B - A B')) / B^2.
+// Up to distance r from the axis the radial distortion has no pole, and its derivative lies between
+// 0 and kMostStretch. With x = r^2, the derivative of r A(x) / B(x) is (A B + 2 x (A' B - A B')) /
+// B^2.
 bool grows_smoothly(const std::array<double, 8>& k, double r) {
   // Real lenses magnify the rim of the picture at most about twice as much as its middle.
   constexpr double kMostStretch = 4;
@@ -125,8 +127,8 @@ bool grows_smoothly(const std::array<double, 8>& k, double r) {
   return is_positive(b, end) && is_positive(growth, end) && is_positive(room, end);
 }
 
-// True if different rays lead to different pixels. A polynomial that was fitted to few corners may fold, or have a
-// pole, in parts of the picture without corners.
+// True if different rays lead to different pixels. A polynomial that was fitted to few corners may
+// fold, or have a pole, in parts of the picture without corners.
 bool is_one_to_one(const CameraModel& camera) {
   const double reach_x = std::max(std::abs(camera.cx), std::abs(camera.width - 1 - camera.cx)) / camera.fx,
                reach_y = std::max(std::abs(camera.cy), std::abs(camera.height - 1 - camera.cy)) / camera.fy;
@@ -140,7 +142,8 @@ bool is_one_to_one(const CameraModel& camera) {
   };
   while (step < kFarthest && !(appears(step) >= corner)) ++step;
   if (step == kFarthest || !grows_smoothly(camera.distortion, corner * step / kSteps)) return false;
-  // Tangential distortion can fold the picture, too, so unproject() must invert project() all along the rim.
+  // Tangential distortion can fold the picture, too, so unproject() must invert project() all along
+  // the rim.
   constexpr int kSides = 8;
   for (int i = 0; i <= kSides; ++i) {
     const double x = (camera.width - 1.0) * i / kSides, y = (camera.height - 1.0) * i / kSides;

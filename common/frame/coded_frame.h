@@ -1,6 +1,7 @@
 #pragma once
 
-// A frame on its way through the codecs: first as pictures (PlanarFrame), then as H.264 (EncodedFrame).
+// A frame on its way through the codecs: first as pictures (PlanarFrame), then as H.264
+// (EncodedFrame).
 
 #include <cstdint>
 #include <optional>
@@ -11,10 +12,12 @@
 
 namespace copresence {
 
-/// The output of a depth codec: a picture for the video codec, and the bytes that must arrive exactly.
+/// The output of a depth codec: a picture for the video codec, and the bytes that must arrive
+/// exactly.
 struct PlanarDepth {
   bool keyframe = false;  ///< decodes without any earlier frame
-  /// Input of the video encoder, which may change it. Holes have arbitrary values. Empty if `residuals` is used.
+  /// Input of the video encoder, which may change it. Holes have arbitrary values. Empty if
+  /// `residuals` is used.
   Picture picture;
   /// QP of the encoded picture, on H.264's scale for its bit depth; 0 if the coding was lossless.
   int qp = 0;

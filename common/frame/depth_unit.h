@@ -1,6 +1,7 @@
 #pragma once
 
-// What a stream's depth values mean: their unit, the range that is used, and how far they can be trusted.
+// What a stream's depth values mean: their unit, the range that is used, and how far they can be
+// trusted.
 
 #include <cstdint>
 
@@ -20,7 +21,8 @@ struct DepthRange {
   friend bool operator==(const DepthRange&, const DepthRange&) = default;
 };
 
-/// A range in the stream's unit: depth values v with near <= v <= far are kept. 1 <= near <= far <= 65535.
+/// A range in the stream's unit: depth values v with near <= v <= far are kept. 1 <= near <= far <=
+/// 65535.
 struct DepthRangeUnits {
   std::uint16_t near = 0;
   std::uint16_t far = 0;
@@ -35,14 +37,15 @@ constexpr DepthRangeUnits to_units(const DepthRange& range, DepthUnit unit) {
   return {clamp(range.near_m * per_metre), clamp(range.far_m * per_metre)};
 }
 
-/// Resolution and noise of a sensor that triangulates (structured light, stereo). Such a sensor measures disparity in
-/// steps of equal size. The disparity of depth z is disparity_constant_m / z steps. Neighbouring depth levels are
-/// therefore evenly spaced in 1/z, and the distance between them grows with z². All thresholds on depth are in steps.
-/// Sensors without a disparity (time of flight) are described by the constant that fits best in the middle of their
-/// range. The default is a Kinect v1.
+/// Resolution and noise of a sensor that triangulates (structured light, stereo). Such a sensor
+/// measures disparity in steps of equal size. The disparity of depth z is disparity_constant_m / z
+/// steps. Neighbouring depth levels are therefore evenly spaced in 1/z, and the distance between
+/// them grows with z². All thresholds on depth are in steps. Sensors without a disparity (time of
+/// flight) are described by the constant that fits best in the middle of their range. The default
+/// is a Kinect v1.
 /// Source: Khoshelham and Elberink 2012 (form), Barron and Malik 2013 (the Kinect's constant).
 struct DepthNoise {
-  /// Focal length times baseline, over the disparity step; metres. 50 to 1e5.
+  /// Focal length times baseline, divided by the disparity step; metres, 50 to 1e5.
   double disparity_constant_m = 351.3;
   /// Standard deviation of a depth value, in steps. 0.01 to 100.
   double sigma_steps = 0.5;

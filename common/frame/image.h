@@ -15,8 +15,8 @@
 
 namespace copresence {
 
-/// Allocator whose vectors leave new elements uninitialised in resize(). Zeroing a frame that is about to be
-/// overwritten costs as much as writing it.
+/// Allocator whose vectors leave new elements uninitialised in resize(). Zeroing a frame that is
+/// about to be overwritten costs as much as writing it.
 template <class T>
 struct UninitialisedAllocator : std::allocator<T> {
   template <class U>
@@ -51,8 +51,8 @@ class Image {
   }
   ~Image() = default;
 
-  // Copies all pixels as one block. A vector's own assignment constructs them one by one, which takes five
-  // times as long for Rgb8.
+  // Copies all pixels as one block. A vector's own assignment constructs them one by one, which
+  // takes five times as long for Rgb8.
   Image& operator=(const Image& other) {
     width_ = other.width_;
     height_ = other.height_;
@@ -84,7 +84,8 @@ class Image {
   Pixel* data() { return pixels_.data(); }
   const Pixel* data() const { return pixels_.data(); }
 
-  /// Changes the shape; pixel values are unspecified afterwards. Keeps its memory if that is large enough.
+  /// Changes the shape; pixel values are unspecified afterwards. Keeps its memory if that is large
+  /// enough.
   void resize(int width, int height) {
     assert(width >= 0 && height >= 0);
     width_ = width;
@@ -122,7 +123,8 @@ struct Rgba8 {
 };
 static_assert(sizeof(Rgba8) == 4);
 
-/// Whether a pixel's depth is missing, measured or guessed. The values are those of the coded validity mask.
+/// Whether a pixel's depth is missing, measured or guessed. The values are those of the coded
+/// validity mask.
 enum class DepthState : std::uint8_t {
   kHole = 0,      ///< no depth; the depth image holds 0 there
   kMeasured = 1,  ///< the sensor's own value, unchanged

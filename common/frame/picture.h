@@ -2,8 +2,8 @@
 
 // A picture for a video codec: planes of 8-bit or 10-bit samples, full range, no padding.
 //
-// Thread: a value. The deleter of a borrowed picture's owner may run on any thread. A moved-from picture is
-// empty.
+// Thread: a value. The deleter of a borrowed picture's owner may run on any thread. A moved-from
+// picture is empty.
 
 #include <array>
 #include <cassert>
@@ -42,10 +42,11 @@ class Picture {
 
   /// Samples are 0. Requires even sizes.
   Picture(PixelFormat format, int width, int height);
-  /// Like the constructor, but the samples are uninitialised. Use it when every sample will be written.
+  /// Like the constructor, but the samples are uninitialised. Use it when every sample will be
+  /// written.
   static Picture uninitialised(PixelFormat format, int width, int height);
-  /// Wraps planes owned by someone else without copying them; `owner` keeps them alive. The first mutable
-  /// access copies the planes.
+  /// Wraps planes owned by someone else without copying them; `owner` keeps them alive. The first
+  /// mutable access copies the planes.
   static Picture borrowed(PixelFormat format, int width, int height,
                           const std::array<const std::uint8_t*, 3>& planes,
                           std::shared_ptr<const void> owner);
@@ -61,7 +62,8 @@ class Picture {
   int bytes_per_sample() const { return format_ == PixelFormat::kGray10 ? 2 : 1; }
   bool empty() const { return width_ == 0; }
 
-  /// One plane's samples, row by row. plane8() requires an 8-bit format, plane10() requires kGray10.
+  /// One plane's samples, row by row. plane8() requires an 8-bit format, plane10() requires
+  /// kGray10.
   std::span<std::uint8_t> plane8(int plane) { return plane_of<std::uint8_t>(*this, plane); }
   std::span<const std::uint8_t> plane8(int plane) const { return plane_of<const std::uint8_t>(*this, plane); }
   std::span<std::uint16_t> plane10() { return plane_of<std::uint16_t>(*this, 0); }
@@ -101,7 +103,8 @@ class Picture {
   PixelFormat format_ = PixelFormat::kGray8;
   int width_ = 0;
   int height_ = 0;
-  // All planes, one after the other, aligned for 16 bits by the allocator. Empty while they are borrowed.
+  // All planes, one after the other, aligned for 16 bits by the allocator. Empty while they are
+  // borrowed.
   std::vector<std::uint8_t, UninitialisedAllocator<std::uint8_t>> samples_;
   std::array<const std::uint8_t*, 3> borrowed_{};
   std::shared_ptr<const void> owner_;

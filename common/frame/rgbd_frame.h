@@ -1,6 +1,7 @@
 #pragma once
 
-// One instant of one camera: depth, colour and metadata, as captured by the server and as decoded by the client.
+// One instant of one camera: depth, colour and metadata, as captured by the server and as decoded
+// by the client.
 
 #include <chrono>
 #include <cstdint>
@@ -11,8 +12,8 @@
 
 namespace copresence {
 
-/// An instant on a monotonic clock. A frame's instants are on its server's clock; the client maps them to its own
-/// clock (common/wire).
+/// An instant on a monotonic clock. A frame's instants are on its server's clock; the client maps
+/// them to its own clock (common/wire).
 using Instant = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
 
@@ -25,14 +26,14 @@ struct FrameMetadata {
   friend bool operator==(const FrameMetadata&, const FrameMetadata&) = default;
 };
 
-/// How long each of the server's stages took for one frame. They are sent with it, since the two ends' clocks
-/// differ.
+/// How long each of the server's stages took for one frame. They are sent with it, since the two
+/// ends' clocks differ.
 struct StageDurations {
   Duration capture{}, fill{}, depth_encode{}, video_encode{};
 };
 
-/// When the sensor took a frame's pictures, by its own clock. Only differences are meaningful, since the clock's
-/// zero is arbitrary. These times stay in the capture process.
+/// When the sensor took a frame's pictures, by its own clock. Only differences are meaningful,
+/// since the clock's zero is arbitrary. These times stay in the capture process.
 struct SensorTimes {
   std::chrono::microseconds depth{};
   std::chrono::microseconds color{};  ///< meaningless without colour

@@ -27,7 +27,8 @@ struct Rigid3 {
     return m;
   }
 
-  /// True if the rotation is orthonormal and right-handed to `tolerance`, and all numbers are finite.
+  /// True if the rotation is orthonormal and right-handed to `tolerance`, and all numbers are
+  /// finite.
   bool is_rigid(double tolerance = 1e-4) const {
     return rotation.allFinite() && translation.allFinite() &&
            (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <=

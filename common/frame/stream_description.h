@@ -1,7 +1,7 @@
 #pragma once
 
-// Description of a stream, sent to the client once before its first frame. Values that can change are sent with
-// each frame instead.
+// Description of a stream, sent to the client once before its first frame. Values that can change
+// are sent with each frame instead.
 
 #include <cstdint>
 #include <string>

@@ -6,27 +6,29 @@
 namespace copresence::video {
 namespace {
 
-/// Aimed at, of the rate: what is left keeps a second with a keyframe inside the promise of 10 %.
+/// Target share of the rate. With the rest, a second that contains a keyframe stays within 10 % of
+/// the rate.
 constexpr double kShare = 0.99;
-/// A picture may run ahead of its rate by this many frames' worth: below three, so that no frame exceeds
-/// three times the mean, and so little that a second that begins frugal and ends in a keyframe stays
-/// below 1.1 times the rate.
+/// x264's buffer, in frames. Below 3, so that no frame exceeds three times the mean. It is small
+/// enough that a second which begins with small frames and ends with a keyframe stays below 1.1
+/// times the rate.
 constexpr double kBufferFrames = 2.5;
-/// What is saved is spent within about so many frames, and no more than kMostSaved frames' worth are kept for later: as much
-/// again as a keyframe runs ahead, so that both in one second stay inside the promise. Spent in 8, it would not make up for an
-/// encoder that leaves a quarter of what it may take, as x264 does where every picture differs from the one before.
+/// Saved bits are spent within about kSpendFrames. At most kMostSaved frames' worth are saved, so
+/// that they and a keyframe fit into one second. Spending them in 8 frames would be too slow: if
+/// every picture differs from the one before, x264 leaves a quarter of its rate unused.
 constexpr double kSpendFrames = 5;
 constexpr double kMostSaved = 1.5;
-/// A keyframe's debt, up to kUsualDebt frames' worth, is paid back within about so many frames: faster, and where the mask takes
-/// most of the rate, the pictures after it would get next to nothing and be bad for longer than that. More is paid back in
-/// kRepayMoreFrames.
-constexpr double kRepayFrames = 40;
-constexpr double kRepayMoreFrames = 8;
-constexpr double kUsualDebt = 2;
-/// More is forgiven: when side data alone exceeds the rate for long, the picture must recover within a second
-/// after.
-constexpr double kMostOwed = 30;
-/// Where the side data alone exceeds the rate, the picture still gets this share: x264 needs some.
+/// The bucket drains within about kDrainFrames after a keyframe, which fills it by up to
+/// kUsualLevel frames' worth. If it drained faster and the mask took most of the rate, the next
+/// pictures would get almost no bits. What is above that level drains in kDrainExcessFrames.
+constexpr double kDrainFrames = 40;
+constexpr double kDrainExcessFrames = 8;
+constexpr double kUsualLevel = 2;
+/// Highest level of the bucket in frames. If the side data alone exceeds the rate for long, the
+/// picture recovers within a second afterwards.
+constexpr double kMostLevel = 30;
+/// If the side data alone exceeds the rate, the picture still gets this share, since x264 needs
+/// some bits.
 constexpr double kLeastShare = 0.05;
 
 }  // namespace
@@ -44,24 +46,24 @@ void DepthRateController::set_kbps(int kbps) {
   assert(kbps > 0);
   const double before = frame_bits();
   kbps_ = kbps;
-  debt_bits_ *= frame_bits() / before;  // counted in frames, it is the same debt
+  bucket_bits_ *= frame_bits() / before;  // the level in frames stays the same
 }
 
 PictureRate DepthRateController::picture_rate(std::size_t side_bytes) const {
   const double share = frame_bits() * kShare;
-  const double slow = std::clamp(debt_bits_, 0.0, kUsualDebt * share);
-  const double saved = std::min(debt_bits_, 0.0);
-  const double repaid =
-      slow / kRepayFrames + (debt_bits_ - slow - saved) / kRepayMoreFrames + saved / kSpendFrames;
-  const double wanted = share - 8.0 * static_cast<double>(side_bytes) - repaid;
+  const double usual = std::clamp(bucket_bits_, 0.0, kUsualLevel * share);
+  const double saved = std::min(bucket_bits_, 0.0);
+  const double drained =
+      usual / kDrainFrames + (bucket_bits_ - usual - saved) / kDrainExcessFrames + saved / kSpendFrames;
+  const double wanted = share - 8.0 * static_cast<double>(side_bytes) - drained;
   const double bits = std::max(wanted, share * kLeastShare);
   return {bits * frames_per_second_ / 1000, frame_bits() * kBufferFrames / 1000};
 }
 
 void DepthRateController::spent(std::size_t bytes) {
   const double share = frame_bits() * kShare;
-  debt_bits_ = std::clamp(debt_bits_ + 8.0 * static_cast<double>(bytes) - share, -kMostSaved * share,
-                          kMostOwed * share);
+  bucket_bits_ = std::clamp(bucket_bits_ + 8.0 * static_cast<double>(bytes) - share, -kMostSaved * share,
+                            kMostLevel * share);
 }
 
 }  // namespace copresence::video

@@ -1,10 +1,11 @@
 #pragma once
 
-// Holds all that depth costs to a rate: what mask and table take, the picture gives up.
+// Rate controller for depth: keeps picture and side data together at a bit rate.
 //
-// x264 keeps a picture to the rate it is told, within its buffer, but spends a little less than it may and
-// knows nothing of the side data. So each picture is told a rate of its own: the nominal one, less the side
-// data, corrected by what the frames so far spent over or under it. Thread: a value.
+// x264 keeps the pictures below its rate, but spends a little less than allowed, and does not count
+// the side data. So each picture gets a rate of its own: the nominal rate less the side data,
+// corrected by the bucket level. The bucket level is what the frames so far have spent above the
+// rate (a leaky bucket). Thread: a value.
 
 #include <cstddef>
 
@@ -19,18 +20,18 @@ class DepthRateController {
 
   void set_kbps(int kbps);
 
-  /// What the picture of a frame may take whose side data takes `side_bytes`.
+  /// The rate for the picture of a frame with so many bytes of side data.
   PictureRate picture_rate(std::size_t side_bytes) const;
 
-  /// Tells what the whole frame came to.
+  /// Counts the size of the whole frame.
   void spent(std::size_t bytes);
 
  private:
-  double frame_bits() const;  // a frame's share of the rate
+  double frame_bits() const;  // bits per frame at the rate
 
   double kbps_;
   double frames_per_second_;
-  double debt_bits_ = 0;  // spent so far beyond the rate; negative: saved
+  double bucket_bits_ = 0;  // bits spent above the rate; negative: saved
 };
 
 }  // namespace copresence::video

@@ -54,7 +54,7 @@ Result<PlanarFrame> FrameDecoder::decode_checked(const EncodedFrame& encoded) {
     if (!depth) return fail(depth.error());
     frame.depth.picture = std::move(*depth);
   } else {
-    depth_.reset();  // its picture shows nothing
+    depth_.reset();  // the picture is blank
   }
   if (data->has_color) {
     auto color = color_->decode(encoded.color);

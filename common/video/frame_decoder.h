@@ -1,10 +1,11 @@
 #pragma once
 
-// H.264 to frames: the inverse of FrameEncoder. One frame in, one out or an error, at once.
+// Decodes H.264 to frames; the inverse of FrameEncoder. Each call decodes one frame or fails.
 //
-// A frame that is damaged, cut, missing, out of order, or whose two pictures don't belong together is an
-// error, and so is every frame after it until a keyframe comes: a wrong picture is never handed out as a
-// right one. Thread: one at a time; different decoders are independent.
+// A frame is an error if it is damaged, cut or out of order, if a frame before it is missing, or if
+// its two pictures are of different frames. Every frame after it is an error, too, until the next
+// keyframe. So a wrong picture is never returned.
+// Thread: one at a time; different decoders are independent.
 
 #include <cstdint>
 #include <optional>
@@ -19,12 +20,13 @@ namespace copresence::video {
 
 class FrameDecoder {
  public:
-  /// Fails with kUnsupported where libavcodec has no H.264 decoder.
+  /// Fails with kUnsupported if libavcodec has no H.264 decoder.
   static Result<FrameDecoder> open(const StreamDescription& stream);
 
-  /// Looks at the bytes of `depth` and `color` only: keyframe and sequence of the result come from inside the
-  /// access unit. A frame may lack colour where the stream has it: the camera gave none, or it waits for its
-  /// own keyframe. Fails with kCorrupt: ask for a keyframe.
+  /// Uses only the bytes of `depth` and `color`. Keyframe and sequence of the result are those
+  /// inside the access unit. A frame may have no colour although the stream has it, if the camera
+  /// had no colour for it.
+  /// Fails with kCorrupt: request a keyframe then.
   Result<PlanarFrame> decode(const EncodedFrame& encoded);
 
  private:
@@ -34,7 +36,8 @@ class FrameDecoder {
   PictureDecoder depth_;
   std::optional<PictureDecoder> color_;
   Rigid3 world_from_camera_;
-  std::optional<std::uint64_t> previous_;  // sequence of the last good frame; nothing: a keyframe is needed
+  std::optional<std::uint64_t>
+      previous_;  // sequence of the last decoded frame; if absent, a keyframe is needed
 };
 
 }  // namespace copresence::video

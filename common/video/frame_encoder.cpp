@@ -10,22 +10,22 @@ namespace copresence::video {
 
 namespace {
 
-/// Colour may run ahead of its rate by so many frames' worth: the delay that a keyframe causes on a link of
-/// that rate.
+/// x264's buffer for colour, in frames: the delay that a keyframe may cause on a link of that rate.
 constexpr double kColorBufferFrames = 3;
 
 PictureRate color_rate(int kbps, double frames_per_second) {
   return {double(kbps), kbps * kColorBufferFrames / frames_per_second};
 }
 
-std::optional<DepthRateController> depth_budget(const VideoSettings& settings, double frames_per_second) {
+std::optional<DepthRateController> make_rate_controller(const VideoSettings& settings,
+                                                        double frames_per_second) {
   if (!settings.depth_kbps) return std::nullopt;
   return DepthRateController(*settings.depth_kbps, frames_per_second);
 }
 
-std::optional<PictureRate> first_rate(const std::optional<DepthRateController>& budget) {
-  if (!budget) return std::nullopt;
-  return budget->picture_rate(0);
+std::optional<PictureRate> first_rate(const std::optional<DepthRateController>& rate_controller) {
+  if (!rate_controller) return std::nullopt;
+  return rate_controller->picture_rate(0);
 }
 
 }  // namespace
@@ -39,23 +39,27 @@ Result<FrameEncoder> FrameEncoder::open(const StreamDescription& stream, const V
                                  .height = stream.model.height,
                                  .frames_per_second = stream.frames_per_second,
                                  .qp = settings.depth_qp};
-  const auto budget = depth_budget(settings, stream.frames_per_second);
-  depth_settings.rate = first_rate(budget);
+  const auto rate_controller = make_rate_controller(settings, stream.frames_per_second);
+  depth_settings.rate = first_rate(rate_controller);
   auto depth = PictureEncoder::open(depth_settings);
   if (!depth) return fail(depth.error());
-  if (!stream.has_color) return FrameEncoder(settings, std::move(*depth), budget, std::nullopt);
+  if (!stream.has_color) return FrameEncoder(settings, std::move(*depth), rate_controller, std::nullopt);
   PictureSettings color_settings = depth_settings;
   color_settings.kind = PictureKind::kColor;
   color_settings.format = PixelFormat::kYuv420;
   color_settings.rate = color_rate(settings.color_kbps, stream.frames_per_second);
   auto color = PictureEncoder::open(color_settings);
   if (!color) return fail(color.error());
-  return FrameEncoder(settings, std::move(*depth), budget, std::move(*color));
+  return FrameEncoder(settings, std::move(*depth), rate_controller, std::move(*color));
 }
 
 FrameEncoder::FrameEncoder(const VideoSettings& settings, PictureEncoder depth,
-                           std::optional<DepthRateController> budget, std::optional<PictureEncoder> color)
-    : settings_(settings), depth_(std::move(depth)), budget_(budget), color_(std::move(color)) {}
+                           std::optional<DepthRateController> rate_controller,
+                           std::optional<PictureEncoder> color)
+    : settings_(settings),
+      depth_(std::move(depth)),
+      rate_controller_(rate_controller),
+      color_(std::move(color)) {}
 
 void FrameEncoder::encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe) {
   assert(color_);
@@ -87,10 +91,10 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   data.residuals = frame.depth.residuals;
   data.validity_mask = frame.depth.validity_mask;
 
-  if (budget_) depth_.set_rate(budget_->picture_rate(bitstream::side_data_bytes(data)));
+  if (rate_controller_) depth_.set_rate(rate_controller_->picture_rate(bitstream::side_data_bytes(data)));
   const auto depth = encode_depth(frame.depth);
   if (!depth) return fail(depth.error());
-  if (!flat_) data.qp = static_cast<std::uint8_t>(depth_.qp());
+  if (!blank_) data.qp = static_cast<std::uint8_t>(depth_.qp());
   if (!color) return fail(color.error());
   if (frame.color) color_keyframe_needed_ = false;
 
@@ -100,7 +104,7 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
   encoded.depth = bitstream::add_side_data(*depth, *color, data);
   encoded.color = std::move(*color);
   encoded.durations = frame.durations;
-  if (budget_) budget_->spent(encoded.depth.size());
+  if (rate_controller_) rate_controller_->spent(encoded.depth.size());
   previous_ = frame.metadata.sequence;
   previous_pose_ = frame.metadata.world_from_camera;
   return encoded;
@@ -108,33 +112,33 @@ Result<EncodedFrame> FrameEncoder::encode(const PlanarFrame& frame) {
 
 Result<FrameEncoder::AccessUnit> FrameEncoder::encode_depth(const PlanarDepth& depth) {
   const bool exact = !depth.residuals.empty();
-  assert(exact == flat_.has_value() || depth.keyframe);
+  assert(exact == blank_.has_value() || depth.keyframe);
   if (!exact) {
-    flat_.reset();
+    blank_.reset();
     return depth_.encode(depth.picture, depth.keyframe);
   }
   const PictureSettings& settings = depth_.settings();
-  if (!flat_) flat_.emplace(settings.format, settings.width, settings.height);
-  return flat_->write(depth.keyframe);
+  if (!blank_) blank_.emplace(settings.format, settings.width, settings.height);
+  return blank_->write(depth.keyframe);
 }
 
 Result<bool> FrameEncoder::change(const VideoSettings& settings) {
   assert(settings.preset == settings_.preset);
   if (auto checked = check(settings); !checked) return fail(checked.error());
   const double frames_per_second = depth_.settings().frames_per_second;
-  const bool same_stream = budget_ ? settings.depth_kbps.has_value()
-                                   : !settings.depth_kbps && settings.depth_qp == settings_.depth_qp;
+  const bool same_stream = rate_controller_ ? settings.depth_kbps.has_value()
+                                            : !settings.depth_kbps && settings.depth_qp == settings_.depth_qp;
   if (!same_stream) {
     PictureSettings depth_settings = depth_.settings();
-    const auto budget = depth_budget(settings, frames_per_second);
+    const auto rate_controller = make_rate_controller(settings, frames_per_second);
     depth_settings.qp = settings.depth_qp;
-    depth_settings.rate = first_rate(budget);
+    depth_settings.rate = first_rate(rate_controller);
     auto depth = PictureEncoder::open(depth_settings);
     if (!depth) return fail(depth.error());
     depth_ = std::move(*depth);
-    budget_ = budget;
-  } else if (budget_) {
-    budget_->set_kbps(*settings.depth_kbps);
+    rate_controller_ = rate_controller;
+  } else if (rate_controller_) {
+    rate_controller_->set_kbps(*settings.depth_kbps);
   }
   if (color_) color_->set_rate(color_rate(settings.color_kbps, frames_per_second));
   settings_ = settings;

@@ -1,7 +1,8 @@
 #pragma once
 
-// Frames to H.264: the depth picture with its side data (side_data.h) and the colour picture of the same
-// instant. One frame in, one out, at once. Thread: one at a time; different encoders are independent.
+// Encodes frames to H.264: the depth picture with its side data (side_data.h), and the colour
+// picture of the same instant. Each call encodes one frame. Thread: one at a time; different
+// encoders are independent.
 
 #include <cstdint>
 #include <optional>
@@ -19,37 +20,40 @@ namespace copresence::video {
 
 class FrameEncoder {
  public:
-  /// Fails with kInvalid for settings out of range, with kUnsupported where libx264 is missing or refuses.
+  /// Fails with kInvalid for settings out of range, with kUnsupported if libx264 is missing or
+  /// rejects the settings.
   static Result<FrameEncoder> open(const StreamDescription& stream, const VideoSettings& settings);
 
-  /// A keyframe exactly where frame.depth.keyframe is set. Durations are copied; the caller adds its own.
-  /// Requires pictures of the stream's format and size, or samples and no picture; a keyframe where one follows the other; a
-  /// keyframe first; sequence numbers from 1 upward;
-  /// after a failure, a keyframe.
+  /// Encodes a keyframe exactly if frame.depth.keyframe is set. Durations are copied; the caller
+  /// adds its own.
+  /// Requires a depth picture of the stream's format and size, or residuals and no picture.
+  /// Requires a keyframe at the beginning, after a failure, and at a change between pictures and
+  /// residuals. Sequence numbers start at 1 and rise.
   Result<EncodedFrame> encode(const PlanarFrame& frame);
 
-  /// Encodes the colour of the frame `sequence`, the coming one, so that encode() finds it done: colour does not have
-  /// to wait for depth. `keyframe` as far as it is known: where depth turns out to be one by itself, colour is encoded again. Where that
-  /// frame comes to nothing, so does this.
-  /// Thread: beside whatever does not use this encoder.
+  /// Encodes the colour of the next frame before encode() is called, so that colour need not wait
+  /// for depth. If depth later forces a keyframe, encode() encodes colour again. If the frame is
+  /// dropped, the next frame must be a keyframe.
+  /// Thread: may run concurrently with anything that does not use this encoder.
   void encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe);
 
-  /// Other rates or another quantiser, of the same effort, from the next frame on. Where this says true that frame must be a keyframe:
-  /// another quantiser, or a rate instead of one, is another H.264 stream; another rate is not.
-  /// Fails as open() does, and everything is as before.
+  /// Changes rates or QP from the next frame on; the preset must stay the same. Returns true if
+  /// that frame must be a keyframe: when the QP changes, or between QP and bit rate. A new bit rate
+  /// alone needs none.
+  /// Fails as open() does, and changes nothing then.
   Result<bool> change(const VideoSettings& settings);
 
  private:
-  FrameEncoder(const VideoSettings& settings, PictureEncoder depth, std::optional<DepthRateController> budget,
-               std::optional<PictureEncoder> color);
+  FrameEncoder(const VideoSettings& settings, PictureEncoder depth,
+               std::optional<DepthRateController> rate_controller, std::optional<PictureEncoder> color);
 
   using AccessUnit = std::vector<std::uint8_t>;
   Result<AccessUnit> encode_depth(const PlanarDepth& depth);
 
   VideoSettings settings_;
   PictureEncoder depth_;
-  std::optional<bitstream::BlankPictureWriter> flat_;  // instead of depth_, since the last keyframe
-  std::optional<DepthRateController> budget_;
+  std::optional<bitstream::BlankPictureWriter> blank_;  // instead of depth_, since the last keyframe
+  std::optional<DepthRateController> rate_controller_;
   std::optional<PictureEncoder> color_;
   struct Ahead {
     std::uint64_t sequence;

@@ -1,6 +1,7 @@
 #pragma once
 
-// FFmpeg's C objects as owners, its error numbers as words. Private to this room's .cpp files.
+// FFmpeg's headers, and conversions of its error numbers and pixel formats. Private to this
+// module's sources.
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -14,7 +15,8 @@ extern "C" {
 
 namespace copresence::video {
 
-/// FFmpeg writes to standard error unless told not to; a room doesn't log. Call before opening a codec.
+/// Keeps FFmpeg from writing to standard error, since modules do not log. Call it before opening a
+/// codec.
 void silence_libav();
 
 std::string libav_error(int code);

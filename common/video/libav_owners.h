@@ -1,6 +1,6 @@
 #pragma once
 
-// Owners of FFmpeg's objects, without its headers.
+// Smart pointers to FFmpeg's objects, without FFmpeg's headers.
 
 #include <memory>
 

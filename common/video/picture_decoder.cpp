@@ -13,8 +13,8 @@
 namespace copresence::video {
 namespace {
 
-/// Whether the frame's planes hold `format`. FFmpeg gives 4:0:0 as grey or with chroma planes of mid grey, by
-/// version.
+/// True if the frame's planes hold `format`. Depending on its version, FFmpeg decodes 4:0:0 as
+/// grey, or with chroma planes of mid grey.
 bool holds(AVPixelFormat decoded, PixelFormat format) {
   switch (format) {
     case PixelFormat::kGray8:
@@ -29,17 +29,18 @@ bool holds(AVPixelFormat decoded, PixelFormat format) {
   return false;
 }
 
-/// The frame's picture, lent by the decoder, which only reads what it has given away, where its rows have no padding: where the
-/// width of every plane is a multiple of 64 bytes. Else a copy. Empties the frame.
+/// The frame's picture. If its rows have no padding, which holds if the width of every plane is a
+/// multiple of 64 bytes, the picture borrows the decoder's planes; the decoder only reads planes
+/// that it has returned. Otherwise the planes are copied. Empties the frame.
 Picture take_picture(AVFrame& frame, PixelFormat format, int width, int height) {
   const std::shared_ptr<AVFrame> taken(av_frame_alloc(), AvFrameDeleter());
   av_frame_move_ref(taken.get(), &frame);
-  Picture lent =
+  Picture borrowed =
       Picture::borrowed(format, width, height, {taken->data[0], taken->data[1], taken->data[2]}, taken);
-  const auto row_bytes = [&](int plane) { return lent.plane_width(plane) * lent.bytes_per_sample(); };
+  const auto row_bytes = [&](int plane) { return borrowed.plane_width(plane) * borrowed.bytes_per_sample(); };
   bool is_padded = false;
-  for (int i = 0; i < lent.planes(); ++i) is_padded = is_padded || taken->linesize[i] != row_bytes(i);
-  if (!is_padded) return lent;
+  for (int i = 0; i < borrowed.planes(); ++i) is_padded = is_padded || taken->linesize[i] != row_bytes(i);
+  if (!is_padded) return borrowed;
 
   Picture copy = Picture::uninitialised(format, width, height);
   for (int i = 0; i < copy.planes(); ++i) {
@@ -63,7 +64,8 @@ Result<PictureDecoder> PictureDecoder::open(PixelFormat format, int width, int h
   context->flags |= AV_CODEC_FLAG_LOW_DELAY;
   context->err_recognition = AV_EF_CAREFUL | AV_EF_COMPLIANT | AV_EF_EXPLODE;
   context->error_concealment = 0;
-  // A parameter set that announces a giant is refused before its memory is taken; macroblocks round sizes up.
+  // Rejects a parameter set with a huge size before memory is allocated. Sizes are rounded up to
+  // macroblocks.
   context->max_pixels = std::int64_t{width + 32} * (height + 32);
   if (const int code = avcodec_open2(context.get(), codec, nullptr); code < 0) {
     return fail(ErrorCode::kUnsupported,

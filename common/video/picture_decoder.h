@@ -1,10 +1,11 @@
 #pragma once
 
-// H.264 to pictures: the inverse of PictureEncoder. One access unit in, its picture or an error out, at once.
+// Decodes H.264 to pictures; the inverse of PictureEncoder. Each call decodes one access unit or
+// fails.
 //
-// Bytes may come from anywhere: whatever they are, the answer is an error or a picture of the expected format
-// and size. After an error only a keyframe is taken, since the pictures that others build on are no longer
-// sure. Thread: one at a time; different decoders are independent.
+// The bytes may be untrusted: the result is an error, or a picture of the expected format and size.
+// After an error only a keyframe is accepted, since other pictures depend on the one that failed.
+// Thread: one at a time; different decoders are independent.
 
 #include <cstdint>
 #include <span>
@@ -18,13 +19,13 @@ namespace copresence::video {
 
 class PictureDecoder {
  public:
-  /// Fails with kUnsupported when this machine's libavcodec has no H.264 decoder.
+  /// Fails with kUnsupported if this machine's libavcodec has no H.264 decoder.
   static Result<PictureDecoder> open(PixelFormat format, int width, int height);
 
-  /// Fails with kCorrupt: ask for a keyframe.
+  /// Fails with kCorrupt: request a keyframe then.
   Result<Picture> decode(std::span<const std::uint8_t> access_unit);
 
-  /// Takes nothing but a keyframe next, as at the beginning.
+  /// Accepts only a keyframe next, as at the beginning.
   void reset();
 
  private:
@@ -38,7 +39,7 @@ class PictureDecoder {
   CodecContext context_;
   AvFrame frame_;
   AvPacket packet_;
-  std::vector<std::uint8_t> padded_;  // essential NAL units, with the padding libavcodec may read beyond them
+  std::vector<std::uint8_t> padded_;  // essential NAL units, and the padding that libavcodec may read
   bool keyframe_needed_ = true;
 };
 

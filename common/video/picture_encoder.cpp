@@ -14,57 +14,61 @@ namespace copresence::video {
 namespace {
 
 constexpr int kMaxQp = 63;          // at 10 bit
-constexpr int kInfinite = 1 << 30;  // x264's own word for a group of pictures without end
+constexpr int kInfinite = 1 << 30;  // x264's value for an unlimited group of pictures
 
 void set(AVCodecContext& context, const char* key, const std::string& value) {
   [[maybe_unused]] const int code = av_opt_set(context.priv_data, key, value.c_str(), 0);
   assert(code >= 0);
 }
 
-void tell_rate(AVCodecContext& context, const PictureRate& rate) {
+void apply_rate(AVCodecContext& context, const PictureRate& rate) {
   context.bit_rate = std::llround(1000 * rate.kbps);
-  context.rc_max_rate =
-      context.bit_rate;  // both the same: x264 then holds every stretch to it, not only the mean
+  // With equal mean and maximum, x264 keeps every sequence of pictures to the rate, not only the
+  // mean.
+  context.rc_max_rate = context.bit_rate;
   context.rc_buffer_size = static_cast<int>(std::lround(1000 * rate.buffer_kbit));
 }
 
-// Both presets are measured on real recordings (docs/internals/video.md): where more time buys little.
+// Both presets were chosen by measurements on real recordings (docs/internals/video.md).
 constexpr const char* kDepthOptions =
     "scenecut=0"
-    // Psychovisual tricks and adaptive quantisation move error to where eyes don't see it. Geometry has no
-    // such place.
+    // Psychovisual optimisation and adaptive quantisation move error to where eyes do not see it.
+    // In depth, error is visible everywhere.
     ":psy=0:aq-mode=0"
-    // Depth is smooth between sharp edges: 4x4 transforms follow them, 8x8 cost 6 % more; small partitions
-    // save 12 % at the same error, a strong deblocking filter 4 to 8 % of the error; weighting looks for
-    // fades.
+    // Depth is smooth between sharp edges, which 4x4 transforms follow; 8x8 transforms cost 6 %
+    // more bits. Small partitions save 12 % of the bits at the same error, and a strong deblocking
+    // filter 4 to 8 % of the error. Weighted prediction is for fades, which depth does not have.
     ":no-8x8dct=1:analyse=i4x4,p8x8,p4x4:deblock=2,2:weightp=0:subme=0"
-    // Rounding closer to the nearest step instead of towards zero: a third fewer of the large errors at the
-    // same rate.
+    // Rounding closer to the nearest step instead of towards zero gives a third fewer large errors
+    // at the same rate.
     ":deadzone-inter=11:deadzone-intra=11";
 constexpr const char* kColorOptions =
     "scenecut=0"
-    // CABAC is worth 0.4 dB and costs both ends 0.4 ms; adaptive quantisation costs 1 dB.
+    // CABAC would gain 0.4 dB but cost 0.4 ms at both ends. Adaptive quantisation would lose 1 dB.
     ":cabac=0:aq-mode=0"
-    // Of the intra kinds 8x8 alone is as good; weighting looks for fades.
+    // Of the intra modes, 8x8 alone is as good as all. Weighted prediction is for fades.
     ":analyse=i8x8:weightp=0";
 
-// The same for machines that do much else: small partitions and CABAC are what time goes into.
+// For machines with little free processor time. Small partitions and CABAC take most time, so they
+// are off.
 constexpr const char* kLiveDepthOptions =
     "scenecut=0:psy=0:aq-mode=0:analyse=i4x4:deblock=2,2:no-deblock=0:deadzone-inter=11:deadzone-intra=11";
 constexpr const char* kLiveColorOptions = "scenecut=0:aq-mode=0";
 
-/// Whether the deblocking filter has anything to do: its threshold is 0 up to an index of 15 (H.264 table 8-16), which is
-/// the quantiser as at 8 bit and twice the presets' 2. Without it the pictures are the same, and neither end goes through
-/// all their edges for nothing.
+/// True if the deblocking filter can change a sample. Its threshold is 0 up to an index of 15
+/// (H.264 table 8-16). The index is the QP on the scale of 8 bits, plus twice the presets' offset
+/// of 2. Otherwise the filter is switched off, which saves time at both ends and gives the same
+/// pictures.
 bool can_deblock(const PictureSettings& settings) {
   constexpr int kFirstIndex = 16, kPresetOffset = 2 * 2, kTenBitOffset = 12;
   const int bits_offset = settings.format == PixelFormat::kGray10 ? kTenBitOffset : 0;
   return settings.rate || settings.qp - bits_offset + kPresetOffset >= kFirstIndex;
 }
 
-/// Processors of the first generation with AVX-512 (Skylake, Cascade Lake) run a core slower for a while after its widest
-/// instructions, and everything else on that core pays: hole filling, decoding, rendering. x264 writes the same bits
-/// without them; two live cameras then take 1 % less time in all (docs/internals/video.md).
+/// Processors of the first generation with AVX-512 (Skylake, Cascade Lake) lower a core's clock for
+/// a while after its widest instructions. This slows down everything else on that core: hole
+/// filling, decoding, rendering. Without them x264 writes the same bits, and two live cameras take
+/// 1 % less time in all (docs/internals/video.md).
 bool slows_down_by_avx512() {
   const int flags = av_get_cpu_flags();
   return (flags & AV_CPU_FLAG_AVX512) != 0 && (flags & AV_CPU_FLAG_AVX512ICL) == 0;
@@ -88,15 +92,15 @@ void set_presets(AVCodecContext& context, const PictureSettings& settings) {
   if (slows_down_by_avx512()) options += ":asm=AVX2";
   set(context, "x264-params", options);
   if (settings.rate) {
-    tell_rate(context, *settings.rate);
-    // Finer quantisers cost more than none at all and are not better by what a depth code is worth.
+    apply_rate(context, *settings.rate);
+    // Lower QPs cost more bits than lossless coding, and the gain is less than one depth code.
     if (settings.kind == PictureKind::kDepth) context.qmin = settings.format == PixelFormat::kGray10 ? 8 : 4;
   } else {
     set(context, "qp", std::to_string(settings.qp));
   }
 }
 
-/// The quantiser that libx264 says it used on the mean; 0 where it does not say, which costs the decoder's edge repair.
+/// The mean QP that libx264 reports; 0 if it reports none. The decoder then does not repair edges.
 int qp_of(const AVPacket& packet) {
   std::size_t size = 0;
   const std::uint8_t* const stats = av_packet_get_side_data(&packet, AV_PKT_DATA_QUALITY_STATS, &size);
@@ -105,15 +109,17 @@ int qp_of(const AVPacket& packet) {
   return std::clamp(lambda / FF_QP2LAMBDA, 0, kMaxQp);
 }
 
-/// Lends a picture's planes to a frame without a copy: they are read until the frame is let go.
-void lend(const Picture& picture, AVFrame& frame) {
+/// Lets a frame refer to a picture's planes without a copy. The picture must outlive the frame's
+/// use.
+void refer_to(const Picture& picture, AVFrame& frame) {
   for (int plane = 0; plane < picture.planes(); ++plane) {
     const bool deep = picture.bytes_per_sample() == 2;
     const auto* first =
         deep ? reinterpret_cast<const std::uint8_t*>(picture.plane10().data()) : picture.plane8(plane).data();
     const std::size_t row_bytes =
         static_cast<std::size_t>(picture.plane_width(plane)) * picture.bytes_per_sample();
-    auto* const bytes = const_cast<std::uint8_t*>(first);  // AV_BUFFER_FLAG_READONLY keeps the promise
+    auto* const bytes =
+        const_cast<std::uint8_t*>(first);  // never written, because of AV_BUFFER_FLAG_READONLY
     frame.buf[plane] = av_buffer_create(
         bytes, row_bytes * picture.plane_height(plane), [](void*, std::uint8_t*) {}, nullptr,
         AV_BUFFER_FLAG_READONLY);
@@ -166,7 +172,7 @@ Result<std::vector<std::uint8_t>> PictureEncoder::encode(const Picture& picture,
   frame_->color_range = context_->color_range;
   frame_->pict_type = keyframe || keyframe_needed_ ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
   frame_->pts = pictures_++;
-  lend(picture, *frame_);
+  refer_to(picture, *frame_);
   int code = avcodec_send_frame(context_.get(), frame_.get());
   av_frame_unref(frame_.get());
   if (code >= 0) code = avcodec_receive_packet(context_.get(), packet_.get());
@@ -183,7 +189,7 @@ Result<std::vector<std::uint8_t>> PictureEncoder::encode(const Picture& picture,
 void PictureEncoder::set_rate(const PictureRate& rate) {
   assert(settings_.rate && rate.kbps > 0 && rate.buffer_kbit > 0);
   settings_.rate = rate;
-  tell_rate(*context_, rate);  // libavcodec hands changes on with the next picture
+  apply_rate(*context_, rate);  // libavcodec passes changes on with the next picture
 }
 
 }  // namespace copresence::video

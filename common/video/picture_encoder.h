@@ -1,10 +1,12 @@
 #pragma once
 
-// Pictures to H.264, one access unit for each, at once: libx264 without B frames, lookahead or threads.
+// Encodes pictures to H.264, one access unit for each, without delay: libx264 without B frames,
+// lookahead or threads.
 //
-// The first picture is a keyframe (IDR, with its parameter sets); later ones only when asked for. Samples are
-// full range and go to x264 from where they lie, with one exact result for one input. At quantiser 0 the
-// decoder gives the very same samples back. Thread: one at a time; different encoders are independent.
+// The first picture is a keyframe (IDR, with its parameter sets), and later ones only on request.
+// Samples are full range and are not copied for x264. Equal inputs give equal outputs. At QP 0 the
+// decoder returns exactly the same samples.
+// Thread: one at a time; different encoders are independent.
 
 #include <cstdint>
 #include <optional>
@@ -19,7 +21,7 @@ namespace copresence::video {
 
 enum class PictureKind { kDepth, kColor };
 
-/// A constant rate: every stretch of pictures stays below it plus the buffer.
+/// A constant bit rate: any sequence of pictures stays below the rate plus the buffer.
 struct PictureRate {
   double kbps = 0;
   double buffer_kbit = 0;
@@ -31,27 +33,28 @@ struct PictureSettings {
   PixelFormat format = PixelFormat::kGray8;
   int width = 0;  ///< even
   int height = 0;
-  double frames_per_second = 30;  ///< nominal: what a rate in kbit/s is spread over
-  int qp = 0;                     ///< constant quantiser, where there is no rate
+  double frames_per_second = 30;  ///< nominal; a rate in kbit/s is divided by it
+  int qp = 0;                     ///< constant QP, if there is no rate
   std::optional<PictureRate> rate = std::nullopt;
 };
 
 class PictureEncoder {
  public:
-  /// Fails with kUnsupported when this machine's libavcodec lacks libx264 or libx264 refuses the settings.
+  /// Fails with kUnsupported if this machine's libavcodec has no libx264, or if libx264 rejects the
+  /// settings.
   static Result<PictureEncoder> open(const PictureSettings& settings);
 
-  /// The picture's access unit, Annex B.
-  /// Requires a picture of the settings' format and size. Fails as libx264 does; the next picture is then a
-  /// keyframe.
+  /// The picture's access unit, Annex B. Requires a picture of the settings' format and size. Fails
+  /// if libx264 does; the next picture is then a keyframe.
   Result<std::vector<std::uint8_t>> encode(const Picture& picture, bool keyframe);
 
-  /// From the next picture on. Requires an encoder opened with a rate; numbers above 0.
+  /// Changes the rate from the next picture on. Requires an encoder opened with a rate, and numbers
+  /// above 0.
   void set_rate(const PictureRate& rate);
 
   const PictureSettings& settings() const { return settings_; }
 
-  /// Of the picture encoded last, counted as depth_qp is. Requires one.
+  /// QP of the picture encoded last, on the scale of depth_qp. Requires an encoded picture.
   int qp() const { return qp_; }
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
-// What a person may choose about video. Everything else is a preset, measured once (docs/internals/video.md).
+// The video settings that a user may choose. All other settings are fixed by the preset
+// (docs/internals/video.md).
 
 #include <optional>
 
@@ -8,23 +9,26 @@
 
 namespace copresence::video {
 
-/// What encoding may cost in processor time, both pictures. The same quantiser means the same error with either.
+/// Trade-off between processor time and bits, for both pictures. Equal QPs give equal errors with
+/// either preset.
 enum class Preset {
-  kDense,  ///< fewest bits that still keep up with one camera: benches, recordings, fast machines
-  kLive,  ///< two thirds of the time to encode and to decode for a tenth more bits of depth and 3 dB of colour
+  kDense,  ///< fewest bits at a speed that still keeps up with one camera; for benchmarks and fast machines
+  kLive,   ///< two thirds of the time at both ends; a tenth more bits for depth, 3 dB less for colour
 };
 
 struct VideoSettings {
   Preset preset = Preset::kDense;
-  /// Quantiser of the depth pictures, 0 (lossless) to 51 for 8 bit and 63 for 10 bit; 12 more there are as
-  /// coarse as at 8 bit. From 1 to 7 costs more than lossless. Not used when depth_kbps is set.
+  /// QP of the depth pictures, 0 (lossless) to 51. At 10 bits a QP is as coarse as one that is
+  /// lower by 12 at 8 bits. QPs from 1 to 7 cost more bits than lossless coding. Not used if
+  /// depth_kbps is set.
   int depth_qp = 12;
-  /// Everything that depth costs: picture, mask and table, kbit/s at the stream's nominal rate.
+  /// Bit rate of all of depth (picture, mask and codebook) at the stream's nominal frame rate,
+  /// kbit/s.
   std::optional<int> depth_kbps = std::nullopt;
   int color_kbps = 2500;
 };
 
-/// Fails with kInvalid and a sentence that names the number and its range.
+/// Fails with kInvalid; the message names the number and its range.
 Result<void> check(const VideoSettings& settings);
 
 inline constexpr int kMaxDepthQp = 51;

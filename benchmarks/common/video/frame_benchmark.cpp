@@ -1,6 +1,6 @@
-// Milliseconds per 640x480 frame of video coding alone, both ways: the pictures of recordings after hole
-// filling and depth coding (quantized), as the capture server makes them. Counters: Mbit/s at 30 frames a
-// second.
+// Time of video coding alone, encoding and decoding, per 640x480 frame in milliseconds. The
+// pictures are those of recordings after hole filling and depth coding, as in the capture server.
+// Counters: Mbit/s at 30 frames a second.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
@@ -74,7 +74,7 @@ const Content& content_of(const Case& which) {
   return place->second;
 }
 
-/// The recording's frames over and over, numbered on, each turn with a keyframe.
+/// The recording's frames in a loop, with rising numbers. Each pass begins with a keyframe.
 PlanarFrame frame_of(const Content& content, const Case& which, std::uint64_t sequence) {
   PlanarFrame frame = content.frames[(sequence - 1) % content.frames.size()];
   frame.metadata.sequence = sequence;
@@ -127,7 +127,7 @@ const int kRegistered = [] {
   for (const std::string& recording : recordings()) {
     const std::string name = std::filesystem::path(recording).stem();
     const std::pair<const char*, Case> cases[] = {
-        // What capture_server sends unless told otherwise.
+        // The defaults of capture_server.
         {"live", {recording, {.preset = Preset::kLive, .depth_qp = 20}, Part::kBoth, "adaptive"}},
         {"both", {recording, {}, Part::kBoth}},
         {"depth", {recording, {}, Part::kDepth}},

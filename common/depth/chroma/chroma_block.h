@@ -1,7 +1,7 @@
 #pragma once
 
-// What the pixels under one chroma sample agree on. In 4:2:0 four pixels share a sample; where they lie on
-// two surfaces, an average of what they want would mean a third depth, or nothing. So they vote.
+// Chooses the value that the pixels of one chroma sample share. In 4:2:0 four pixels share a
+// sample. If they lie on two surfaces, their mean would be a third depth, so they vote instead.
 //
 // Thread: pure.
 
@@ -13,8 +13,9 @@
 
 namespace copresence::depth {
 
-/// The mean of the largest set of pixels in the 2x2 block at (x, y), both even, that lie within `tolerance`
-/// of one of them. Holes vote only among themselves. Requires tolerance >= 0.
+/// The mean of the largest set of pixels in the 2x2 block at (x, y) that differ from one of them by
+/// at most `tolerance`. Holes vote only if all four pixels are holes. Requires even x and y,
+/// tolerance >= 0.
 inline int agreed_value(const DepthImage& depth, const StateImage& states, int x, int y, int tolerance) {
   const std::uint16_t* const upper = depth.row(y).data() + x;
   const std::uint16_t* const lower = depth.row(y + 1).data() + x;

@@ -16,7 +16,7 @@ namespace copresence::depth {
 namespace {
 
 constexpr int kCodes = 8192;       // 13 bits
-constexpr int kSameSurface = 128;  // codes that pixels of one surface under one chroma sample may lie apart
+constexpr int kSameSurface = 128;  // pixels of a chroma sample whose codes differ by less are one surface
 
 // The points on the spiral.
 constexpr int kSpiralPoints = 32;
@@ -58,11 +58,13 @@ std::array<ChromaPoint, kSpiralPoints> spiral_points() {
   return points;
 }
 
-// A UV sample farther from its point than this, in codes of U and V together, was probably moved by video coding.
+// A UV sample farther from its point than this, in codes of U and V together, was probably moved by
+// video coding.
 constexpr int kMoved = 8;
 constexpr std::uint8_t kOffPoint = 0x80;
 
-// For every UV, at u * 256 + v: the index of the nearest point, with kOffPoint set if the sample is off that point.
+// For every UV, at u * 256 + v: the index of the nearest point, with kOffPoint set if the sample is
+// off that point.
 std::vector<std::uint8_t> nearest_spiral_point() {
   const auto points = spiral_points();
   std::vector<std::uint8_t> nearest(65536);
@@ -116,12 +118,12 @@ class SpiralEncoder final : public PlaneEncoder {
   }
 
  private:
-  // Y for a pixel whose chroma says `upper`.
+  // Y of a pixel whose chroma codes `upper`.
   std::uint8_t luma(unsigned coded, unsigned upper) const {
     return static_cast<std::uint8_t>(coded ^ (variant_.fold && (upper & 1) ? 255u : 0u));
   }
 
-  // A row of Y, every pixel's chroma saying what it would itself; vector instructions do it.
+  // Writes a row of Y for pixels whose chroma codes their own upper bits.
   void write_luma_row(const std::uint16_t* coded, int width, std::uint8_t* y) const {
     const unsigned mirrored = variant_.fold ? 255 : 0;
     for (int x = 0; x < width; ++x)
@@ -166,9 +168,9 @@ class SpiralEncoder final : public PlaneEncoder {
     }
   }
 
-  // Y for a pixel that was perhaps outvoted. On the same surface the end of the voted part is nearer to it
-  // than anything that its own lower bits could be taken for; beyond an edge they are kept, and the filter
-  // finds their upper part.
+  // Y of a pixel that may have lost the vote. If it is on the same surface, it takes the nearest
+  // code with the voted upper bits. Beyond an edge it keeps its own lower bits, and the filter
+  // finds the upper ones.
   std::uint8_t luma_beside(int coded, unsigned voted) const {
     const int least = static_cast<int>(voted) << 8, most = least + 255;
     if (coded < least && coded >= least - kSameSurface) return luma(0u, voted);
@@ -217,7 +219,8 @@ class SpiralDecoder final : public PlaneDecoder {
   }
 
  private:
-  // Upper bits of every chroma sample. One may be wrong for its pixels where video coding moved it off its point.
+  // Reads the upper bits of every chroma sample. A sample that video coding moved off its point is
+  // doubtful.
   void read_chroma(const Picture& picture) {
     upper_.resize(picture.plane_width(1), picture.plane_height(1));
     doubtful_.resize(picture.plane_width(1), picture.plane_height(1));
@@ -234,7 +237,7 @@ class SpiralDecoder final : public PlaneDecoder {
     }
   }
 
-  // A row's upper bits, one for each pixel, with the lower ones set where luma is mirrored.
+  // Spreads a row's upper bits to its pixels, and sets the lower bits where luma is mirrored.
   void spread(const std::uint8_t* upper) {
     std::uint16_t* const out = spread_.data();
     const std::size_t width = spread_.size();
@@ -249,7 +252,7 @@ class SpiralDecoder final : public PlaneDecoder {
     }
   }
 
-  // Where several pixels voted on a chroma sample, it may also be wrong where its neighbours say something else.
+  // A vote may also be wrong where neighbouring chroma samples have other upper bits.
   void doubt_votes() {
     const int width = upper_.width(), height = upper_.height();
     for (int y = 0; y < height; ++y) {
@@ -269,8 +272,8 @@ class SpiralDecoder final : public PlaneDecoder {
   SpiralVariant variant_;
   std::vector<std::uint8_t> nearest_;
   std::vector<std::uint16_t> depth_of_coded_;
-  Image<std::uint8_t> upper_, doubtful_;  // of every chroma sample
-  std::vector<std::uint16_t> spread_;     // see spread()
+  Image<std::uint8_t> upper_, doubtful_;  // by chroma sample
+  std::vector<std::uint16_t> spread_;     // a row, as spread() writes it
 };
 
 }  // namespace

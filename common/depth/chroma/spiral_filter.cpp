@@ -7,8 +7,8 @@ namespace copresence::depth {
 namespace {
 
 // In 13-bit codes, about 0.56 mm over the default range.
-constexpr int kOff = 128;   // half a period: farther from both sides than this is suspicious
-constexpr int kClose = 24;  // an upper part that comes this close to a side is believed
+constexpr int kOff = 128;   // half a period; a pixel farther than this from both sides may be wrong
+constexpr int kClose = 24;  // upper bits that bring a pixel this close to a side are accepted
 
 constexpr int kNone = -1;
 
@@ -26,7 +26,7 @@ int nearest_alias(int coded, int target, bool fold) {
   return best;
 }
 
-// One row of pixels and the rows beside its chroma samples; null where there is none.
+// One row of pixels, and the rows above and below its chroma samples; null beyond the image.
 struct Rows {
   std::uint16_t* here;
   const std::uint16_t *above, *below;
@@ -34,12 +34,12 @@ struct Rows {
   int width;
 };
 
-// A side that the pixel may be compared with; kNone where it is outside or a hole.
+// The value at x of a row beside the chroma sample; kNone if it is outside the image or a hole.
 int side(const std::uint16_t* row, const DepthState* states, int x) {
   return row && states[x] != DepthState::kHole ? int{row[x]} : kNone;
 }
 
-// The pixel at x, whose chroma sample has the columns from first_x to before end_x.
+// Corrects the pixel at x. Its chroma sample has the columns from first_x to before end_x.
 void correct(const Rows& rows, int x, int first_x, int end_x, bool fold) {
   if (rows.states[x] == DepthState::kHole) return;
   const int here = rows.here[x];

@@ -1,10 +1,10 @@
 #pragma once
 
-// Corrects the upper bits of spiral-coded depth from spatial continuity. The lower bits, at full resolution
-// in luma, are good; the upper bits, from chroma, are wrong where a chroma sample's vote went against a pixel
-// or video coding moved a point to another. Such a pixel stands off from what lies on both sides of its
-// chroma sample; if another upper part puts it next to one of them, that one is taken. A true edge agrees
-// with one side and stays.
+// Corrects the upper bits of spiral-coded depth from spatial continuity. The lower bits are
+// reliable, since luma has the full resolution. The upper bits are wrong if the pixel lost the vote
+// on its chroma sample, or if video coding moved the sample to another point. Such a pixel differs
+// from the pixels on both sides of its chroma sample. If other upper bits bring it close to one
+// side, it takes these. A pixel at a true edge agrees with one side and stays as it is.
 //
 // Thread: pure.
 
@@ -12,9 +12,9 @@
 
 namespace copresence::depth {
 
-/// `coded` holds 13-bit depth, corrected in place under the chroma samples that are not 0 in `doubtful`,
-/// which has the shape of the chroma planes; `fold` as the lower bits were written. Holes are neither asked
-/// nor changed.
+/// Corrects 13-bit depth in place, in the chroma samples that are not 0 in `doubtful`. `doubtful`
+/// has the shape of the chroma planes. `fold`: the lower bits are mirrored, as in the codec's -fold
+/// variants. Holes are neither used nor changed.
 void correct_upper_bits(DepthImage& coded, const StateImage& states, const Image<std::uint8_t>& doubtful,
                         bool fold);
 

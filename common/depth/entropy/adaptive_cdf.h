@@ -1,7 +1,7 @@
 #pragma once
 
-// Adaptive distribution over sixteen symbols, for ANS coding (ans_coder.h). It is kept as sixteen cumulative
-// frequencies, all of which move towards each coded symbol in a few vector instructions.
+// Adaptive distribution over sixteen symbols, for ANS coding (ans_coder.h). It is kept as sixteen
+// cumulative frequencies, all of which move towards each coded symbol in a few vector instructions.
 //
 // Every symbol keeps a frequency of at least 1 of 16384. Thread: a value.
 
@@ -68,7 +68,8 @@ class AdaptiveCdf {
  private:
   using Row = std::array<std::int16_t, kSymbols>;
   static constexpr int kLearnt = (1 << kBits) - kSymbols;  // what is left when every symbol has its 1
-  // A symbol moves its distribution by 1/32. A rate of 1/64 saves 1 % but learns more slowly after a keyframe.
+  // A symbol moves its distribution by 1/32. A rate of 1/64 saves 1 % but learns more slowly after
+  // a keyframe.
   static constexpr int kRate = 5;
 
   static constexpr std::array<Row, kSymbols> make_targets() {

@@ -1,12 +1,13 @@
 #pragma once
 
-// Entropy coder: asymmetric numeral systems, the range variant (Duda 2013). A symbol takes about -log2(its frequency)
-// bits and is decoded with one multiplication. Two interleaved streams of symbols, each with a state of its own, share
-// the 16-bit words of the output, so that a processor can work on both at a time.
+// Entropy coder: asymmetric numeral systems, the range variant (Duda 2013). A symbol takes about
+// -log2(its frequency) bits and is decoded with one multiplication. Two interleaved streams of
+// symbols, each with a state of its own, share the 16-bit words of the output, so that a processor
+// can work on both at a time.
 //
-// The last symbol that is encoded is the first one decoded. The writer therefore collects all symbols and encodes them
-// backwards at the end. The reader reads zeros past the end of its bytes: it decodes any bytes to some symbols, in
-// bounded time.
+// The last symbol that is encoded is the first one decoded. The writer therefore collects all
+// symbols and encodes them backwards at the end. The reader reads zeros past the end of its bytes:
+// it decodes any bytes to some symbols, in bounded time.
 //
 // Thread: distinct objects are independent.
 
@@ -19,7 +20,8 @@
 
 namespace copresence::depth {
 
-/// A cursor into the caller's buffer. It is small and cheap to copy, so that a loop can keep it in registers.
+/// A cursor into the caller's buffer. It is small and cheap to copy, so that a loop can keep it in
+/// registers.
 class AnsWriter {
  public:
   static constexpr int kStreams = 2;
@@ -37,7 +39,8 @@ class AnsWriter {
     put(stream, {value << (AdaptiveCdf::kBits - bits), 1u << (AdaptiveCdf::kBits - bits)});
   }
 
-  /// Encodes all symbols and appends them to `out`. Overwrites the buffer, which is empty afterwards.
+  /// Encodes all symbols and appends them to `out`. Overwrites the buffer, which is empty
+  /// afterwards.
   void finish(std::vector<std::uint8_t>& out);
 
  private:

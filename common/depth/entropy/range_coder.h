@@ -2,9 +2,10 @@
 
 // Binary adaptive range coder: codes a decision in about -log2(its probability) bits.
 //
-// The interval has 32 bits and is renormalised by bytes. A carry propagates into the bytes already written (Martin
-// 1979, as in LZMA). The decoder reads zeros past the end of its bytes. It decodes any bytes to some decisions, in
-// bounded time; only a checksum can tell whether they are the right ones.
+// The interval has 32 bits and is renormalised by bytes. A carry propagates into the bytes already
+// written (Martin 1979, as in LZMA). The decoder reads zeros past the end of its bytes. It decodes
+// any bytes to some decisions, in bounded time; only a checksum can tell whether they are the right
+// ones.
 //
 // Thread: distinct objects are independent.
 
@@ -16,8 +17,8 @@
 
 namespace copresence::depth {
 
-/// Adaptive probability that a decision is 1, in 1/65536. It learns fast at first, then slowly: the n-th decision
-/// corrects 1/(n + 1.5) of its error, until n reaches kMemory.
+/// Adaptive probability that a decision is 1, in 1/65536. It learns fast at first, then slowly: the
+/// n-th decision corrects 1/(n + 1.5) of its error, until n reaches kMemory.
 class BinaryContext {
  public:
   std::uint32_t probability_of_one() const { return probability_; }
@@ -41,7 +42,8 @@ class BinaryContext {
   std::uint16_t seen_ = 0;
 };
 
-/// A cursor into the caller's buffer. It is small and cheap to copy, so that a loop can keep it in registers.
+/// A cursor into the caller's buffer. It is small and cheap to copy, so that a loop can keep it in
+/// registers.
 class RangeEncoder {
  public:
   /// The buffer must have room for kMostBytes for each decision, and kEndBytes.
@@ -64,8 +66,9 @@ class RangeEncoder {
 
   /// Writes the last bytes and returns their end. Zero bytes at the end may be left off.
   std::uint8_t* finish() {
-    // Any number of the interval will do. The one with most zero bytes at its end is the shortest, since the decoder reads
-    // zeros past the end. The range is at least kBottom, so one byte below the carry is enough.
+    // Any number of the interval will do. The one with most zero bytes at its end is the shortest,
+    // since the decoder reads zeros past the end. The range is at least kBottom, so one byte below
+    // the carry is enough.
     low_ = (low_ + kBottom - 1) & ~std::uint64_t{kBottom - 1};
     shift_low();
     return next_;
@@ -106,7 +109,8 @@ class RangeDecoder {
   bool decode(BinaryContext& model) {
     const std::uint32_t split = RangeEncoder::split_of(range_, model);
     const bool bit = code_ < split;
-    // Most decisions are well predicted. Without a branch, all that follows would wait for this decision.
+    // Most decisions are well predicted. Without a branch, all that follows would wait for this
+    // decision.
     if (bit) {
       range_ = split;
     } else {

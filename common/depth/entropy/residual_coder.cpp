@@ -47,9 +47,10 @@ struct Stream {
   std::vector<std::uint16_t> contexts;  // of all its pixels, without the part that depends on the row itself
 };
 
-// The raster scan over all samples, shared by encoder and decoder. The first stream codes the upper half of the pixels,
-// the second the lower half, in turns. The array of samples has a margin of two rows before and after. The neighbour of
-// a pixel at the image's left or right border is a pixel of the next row, which both sides see alike.
+// The raster scan over all samples, shared by encoder and decoder. The first stream codes the upper
+// half of the pixels, the second the lower half, in turns. The array of samples has a margin of two
+// rows before and after. The neighbour of a pixel at the image's left or right border is a pixel of
+// the next row, which both sides see alike.
 template <class Coder>
 class Scan {
  public:
@@ -76,7 +77,8 @@ class Scan {
   Coder& coder() { return coder_; }
 
  private:
-  // Number of pixels left in a stream's row. Begins the next row if there are none; 0 at the stream's end.
+  // Number of pixels left in a stream's row. Begins the next row if there are none; 0 at the
+  // stream's end.
   std::ptrdiff_t remaining(Stream& stream) {
     while (stream.next == stream.row_end && stream.y < stream.end) begin_row(stream);
     return stream.row_end - stream.next;
@@ -135,8 +137,8 @@ class Scan {
     *here = static_cast<std::uint16_t>(left + difference);
   }
 
-  // Escape code of a difference beyond the symbols. The number 2 (|difference| - kMiddle) + sign is coded as its bit length
-  // and the bits below its leading one.
+  // Escape code of a difference beyond the symbols. The number 2 (|difference| - kMiddle) + sign is
+  // coded as its bit length and the bits below its leading one.
   int escaped(Coder& coder, unsigned stream, AdaptiveCdf& model, int difference) {
     unsigned number = 0;
     if constexpr (!Coder::kReads)
@@ -196,7 +198,8 @@ struct ResidualMemory {
     models->fill({});
   }
 
-  // The rows at which the streams begin, and the end of the last one. Each stream has about as many pixels.
+  // The rows at which the streams begin, and the end of the last one. All streams have about the
+  // same number of pixels.
   std::array<int, kStreams + 1> split(const StateImage& states) const {
     std::vector<std::ptrdiff_t> above(static_cast<std::size_t>(height) + 1);
     for (int y = 0; y < height; ++y) {

@@ -1,13 +1,14 @@
 #pragma once
 
-// accuracy8, accuracy10: one plane, linear in 1/z over the stream's range, so that one code is everywhere the
-// same number of sensor steps.
+// Codecs accuracy8 and accuracy10: one plane whose codes are linear in 1/z over the stream's range.
+// A code is the same number of disparity steps at every depth.
 //
 //   code = round((N - 1) (1/near - 1/z) / (1/near - 1/far)),  N = 256 or 1024
 //
-// Error without video coding: half a code, z² (1/near - 1/far) / (2 (N - 1)), plus half a unit of rounding.
-// Parameters: near, far in the stream's unit. Source: thesis 3.3.3.1; Khoshelham and Elberink 2012 for the
-// error's form.
+// Error without video coding: half a code, z² (1/near - 1/far) / (2 (N - 1)), plus half a unit of
+// rounding.
+// Parameters: near, far in the stream's unit. Source: thesis 3.3.3.1; Khoshelham and Elberink 2012
+// for the error's form.
 
 #include <memory>
 
@@ -17,7 +18,7 @@
 namespace copresence::depth {
 
 std::unique_ptr<PlaneEncoder> make_accuracy_encoder(const DepthFormat& format, PixelFormat picture);
-/// Fails (kInvalid) on parameters that make no sense.
+/// Fails (kInvalid) on impossible parameters.
 Result<std::unique_ptr<PlaneDecoder>> make_accuracy_decoder(const DepthCodecDescription& description,
                                                             const DepthFormat& format);
 

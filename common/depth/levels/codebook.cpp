@@ -8,8 +8,8 @@
 namespace copresence::depth {
 namespace {
 
-// For scene_spacing(). A level is rare if it and its 24 neighbours on each side have on average less than this share
-// of all pixels.
+// For scene_spacing(). A level is rare if it and its 24 neighbours on each side have on average
+// less than this share of all pixels.
 constexpr double kRare = 1e-4;
 constexpr int kNeighbours = 24;
 constexpr double kMargin = 60;  // codes left free before the first level, for nearer ones
@@ -49,8 +49,8 @@ std::vector<double> Codebook::scene_spacing(std::span<const std::uint16_t> level
   distance[0] = std::min(distance[0], kMargin);
   const double all = std::accumulate(pixels.begin(), pixels.end(), 0.0);
   std::vector<bool> rare(levels.size());
-  // Beyond the last level there are few steps up to the end of the range, and scenes often come to need them. So these
-  // steps count as not rare.
+  // Beyond the last level there are few steps up to the end of the range, and scenes often come to
+  // need them. So these steps count as not rare.
   double steps_of_rare = distance[0], steps_of_others = steps(levels.back(), range_.far);
   for (std::size_t i = 1; i < levels.size(); ++i) {
     const std::size_t first = i < kNeighbours ? 0 : i - kNeighbours;
@@ -95,8 +95,8 @@ void Codebook::assign_evenly(DepthRangeUnits range) {
   }
 }
 
-// The code at which a level belongs between two codes: evenly in 1/z between their levels. Beyond the first and the
-// last level the spacing of the levels there is continued.
+// The code at which a level belongs between two codes: evenly in 1/z between their levels. Beyond
+// the first and the last level the spacing of the levels there is continued.
 int Codebook::place(std::uint16_t level, int below, int above) const {
   if (below < 0 && above == kCodes) return static_cast<int>(std::lround(steps(range_.near, level)));
   if (below < 0)

@@ -1,6 +1,7 @@
-// How a level table's change is written and read: docs/internals/codecs.md, Codebook. Numbers are range-coded with what is learnt
-// within the change, and a level is coded as what it differs from the one that the levels before it foretell: a sensor's levels
-// lie evenly in 1/z, so most take half a byte.
+// Reads and writes the change of a codebook (docs/internals/codecs.md, Codebook). Numbers are
+// range-coded with contexts that start anew for each change. A level is predicted from the levels
+// before it, and its difference from the prediction is coded. A sensor's levels are even in 1/z, so
+// most levels take half a byte.
 
 #include <algorithm>
 #include <array>
@@ -15,9 +16,10 @@ namespace copresence::depth {
 namespace {
 
 constexpr int kNumberBits = 17;   // numbers stay below 2^17 - 1
-constexpr std::size_t kBase = 8;  // entries between those that foretell the next
+constexpr std::size_t kBase = 8;  // distance of the two entries that predict the next
 
-// A number from 0: how many bits it has when 1 is added, in unary, then those bits but the first.
+// Codes a number from 0 up. The bit length of the number plus 1 comes in unary, then its bits below
+// the leading one.
 class NumberModel {
  public:
   template <class Code>
@@ -27,7 +29,7 @@ class NumberModel {
     while (length < kNumberBits && code(longer_[length - 1], bits > length)) ++length;
     std::uint32_t read = 1;
     for (int bit = length - 2; bit >= 0; --bit) {
-      // The first bits below the leading one have odds of their own; the others are as good as even.
+      // The first bits below the leading one have contexts of their own. The others share one.
       BinaryContext& model = read < kLearnt ? lower_[length][read] : even_;
       read = read << 1 | code(model, (value + 1) >> bit & 1);
     }
@@ -46,7 +48,8 @@ struct Entry {
   std::int64_t code, level;
 };
 
-// The walk that writer and reader share: `code` writes a decision, or reads one and ignores what it is given.
+// The sequence of decisions, shared by writer and reader. `code` writes a decision, or reads one
+// and ignores its argument.
 class ChangeModel {
  public:
   explicit ChangeModel(int nearest) : nearest_(nearest) {}
@@ -56,36 +59,37 @@ class ChangeModel {
     return count_.pass(code, entries);
   }
 
-  // An entry behind the ones so far; its level is 0 where it has none.
+  // Codes the next entry; its level is 0 if the code has none.
   template <class Code>
   Entry entry(const Code& code, const Entry& next) {
     const std::int64_t last = codes_so_far_;
     Entry entry{last + 1 + skip_.pass(code, static_cast<std::uint32_t>(next.code - last - 1)), 0};
     codes_so_far_ = entry.code;
     if (code(none_, next.level == 0)) return entry;
-    const Foretold foretold = foretell(entry.code);
-    const std::int64_t off = next.level - foretold.level;
-    auto& model = off_[std::min<std::size_t>(std::bit_width(static_cast<std::uint64_t>(foretold.reach)),
+    const Prediction predicted = predict(entry.code);
+    const std::int64_t off = next.level - predicted.level;
+    auto& model = off_[std::min<std::size_t>(std::bit_width(static_cast<std::uint64_t>(predicted.reach)),
                                              off_.size() - 1)];
     const std::uint32_t zigzag = static_cast<std::uint32_t>(off < 0 ? -2 * off - 1 : 2 * off);
     const std::uint32_t read = model.pass(code, zigzag);
-    entry.level = foretold.level + (read & 1 ? -static_cast<std::int64_t>(read / 2) - 1 : read / 2);
+    entry.level = predicted.level + (read & 1 ? -static_cast<std::int64_t>(read / 2) - 1 : read / 2);
     known_[count_known_++ % kBase] = entry;
     return entry;
   }
 
  private:
-  struct Foretold {
-    std::int64_t level, reach;  // how far it lies from the last one
+  struct Prediction {
+    std::int64_t level, reach;  // distance from the last entry's level
   };
 
-  // Evenly in 1/z with the last entry and the kBase-th before it, or the first.
-  Foretold foretell(std::int64_t code) const {
+  // Continues the last entry and the kBase-th before it, or the first one, evenly in 1/z.
+  Prediction predict(std::int64_t code) const {
     if (count_known_ == 0) return {nearest_, 0};
     const Entry& last = known_[(count_known_ - 1) % kBase];
     const Entry& base = known_[count_known_ < kBase ? 0 : count_known_ % kBase];
     if (count_known_ == 1) return {last.level, 0};
-    // 1/level = 1/last + (code - last) (1/last - 1/base) / (last - base), in whole numbers: no rounding that differs by machine.
+    // 1/level = 1/last + (code - last) (1/last - 1/base) / (last - base). Whole numbers give the
+    // same result on every machine.
     const std::int64_t over = last.level * base.level * (last.code - base.code);
     const std::int64_t under =
         base.level * (last.code - base.code) + (base.level - last.level) * (code - last.code);
@@ -96,14 +100,14 @@ class ChangeModel {
 
   std::int64_t nearest_;
   std::int64_t codes_so_far_ = -1;
-  std::array<Entry, kBase> known_{};  // entries with a level, a ring
+  std::array<Entry, kBase> known_{};  // the last entries with a level, as a ring
   std::size_t count_known_ = 0;
   NumberModel count_, skip_;
-  std::array<NumberModel, 5> off_;  // by how many bits the step there has
+  std::array<NumberModel, 5> off_;  // by the bit length of the predicted difference
   BinaryContext none_;
 };
 
-// Decisions of an entry at most: two numbers and whether it has a level.
+// Most decisions of an entry: two numbers, and whether it has a level.
 constexpr std::size_t kMostDecisions = 2 * (2 * kNumberBits) + 1;
 
 }  // namespace
@@ -112,9 +116,9 @@ void Codebook::write_change(const Codebook& earlier, std::vector<std::uint8_t>& 
   std::uint32_t entries = 0;
   for (int code = 0; code < kCodes; ++code) entries += levels_[code] != earlier.levels_[code];
   if (entries == 0) return;
-  std::vector<std::uint8_t> room((entries + 1) * kMostDecisions * RangeEncoder::kMostBytes +
-                                 RangeEncoder::kEndBytes);
-  RangeEncoder encoder(room.data());
+  std::vector<std::uint8_t> buffer((entries + 1) * kMostDecisions * RangeEncoder::kMostBytes +
+                                   RangeEncoder::kEndBytes);
+  RangeEncoder encoder(buffer.data());
   const auto write = [&](BinaryContext& model, bool bit) {
     encoder.encode(model, bit);
     return bit;
@@ -125,20 +129,20 @@ void Codebook::write_change(const Codebook& earlier, std::vector<std::uint8_t>& 
     if (levels_[code] != earlier.levels_[code]) model.entry(write, {code, levels_[code]});
   }
   const std::uint8_t* end = encoder.finish();
-  while (end - room.data() > 1 && end[-1] == 0) --end;  // one stays: no bytes are no change
-  out.insert(out.end(), static_cast<const std::uint8_t*>(room.data()), end);
+  while (end - buffer.data() > 1 && end[-1] == 0) --end;  // keeps one byte, since no bytes mean no change
+  out.insert(out.end(), static_cast<const std::uint8_t*>(buffer.data()), end);
 }
 
 Result<void> Codebook::read_change(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return {};
   const auto corrupt = [](const char* why) {
-    return fail(ErrorCode::kCorrupt, std::string("level table: ") + why);
+    return fail(ErrorCode::kCorrupt, std::string("codebook: ") + why);
   };
   RangeDecoder decoder(bytes);
   const auto read = [&](BinaryContext& model, bool) { return decoder.decode(model); };
   ChangeModel model(range_.near);
   const std::uint32_t entries = model.count(read, 0) + 1;
-  if (entries > kCodes) return corrupt("the number of entries makes no sense");
+  if (entries > kCodes) return corrupt("the number of entries is impossible");
   std::vector<std::uint16_t> levels = levels_;
   for (std::uint32_t i = 0; i < entries; ++i) {
     const Entry entry = model.entry(read, {0, 1});

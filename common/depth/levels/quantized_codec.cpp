@@ -26,14 +26,14 @@ class QuantizedEncoder final : public PlaneEncoder {
 
   void set_sensor_levels(std::span<const std::uint16_t> levels) override {
     for (const std::uint16_t level : levels) {
-      if (range_.contains(level)) told_.push_back(level);
+      if (range_.contains(level)) advertised_.push_back(level);
     }
   }
 
   Result<void> encode(const DepthImage& depth, const StateImage& states, PlanarDepth& out) override {
     const Codebook earlier = table_;
     if (adaptive_) {
-      if (!out.keyframe && scene_left(depth, states)) out.keyframe = true;
+      if (!out.keyframe && has_scene_moved(depth, states)) out.keyframe = true;
       frames_since_layout_ = out.keyframe ? 0 : frames_since_layout_ + 1;
       if (out.keyframe) count(depth, states);
     }
@@ -54,15 +54,16 @@ class QuantizedEncoder final : public PlaneEncoder {
   }
 
  private:
-  static constexpr std::uint16_t kUnknown = 0x8000;  // marks depths that are no level in code_of_depth_
+  static constexpr std::uint16_t kUnknown = 0x8000;  // flag in code_of_depth_: the depth is no level
 
-  // Writes every pixel's code. False where a measured pixel is no level yet.
+  // Writes every pixel's code. Returns false if a measured pixel's depth is no level yet.
   bool write(const DepthImage& depth, const StateImage& states, Picture& picture) const {
     const std::uint16_t* const z = depth.data();
     const DepthState* const state = states.data();
     std::uint16_t* const out = picture.plane10().data();
     const std::size_t size = depth.pixels().size();
-    // In blocks that stay in the cache: the lookups first, then all else in vector instructions.
+    // Blocks stay in the cache. The lookups come first, so that the compiler uses vector
+    // instructions for the rest.
     constexpr std::size_t kBlock = 256;
     int unknown = 0;
     for (std::size_t first = 0; first < size; first += kBlock) {
@@ -89,9 +90,9 @@ class QuantizedEncoder final : public PlaneEncoder {
       fresh.push_back(depth.data()[i]);
     }
     const bool full = static_cast<std::size_t>(table_.count()) + fresh.size() > Codebook::kCodes;
-    if (full && !told_.empty()) {
-      // Too many with those that were only told: from here on the ones that are met count.
-      told_.clear();
+    if (full && !advertised_.empty()) {
+      // Too many levels with the advertised ones: from now on only levels that appear are used.
+      advertised_.clear();
       levels_.clear();
       std::fill(code_of_depth_.begin(), code_of_depth_.end(), kUnknown);
       return learn(depth, states);
@@ -103,10 +104,11 @@ class QuantizedEncoder final : public PlaneEncoder {
     index();
   }
 
-  // What the table is to hold, ascending: adaptive has no codes to spare for levels that were only told, but where nothing may be lost.
+  // The levels for the codebook, ascending. adaptive leaves out levels that the sensor advertises
+  // but that have not appeared, unless coding is lossless.
   std::vector<std::uint16_t> levels_to_hold() const {
     std::vector<std::uint16_t> levels = levels_;
-    if (!adaptive_ || lossless_) levels.insert(levels.end(), told_.begin(), told_.end());
+    if (!adaptive_ || lossless_) levels.insert(levels.end(), advertised_.begin(), advertised_.end());
     std::sort(levels.begin(), levels.end());
     levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
     return levels.size() <= Codebook::kCodes ? levels : levels_;
@@ -136,9 +138,9 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
   }
 
-  // Whether a table laid out for this frame would be so much finer where its pixels are that it is worth a
-  // keyframe. Looks seldom, so that tables change rarely.
-  bool scene_left(const DepthImage& depth, const StateImage& states) {
+  // Returns true if new spacing for this frame would be so much finer at its pixels' depths that a
+  // keyframe is worth it. Tests only some frames, so that the codebook changes rarely.
+  bool has_scene_moved(const DepthImage& depth, const StateImage& states) {
     if (even_ || lossless_ || frames_since_layout_ < kFramesBetweenLayouts ||
         frames_since_layout_ % kFramesBetweenLooks != 0) {
       return false;
@@ -150,8 +152,9 @@ class QuantizedEncoder final : public PlaneEncoder {
     std::vector<std::uint32_t> pixels;
     for (const std::uint16_t level : levels) pixels.push_back(pixels_[level]);
     laid_out.assign(levels, laid_out.scene_spacing(levels, pixels));
-    double finer = 0, all = 0;  // bits by which the pixels' levels would lie farther apart
-    int now = 0, then = 0;      // codes of the level before
+    double finer = 0,
+           all = 0;         // bits by which the spacing of the pixels' levels would grow; number of pixels
+    int now = 0, then = 0;  // codes of the level before, in both codebooks
     std::size_t level = 0;
     for (int code_now = 0, code_then = 0; level < levels.size(); ++level, ++code_now, ++code_then) {
       while (table_.levels()[code_now] == 0) ++code_now;
@@ -165,10 +168,10 @@ class QuantizedEncoder final : public PlaneEncoder {
     return finer > kWorthwhileBits * all;
   }
 
-  // Every depth's code is its nearest level's.
+  // Maps every depth to the code of its nearest level.
   void index() {
     const auto levels = table_.levels();
-    int code = -1, next = -1;  // the levels at or below z, and above
+    int code = -1, next = -1;  // codes of the last level at or below z, and of the first one above
     const auto find_next = [&] {
       do ++next;
       while (next < Codebook::kCodes && levels[next] == 0);
@@ -187,7 +190,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
   }
 
-  static constexpr std::size_t kSampling = 13;      // looks at every 13th pixel
+  static constexpr std::size_t kSampling = 13;      // counts every 13th pixel
   static constexpr int kFramesBetweenLayouts = 30;  // adaptive's own keyframes are at least this far apart
   static constexpr int kFramesBetweenLooks = 10;
   static constexpr double kWorthwhileBits = 0.5;  // about 6 % less error at one rate
@@ -196,14 +199,14 @@ class QuantizedEncoder final : public PlaneEncoder {
   bool adaptive_;
   Codebook table_;
   const Codebook none_;
-  std::vector<std::uint16_t> told_;    // by the sensor
-  std::vector<std::uint16_t> levels_;  // learnt so far beyond them, in any order
+  std::vector<std::uint16_t> advertised_;  // by the sensor
+  std::vector<std::uint16_t> levels_;      // others that appeared, in any order
   std::vector<std::uint32_t> pixels_ =
-      std::vector<std::uint32_t>(65536);  // of every depth in the frame counted last
+      std::vector<std::uint32_t>(65536);  // by depth, of the frame counted last
   int frames_since_layout_ = 0;
   std::vector<std::uint16_t> code_of_depth_;
   bool lossless_ = false;
-  bool even_ = false;  // too many levels were met
+  bool even_ = false;  // too many levels appeared
 };
 
 class QuantizedDecoder final : public PlaneDecoder {

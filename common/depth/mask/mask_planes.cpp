@@ -8,8 +8,8 @@ namespace {
 static_assert(static_cast<int>(DepthState::kHole) == 0 && static_cast<int>(DepthState::kMeasured) == 1 &&
               static_cast<int>(DepthState::kFilled) == 2);
 
-// Up to 64 states (bytes of 0, 1 or 2) and the same states as bits of each plane. Eight states are converted at a time by
-// a multiplication.
+// Up to 64 states (bytes of 0, 1 or 2) and the same states as bits of each plane. Eight states are
+// converted at a time by a multiplication.
 struct Bits {
   std::uint64_t measured, filled;
 };
@@ -40,7 +40,8 @@ void spread_states(Bits bits, std::uint8_t* states, int count) {
   }
 }
 
-// Bits that are set in all (any) of the five pixels around them. `w[-1]` and `w[1]` are the words beside.
+// Bits that are set in all (any) of the five pixels around them. `w[-1]` and `w[1]` are the words
+// beside.
 std::uint64_t all_of_five(const std::uint64_t* w) {
   return *w & (*w << 1 | w[-1] >> 63) & (*w << 2 | w[-1] >> 62) & (*w >> 1 | w[1] << 63) &
          (*w >> 2 | w[1] << 62);

@@ -13,8 +13,8 @@
 
 namespace copresence::depth {
 
-/// One bit per pixel, packed into 64-bit words. A margin of zeros around the image allows reading a neighbourhood
-/// anywhere without tests for the image's border.
+/// One bit per pixel, packed into 64-bit words. A margin of zeros around the image allows reading a
+/// neighbourhood anywhere without tests for the image's border.
 class BitPlane {
  public:
   static constexpr int kMargin = 2;  ///< rows of zeros above and below; left and right there are 64 bits
@@ -26,8 +26,8 @@ class BitPlane {
 
   void clear() { std::fill(words_.begin(), words_.end(), 0); }
 
-  /// Pixel x is bit x % 64 of word x / 64. Requires -kMargin <= y < height + kMargin. Bits beyond the width in the last
-  /// word must stay 0.
+  /// Pixel x is bit x % 64 of word x / 64. Requires -kMargin <= y < height + kMargin. Bits beyond
+  /// the width in the last word must stay 0.
   std::uint64_t* row(int y) { return words_.data() + offset(y) + 1; }
   const std::uint64_t* row(int y) const { return words_.data() + offset(y) + 1; }
 
@@ -83,8 +83,9 @@ class RowBits {
   std::vector<std::uint64_t> words_;
 };
 
-/// Finds the pixels of a row whose whole neighbourhood has the same state, so that they likely have it, too. The
-/// neighbourhood is the row above and, in the frame before, three rows around the pixel, two pixels to either side.
+/// Finds the pixels of a row whose whole neighbourhood has the same state, so that they likely have
+/// it, too. The neighbourhood is the row above and, in the frame before, three rows around the
+/// pixel, two pixels to either side.
 class MaskContext {
  public:
   explicit MaskContext(int width);

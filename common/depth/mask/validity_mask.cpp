@@ -11,7 +11,8 @@
 namespace copresence::depth {
 namespace {
 
-// A run that does not have the expected state everywhere is halved until it is shorter than twice this.
+// A run that does not have the expected state everywhere is halved until it is shorter than twice
+// this.
 constexpr int kLeastRun = 8;
 constexpr int kStretch = 48;               // pixels that are coded with one set of windows
 constexpr std::size_t kMostDecisions = 4;  // for a pixel: measured, filled, and less than two for runs
@@ -19,7 +20,8 @@ constexpr std::size_t kMostDecisions = 4;  // for a pixel: measured, filled, and
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;
   std::array<BinaryContext, 1 << 12> filled;
-  // By the expected state, by whether the run is known to hold another state, and by the bits of its length.
+  // By the expected state, by whether the run is known to hold another state, and by the bits of
+  // its length.
   std::array<std::array<std::array<BinaryContext, 14>, 2>, 3> as_expected;
   BinaryContext any_filled;
 };
@@ -34,8 +36,8 @@ struct Windows {
   }
 };
 
-// The scan over all pixels, shared by encoder and decoder. Coder::decide(model, bit) writes the bit, or reads and returns
-// it.
+// The scan over all pixels, shared by encoder and decoder. Coder::decide(model, bit) writes the
+// bit, or reads and returns it.
 template <class Coder>
 class Scan {
  public:

@@ -1,16 +1,17 @@
 #pragma once
 
-// Lossless coder of the validity mask: which pixels are measured, filled or holes. It takes about a tenth of a bit for
-// a pixel at an edge, and next to nothing elsewhere.
+// Lossless coder of the validity mask: which pixels are measured, filled or holes. It takes about a
+// tenth of a bit for a pixel at an edge, and next to nothing elsewhere.
 //
-// A pixel's state is coded as one or two binary decisions: whether it is measured and, if not, whether it is filled.
-// Each decision is range-coded with the probability learnt for the pixel's neighbourhood: pixels above and to the left
-// in this frame, and on all sides in the frame before. If the whole neighbourhood of a run of pixels has one state, a
-// single decision says that the run has it, too. docs/internals/codecs.md describes the format.
+// A pixel's state is coded as one or two binary decisions: whether it is measured and, if not,
+// whether it is filled. Each decision is range-coded with the probability learnt for the pixel's
+// neighbourhood: pixels above and to the left in this frame, and on all sides in the frame before.
+// If the whole neighbourhood of a run of pixels has one state, a single decision says that the run
+// has it, too. docs/internals/codecs.md describes the format.
 //
-// Encoder and decoder learn the same probabilities and keep them from frame to frame, until the next complete mask. The
-// decoder cannot detect damage: it decodes any bytes to some mask, in bounded time. The checksum of the side data
-// (common/bitstream) protects the bytes.
+// Encoder and decoder learn the same probabilities and keep them from frame to frame, until the
+// next complete mask. The decoder cannot detect damage: it decodes any bytes to some mask, in
+// bounded time. The checksum of the side data (common/bitstream) protects the bytes.
 //
 // Thread: distinct objects are independent.
 
@@ -33,7 +34,8 @@ class ValidityMaskEncoder {
   ValidityMaskEncoder(ValidityMaskEncoder&&) noexcept;
   ValidityMaskEncoder& operator=(ValidityMaskEncoder&&) noexcept;
 
-  /// Appends the coded states to `out`. A complete mask uses nothing of earlier frames; the first must be complete.
+  /// Appends the coded states to `out`. A complete mask uses nothing of earlier frames; the first
+  /// must be complete.
   /// Requires the shape given to the constructor.
   void encode(const StateImage& states, bool complete, std::vector<std::uint8_t>& out);
 

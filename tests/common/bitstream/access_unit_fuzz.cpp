@@ -1,5 +1,5 @@
-// What a stranger may put into an access unit: a byte that chooses the pixel format, then the bytes of one. The decoders
-// must not crash, and what they give must be a picture of the stream's format and size.
+// Arbitrary access units: the input is a byte that selects the pixel format, then an access unit.
+// The decoders must not crash, and decoded pictures must have the stream's format and size.
 
 #include <cstdlib>
 #include <span>
@@ -17,7 +17,8 @@ bool fits(const Picture& picture, PixelFormat format) {
   return picture.format() == format && picture.width() == kWidth && picture.height() == kHeight;
 }
 
-/// Decoders of one stream; they live on, so that bytes also meet whatever the bytes before them left behind.
+/// Decoders of one stream. They are kept between inputs, so that an input also meets the state that
+/// others left.
 struct Decoders {
   video::PictureDecoder pictures;
   video::FrameDecoder frames;

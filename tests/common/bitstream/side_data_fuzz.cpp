@@ -1,5 +1,6 @@
-// Side data whose checksum is right, as a malicious server writes it: the input is everything after the
-// checksum. What is accepted must lie within the bounds that the rest of the program relies on.
+// Side data with a correct checksum, as a malicious server may write it. The input is everything
+// after the checksum. All accepted numbers must be within the bounds that the rest of the program
+// relies on.
 
 #include "common/bitstream/side_data.h"
 

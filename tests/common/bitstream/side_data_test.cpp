@@ -44,7 +44,8 @@ TEST(SideData, HasTheDocumentedBytes) {            // docs/internals/sei.md
                           0x08, 0x07, 0x06, 0x05, 0x04, 0x03, 0x02, 0x01,  // sequence
                           0x07, 0x07, 0x06, 0x05, 0x04, 0x03, 0x02, 0x01,  // previous
                           0x00, 0xca, 0x9a, 0x3b, 0, 0, 3, 0, 0,           // capture time, with an
-                                                                           // emulation prevention byte, 3
+                                                                           // emulation prevention
+                                                                           // byte, 3
                           3, 2, 0, 0, 3, 0,                                // table's size, with two of them
                           0xaa, 0xbb,                                      // table
                           0xcc, 0xdd, 0xee,                                // mask

@@ -22,7 +22,7 @@ using testing::kinect_scene;
 using testing::Scene;
 using testing::StreamWithoutVideo;
 
-// The greatest error in millimetres that each codec promises at depth z, without video coding.
+// Each codec's largest documented error at depth z without video coding, millimetres.
 double bound_mm(std::string_view codec, double z) {
   const double inverse_range = 1 / 400.0 - 1 / 5000.0;
   if (codec == "quantized" || codec == "adaptive") return 0;
@@ -32,8 +32,8 @@ double bound_mm(std::string_view codec, double z) {
   return 4600.0 / 8191 / 2 + 0.5;  // spiral, away from edges
 }
 
-// Where one chroma sample covers two upper parts, spiral in 4:2:0 promises no more than staying among the
-// neighbours, and nothing at an edge. How far the neighbours of a pixel lie apart; -1 at an edge.
+// The spread of a pixel's neighbours; -1 at an edge. If one chroma sample covers two upper parts,
+// spiral in 4:2:0 only guarantees a value within this spread, and nothing at an edge.
 int spread_mm(const Scene& scene, int x, int y) {
   int spread = 0;
   for (int ny = std::max(0, y - 3); ny < std::min(scene.depth.height(), y + 4); ++ny) {
@@ -103,7 +103,7 @@ TEST_P(EveryCodec, CountsDepthOutsideTheRangeAsHoles) {
   Scene scene = flat_scene(160, 120, 1000);
   const std::array<std::uint16_t, 6> values{1, 399, 400, 5000, 5001, 65535};
   for (std::size_t i = 0; i < values.size(); ++i) scene.depth(static_cast<int>(i) * 16, 60) = values[i];
-  scene.depth(159, 119) = 0;  // measured nothing
+  scene.depth(159, 119) = 0;  // measured, but without depth
   StreamWithoutVideo stream(GetParam());
   for (int time = 0; time < 2; ++time) {
     stream.carry(scene);
@@ -149,7 +149,8 @@ TEST_P(EveryCodec, KeepsItsGuaranteesWhenMaskTableAndResidualsAreDamaged) {
   StreamWithoutVideo stream(GetParam(), format);
   const PlanarDepth first = stream.send(kinect_scene(32, 16, 0));
   const PlanarDepth second = stream.send(kinect_scene(32, 16, 9));
-  // Damaged bytes decode to depth within the range, or fail. After a failure every frame fails until a keyframe.
+  // Damaged bytes decode to depth within the range, or fail. After a failure every frame fails
+  // until a keyframe.
   const auto holds = [&](const PlanarDepth& damaged, bool is_second) {
     if (is_second && !stream.receive(first)) return false;
     const auto received = stream.receive(damaged);
@@ -232,7 +233,7 @@ TEST_P(EveryCodec, GoesFromLossToNoneAndBackWithAKeyframe) {
     EXPECT_EQ(planes.keyframe, time > 0 && time % 3 == 0) << time;
     EXPECT_EQ(planes.residuals.empty(), !(lossless && gray)) << time;
     EXPECT_EQ(planes.picture.empty(), !planes.residuals.empty());
-    if (time < 3) continue;  // the first frame of these builds on one that was not carried
+    if (time < 3) continue;  // these frames need one that was not sent
     ASSERT_TRUE(stream.receive(planes)) << time;
     EXPECT_EQ(stream.state, scene.state);
   }

@@ -1,5 +1,6 @@
-// The laws of depth coding, for whatever images RapidCheck comes up with: states and samples come back as they were, a table
-// change turns one table into the other, and every codec keeps what depth_codec.h promises, from frame to frame.
+// Properties of depth coding for random images (RapidCheck). States and lossless samples are
+// decoded exactly, a codebook change turns one codebook into the other, and every codec satisfies
+// the guarantees of depth_codec.h.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -23,7 +24,8 @@ Shape any_shape() {
   return {2 * *rc::gen::inRange(1, 50), 2 * *rc::gen::inRange(1, 12)};
 }
 
-// Rectangles of one value over one another: surfaces, holes and edges, and single pixels between them.
+// Paints overlapping rectangles of one value each. They give surfaces, holes, edges and single
+// pixels.
 template <class Pixel>
 void paint(Image<Pixel>& image, const rc::Gen<Pixel>& any_value) {
   const int rectangles = *rc::gen::inRange(0, 8);

@@ -20,7 +20,7 @@ TEST(EdgeRepair, PutsAPixelThatHangsBetweenTwoSurfacesBackOnTheNearerOne) {
   }
   repair.repair(depth);
   EXPECT_EQ(depth, whole);
-  for (int y = 0; y < 8; ++y) depth(8, y) = 1333;  // half way in steps: either may be right
+  for (int y = 0; y < 8; ++y) depth(8, y) = 1333;  // half way in steps: either side may be right
   const DepthImage unsure = depth;
   repair.repair(depth);
   EXPECT_EQ(depth, unsure);

@@ -56,7 +56,7 @@ Scene ramp(int width, int height) {
   return scene;
 }
 
-// In millimetres at depth z, where 1024 codes lie evenly in 1/z over the range.
+// Error in millimetres at depth z if 1024 codes are even in 1/z over the range.
 double half_a_code(double z) {
   return z * z * (1 / 400.0 - 1 / 5000.0) / 2046 * 1.02 + 0.5;
 }
@@ -104,7 +104,7 @@ TEST_P(CodedByLevels, LearnsNothingThatTheSensorHasTold) {
 }
 
 TEST_P(CodedByLevels, IsExactWhereTheSensorHasToldTooManyLevelsOrWrongOnes) {
-  for (const int step : {4, 9}) {  // 1150 levels, and 511 that leave no room for those of the scene
+  for (const int step : {4, 9}) {  // 1150 levels, and 511 levels that leave no codes for the scene's
     StreamWithoutVideo stream(GetParam());
     std::vector<std::uint16_t> told;
     for (int z = 401; z <= 5000; z += step) told.push_back(static_cast<std::uint16_t>(z));

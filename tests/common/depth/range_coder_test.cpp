@@ -48,8 +48,8 @@ TEST(RangeCoder, ReadsWhatItWroteWhateverTheOdds) {
 }
 
 TEST(RangeCoder, CarriesThroughLongRunsOfOnes) {
-  // Choosing the upper part again and again drives the low end towards all ones; one last choice may carry
-  // through.
+  // Coding the upper part again and again moves the low end towards all ones. The last decision may
+  // then cause a carry.
   for (int run = 1; run < 400; ++run) {
     BinaryContext zeros;
     std::vector<std::uint8_t> bytes(1000);

@@ -14,7 +14,7 @@ namespace {
 using testing::kinect_scene;
 using testing::Scene;
 
-// One coder of each direction, and the picture that came out last.
+// An encoder, a decoder, and the last decoded picture.
 struct Pair {
   Pair(PixelFormat format, int width, int height)
       : encoder(format, width, height), decoder(format, width, height) {}

@@ -1,7 +1,7 @@
 #pragma once
 
-// Depth images with known answers, as a Kinect v1 would see them: a slanted wall, a nearer disc that drifts,
-// noise of one step, holes at the disc's shadow and on the right margin. Deterministic.
+// Synthetic depth images as of a Kinect v1: a slanted wall, a nearer disc that moves, noise of one
+// step, holes in the disc's shadow and at the right border. Deterministic.
 
 #include <cmath>
 #include <cstdint>
@@ -22,8 +22,7 @@ inline std::uint16_t kinect_level(double z_mm) {
   return static_cast<std::uint16_t>(std::lround(351300.0 / disparity));
 }
 
-/// What the camera sees at frame `time`, with every fifth row of the shadow filled. Millimetres, 0.9 m to 4
-/// m.
+/// The image of frame `time`, with every fifth row of the shadow filled. Millimetres, 0.9 m to 4 m.
 inline Scene kinect_scene(int width, int height, int time = 0) {
   Scene scene{DepthImage(width, height, 0), StateImage(width, height, DepthState::kHole)};
   std::minstd_rand random(static_cast<unsigned>(time) + 1);

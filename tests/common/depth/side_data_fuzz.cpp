@@ -1,8 +1,9 @@
-// Arbitrary codebook changes, residuals and validity masks, as a malicious server may send them. The decoder must not
-// crash, and decoded depth must satisfy the guarantees of depth_codec.h.
+// Arbitrary codebook changes, residuals and validity masks, as a malicious server may send them.
+// The decoder must not crash, and decoded depth must satisfy the guarantees of depth_codec.h.
 //
-// An input is a stream of frames: u8 keyframe (lowest bit) and residuals (next bit), u8 bytes of the codebook change, u8
-// bytes of the mask, u8 bytes of the residuals if there are any, codebook change, mask, residuals.
+// An input is a stream of frames: u8 keyframe (lowest bit) and residuals (next bit), u8 bytes of
+// the codebook change, u8 bytes of the mask, u8 bytes of the residuals if there are any, codebook
+// change, mask, residuals.
 
 #include <cstdlib>
 #include <span>

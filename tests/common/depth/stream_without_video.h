@@ -1,6 +1,6 @@
 #pragma once
 
-// A codec's two ends for its tests.
+// An encoder and a decoder of a depth codec, for tests.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ inline DepthFormat kinect_format(int width = 160, int height = 120) {
   return {width, height, DepthUnit::kMillimetre, {}};
 }
 
-// Both ends of a stream without video coding between them.
+// Encoder and decoder of a stream without video coding between them.
 class StreamWithoutVideo {
  public:
   explicit StreamWithoutVideo(std::string_view codec, DepthFormat format = kinect_format())

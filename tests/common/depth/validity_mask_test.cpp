@@ -11,7 +11,7 @@ namespace {
 
 using testing::kinect_scene;
 
-// One coder of each direction, and the states that came out last.
+// An encoder, a decoder, and the last decoded states.
 struct Pair {
   explicit Pair(int width, int height) : encoder(width, height), decoder(width, height) {}
 

@@ -61,7 +61,7 @@ TEST(CameraModel, TakesWideLensesAndUnprojectsThemAllOverThePicture) {
       {640, 480, 270, 272, 331, 228, {-0.3, 0.09, 0.001, -0.0015, -0.008, 0, 0, 0}},
       {1920, 1080, 1000, 1000, 960, 540, {-0.33, 0.12, 0, 0, -0.015, 0, 0, 0}},
       {320, 240, 200, 200, 160, 120, {0.9, 0.1, 0.0008, -0.0005, 0, 1.1, 0.2, 0.01}},
-      // Azure Kinect's colour camera, wide: large coefficients above and below the line
+      // Azure Kinect's wide colour camera: large coefficients in numerator and denominator
       {1280, 720, 605, 605, 638, 366, {0.55, -2.5, 0.0007, -0.0001, 1.43, 0.43, -2.32, 1.36}},
       {640, 480, 500, 500, 320, 240, {0.9, 0.8, 0, 0, 0.4, 0, 0, 0}},  // a strong pincushion
   };
@@ -73,7 +73,8 @@ TEST(CameraModel, TakesWideLensesAndUnprojectsThemAllOverThePicture) {
 }
 
 TEST(CameraModel, UnprojectsToTheRayOnThisSideOfAFold) {
-  // r (1 - 0.28 r2 + 0.02 r4) turns at r = 1.20 and comes back from r = 2.64 on: three rays lead to one pixel.
+  // r (1 - 0.28 r2 + 0.02 r4) decreases from r = 1.20 to r = 2.64 and then rises again, so three
+  // rays lead to one pixel.
   CameraModel camera{640, 480, 400, 400, 320, 240, {-0.28, 0.02, 0, 0, 0, 0, 0, 0}};
   for (double r = 0.05; r < 1.17; r += 0.05) {
     const Eigen::Vector3d ray(0.8 * r, -0.6 * r, 1);
@@ -145,9 +146,10 @@ TEST(CameraModel, RefusesADistortionThatFoldsThePictureOrTearsIt) {
   EXPECT_FALSE(check(camera));
   camera.distortion = {-0.2, 0, 0, 0, 0, 0, 0, 0};
   EXPECT_TRUE(check(camera));
-  camera.distortion[0] = -0.8;  // turns around before the corners
+  camera.distortion[0] = -0.8;  // decreases before the corners
   EXPECT_FALSE(check(camera));
-  // Fitted to a board's corners to 0.11 px by OpenCV: above and below a fraction's line are zeros, close together.
+  // Fitted to a board's corners to 0.11 px by OpenCV: numerator and denominator have zeros close
+  // together.
   camera = {640, 480, 584.115, 584.185, 320.512, 239.28, {}};
   camera.distortion = {-6.459571043904878, 8.002977728422218, -5.3003932919357835e-05, 0.0004995218441833445,
                        8.16036975966137,   -6.45702892311589, 7.984941682116481,       8.192284966704637};

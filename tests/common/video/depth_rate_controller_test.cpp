@@ -19,10 +19,10 @@ double kbit(std::size_t bytes) {
 }
 
 TEST(DepthRateController, GivesThePictureWhatTheSideDataLeaves) {
-  const DepthRateController budget(1000, kFps);
-  const double alone = budget.picture_rate(0).kbps;
+  const DepthRateController controller(1000, kFps);
+  const double alone = controller.picture_rate(0).kbps;
   EXPECT_NEAR(alone, 1000, 20);
-  EXPECT_NEAR(budget.picture_rate(1000).kbps, alone - 240, 1e-9);
+  EXPECT_NEAR(controller.picture_rate(1000).kbps, alone - 240, 1e-9);
 }
 
 TEST(DepthRateController, LetsAPictureTakeLessThanThreeFramesWorthAtOnce) {
@@ -30,58 +30,60 @@ TEST(DepthRateController, LetsAPictureTakeLessThanThreeFramesWorthAtOnce) {
 }
 
 TEST(DepthRateController, MeetsTheMeanOfAnEncoderThatSpendsLessThanItMay) {
-  DepthRateController budget(2000, kFps);
+  DepthRateController controller(2000, kFps);
   double spent = 0;
   for (int frame = 0; frame < 300; ++frame) {
     const std::size_t side = frame % 2 ? 700 : 300;
-    const auto picture = static_cast<std::size_t>(0.87 * budget.picture_rate(side).kbps * 1000 / 8 / kFps);
-    budget.spent(side + picture);
+    const auto picture =
+        static_cast<std::size_t>(0.87 * controller.picture_rate(side).kbps * 1000 / 8 / kFps);
+    controller.spent(side + picture);
     spent += kbit(side + picture);
   }
   EXPECT_NEAR(spent / 10, 2000, 100);
 }
 
 TEST(DepthRateController, MeetsTheMeanOfAnEncoderThatLeavesAQuarter) {
-  DepthRateController budget(2000, kFps);
+  DepthRateController controller(2000, kFps);
   double spent = 0;
   for (int frame = 0; frame < 300; ++frame) {
-    const auto bytes = static_cast<std::size_t>(0.75 * budget.picture_rate(0).kbps * 1000 / 8 / kFps);
-    budget.spent(bytes);
+    const auto bytes = static_cast<std::size_t>(0.75 * controller.picture_rate(0).kbps * 1000 / 8 / kFps);
+    controller.spent(bytes);
     spent += kbit(bytes);
   }
   EXPECT_NEAR(spent / 10, 2000, 100);
 }
 
 TEST(DepthRateController, LeavesThePicturesAfterAKeyframeTheMostOfTheirShareEvenWhereTheMaskTakesMost) {
-  constexpr std::size_t kMask = 3200;  // of 4167 bytes a frame
-  DepthRateController budget(1000, kFps);
-  const double usual = budget.picture_rate(kMask).kbps;
-  budget.spent(10'000);  // as much as a keyframe may
-  EXPECT_GT(budget.picture_rate(kMask).kbps, 0.8 * usual);
+  constexpr std::size_t kMask = 3200;  // bytes, of 4167 a frame
+  DepthRateController controller(1000, kFps);
+  const double usual = controller.picture_rate(kMask).kbps;
+  controller.spent(10'000);  // as much as a keyframe may take
+  EXPECT_GT(controller.picture_rate(kMask).kbps, 0.8 * usual);
 }
 
 TEST(DepthRateController, PaysMoreBackWithinASecondAndKeepsNoMoreThanAFewFramesForLater) {
-  DepthRateController budget(1000, kFps);
-  const double usual = budget.picture_rate(0).kbps;
-  budget.spent(25'000);  // six frames' worth
-  EXPECT_LT(budget.picture_rate(0).kbps, 0.6 * usual);
+  DepthRateController controller(1000, kFps);
+  const double usual = controller.picture_rate(0).kbps;
+  controller.spent(25'000);  // six frames' worth
+  EXPECT_LT(controller.picture_rate(0).kbps, 0.6 * usual);
   for (int frame = 0; frame < 29; ++frame) {
-    budget.spent(static_cast<std::size_t>(budget.picture_rate(0).kbps * 1000 / 8 / kFps));
+    controller.spent(static_cast<std::size_t>(controller.picture_rate(0).kbps * 1000 / 8 / kFps));
   }
-  EXPECT_NEAR(budget.picture_rate(0).kbps, usual, usual / 10);  // what is left is a keyframe's usual debt
-  for (int frame = 0; frame < 300; ++frame) budget.spent(0);
-  EXPECT_LT(budget.picture_rate(0).kbps, 1.5 * usual);
+  EXPECT_NEAR(controller.picture_rate(0).kbps, usual,
+              usual / 10);  // what is left is a keyframe's usual level
+  for (int frame = 0; frame < 300; ++frame) controller.spent(0);
+  EXPECT_LT(controller.picture_rate(0).kbps, 1.5 * usual);
 }
 
 TEST(DepthRateController, GivesThePictureALittleEvenWhenThereIsNothingLeft) {
-  DepthRateController budget(100, kFps);
+  DepthRateController controller(100, kFps);
   for (int frame = 0; frame < 10; ++frame) {
-    EXPECT_GT(budget.picture_rate(5000).kbps, 0);
-    budget.spent(5000);
+    EXPECT_GT(controller.picture_rate(5000).kbps, 0);
+    controller.spent(5000);
   }
 }
 
-/// A noisy scene with side data and a requested keyframe, held to a rate by the real encoder.
+/// A noisy scene with side data and a requested keyframe, encoded at a bit rate.
 class RateOfAStream : public testing::TestWithParam<PixelFormat> {
  protected:
   void run(int frames) {

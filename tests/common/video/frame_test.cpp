@@ -72,7 +72,8 @@ TEST_F(Frames, GoOnAtAnotherQuantiserOrARateFromAKeyframeOn) {
       EXPECT_EQ(back->depth.picture == frame.depth.picture, settings.depth_qp == 0 && !settings.depth_kbps);
     }
   }
-  EXPECT_FALSE(encoder.change({.depth_qp = 0, .color_kbps = 100}).value());  // colour's rate needs none
+  EXPECT_FALSE(
+      encoder.change({.depth_qp = 0, .color_kbps = 100}).value());  // a new colour rate needs no keyframe
   EXPECT_TRUE(decoder.decode(encoded(++sequence)));
   EXPECT_FALSE(encoder.change({.depth_qp = 99}));
   EXPECT_TRUE(decoder.decode(encoded(++sequence)));
@@ -120,7 +121,7 @@ TEST_F(Frames, AreTheSameWhenTheirColorWasEncodedAhead) {
 }
 
 TEST_F(Frames, MayBecomeKeyframesAfterTheirColorWasEncodedAhead) {
-  // As where a depth codec finds that the scene has left its levels.
+  // This happens when a depth codec makes a keyframe with new level spacing.
   for (std::uint64_t sequence = 1; sequence <= 12; ++sequence) {
     const PlanarFrame frame = moving_frame(stream, sequence, sequence % 4 == 1);
     encoder.encode_color_ahead(sequence, *frame.color, false);
@@ -132,7 +133,8 @@ TEST_F(Frames, MayBecomeKeyframesAfterTheirColorWasEncodedAhead) {
 
 TEST_F(Frames, TakeTheirColorWithThemWhenTheyComeToNothing) {
   ASSERT_TRUE(decoder.decode(encoded(1, true)));
-  encoder.encode_color_ahead(2, *moving_frame(stream, 2, false).color, false);  // and its depth fails
+  encoder.encode_color_ahead(2, *moving_frame(stream, 2, false).color,
+                             false);  // the frame's depth fails to encode
   const auto back = decoder.decode(encoded(3, true));
   ASSERT_TRUE(back) << back.error().what;
   EXPECT_TRUE(back->color);
@@ -202,7 +204,7 @@ TEST_F(Frames, KeepEverythingThroughACopyOfTheStreamAsAnnexB) {
     frames.push_back(encoded(sequence, sequence == 1 || sequence == 5));
     file.insert(file.end(), frames.back().depth.begin(), frames.back().depth.end());
   }
-  // An access unit ends with its slice: one slice a picture.
+  // An access unit ends with its slice, since a picture has one slice.
   std::vector<std::vector<std::uint8_t>> copies(1);
   const auto nals = bitstream::split_access_unit(file).value();
   for (const bitstream::Nal& nal : nals) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Pictures with a known content that moves: a tilted plane, a box that slides over it, a little noise.
+// Synthetic moving pictures: a tilted plane, a box that slides over it, a little noise.
 
 #include <algorithm>
 #include <cstdint>

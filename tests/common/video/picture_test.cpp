@@ -102,8 +102,8 @@ TEST(PictureDecoder, RefusesAnotherSizeOrFormat) {
     const auto access_unit = to_video.encode(moving_scene(format, kWidth, kHeight, 0), true).value();
     for (const PixelFormat other : kFormats) {
       if (other == format) continue;
-      // 4:0:0 may come back with chroma of mid grey: its luma is what was sent, so a pair of equal depths
-      // passes.
+      // 4:0:0 may come back with chroma of mid grey: its luma is what was sent, so a pair of equal
+      // depths passes.
       if ((format == PixelFormat::kGray8 && other == PixelFormat::kYuv420) ||
           (format == PixelFormat::kYuv420 && other == PixelFormat::kGray8)) {
         continue;

@@ -1,4 +1,4 @@
-// The laws of what rides in an access unit, for whatever bytes RapidCheck comes up with.
+// Properties of the side data in an access unit for random bytes (RapidCheck).
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// Full of what start codes and their prevention are made of.
+// Bytes that often form start codes and need emulation prevention.
 Bytes any_bytes() {
   return *rc::gen::container<Bytes>(rc::gen::oneOf(rc::gen::element<std::uint8_t>(0, 0, 0, 1, 2, 3, 4),
                                                    rc::gen::arbitrary<std::uint8_t>()));

@@ -29,7 +29,7 @@ class BackgroundFill {
   const StateImage& states() const { return states_; }
 
  private:
-  // A run of holes in a row: columns from to before end.
+  // A run of holes in row y, in the columns `from` to `end` - 1.
   struct Gap {
     int y, from, end;
   };

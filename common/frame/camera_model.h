@@ -38,13 +38,13 @@ CameraModel camera_from_field_of_view(int width, int height, double horizontal, 
 /// The same with square pixels. `vertical` in (0, pi), radians.
 CameraModel camera_from_field_of_view(int width, int height, double vertical);
 
-/// A Kinect v1 of which only the picture size is known: square pixels, and the nominal field of
-/// view of 58.1 degrees along the longer side. At 640x480 that is fx = fy = 575.8.
+/// Camera model of a Kinect v1 that is not calibrated: square pixels, and the nominal field of view
+/// of 58.1 degrees along the longer side. At 640x480 that is fx = fy = 575.8.
 CameraModel nominal_kinect(int width, int height);
 
-/// A sensor or recording that reports its field of view, in radians. Many devices report the angles
-/// of their 4:3 mode in every mode. If the two angles make pixels more than 5 % out of square, only
-/// the longer side's angle is used.
+/// Camera model of a sensor or recording that reports its field of view, in radians. Many devices
+/// report the angles of their 4:3 mode in every mode. If the two angles make pixels more than 5 %
+/// out of square, only the longer side's angle is used.
 CameraModel camera_of_sensor(int width, int height, double horizontal, double vertical);
 
 /// Validates a camera model from untrusted input. Sizes must be even, from 2 to 4096, numbers

@@ -50,9 +50,9 @@ struct DepthNoise {
   /// Standard deviation of a depth value, in steps. 0.01 to 100.
   double sigma_steps = 0.5;
 
-  /// A step in 1/z; 1/m.
+  /// Size of a step in 1/z, in 1/m; the same at every depth.
   constexpr double inverse_step() const { return 1 / disparity_constant_m; }
-  /// A step at depth z, metres.
+  /// Size of a step at depth z, in metres.
   constexpr double step_m(double z_m) const { return z_m * z_m / disparity_constant_m; }
   /// Standard deviation at depth z, metres.
   constexpr double sigma_m(double z_m) const { return sigma_steps * step_m(z_m); }

@@ -1,8 +1,8 @@
 #pragma once
 
 // A codebook assigns a code to each of a sensor's depth levels. A depth sensor reports only some
-// hundred distances. Codes are in the order of depth, so a code that lossy coding changed a little
-// stands for a depth that is wrong by a little.
+// hundred distances. Codes ascend with depth. So a code that lossy coding has changed a little
+// gives a depth that is slightly wrong.
 //
 // Between the known levels, codes are left free: as many as the sensor has disparity steps there
 // (DepthNoise). A level that is found later then mostly gets a code without moving another level. A

@@ -193,7 +193,7 @@ class QuantizedEncoder final : public PlaneEncoder {
   static constexpr std::size_t kSampling = 13;      // counts every 13th pixel
   static constexpr int kFramesBetweenLayouts = 30;  // adaptive's own keyframes are at least this far apart
   static constexpr int kFramesBetweenLooks = 10;
-  static constexpr double kWorthwhileBits = 0.5;  // about 6 % less error at one rate
+  static constexpr double kWorthwhileBits = 0.5;  // least gain for a keyframe: about 6 % less error
 
   DepthRangeUnits range_;
   bool adaptive_;

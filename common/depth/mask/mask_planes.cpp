@@ -40,8 +40,8 @@ void spread_states(Bits bits, std::uint8_t* states, int count) {
   }
 }
 
-// Bits that are set in all (any) of the five pixels around them. `w[-1]` and `w[1]` are the words
-// beside.
+// A bit of the result is set if all (any) of the five bits around it are set. `w[-1]` and `w[1]`
+// are the neighbouring words.
 std::uint64_t all_of_five(const std::uint64_t* w) {
   return *w & (*w << 1 | w[-1] >> 63) & (*w << 2 | w[-1] >> 62) & (*w >> 1 | w[1] << 63) &
          (*w >> 2 | w[1] << 62);

@@ -20,13 +20,13 @@ constexpr std::size_t kMostDecisions = 4;  // for a pixel: measured, filled, and
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;
   std::array<BinaryContext, 1 << 12> filled;
-  // By the expected state, by whether the run is known to hold another state, and by the bits of
-  // its length.
+  // Indexed by the expected state, by whether the run is known to hold another state, and by the
+  // bits of its length.
   std::array<std::array<std::array<BinaryContext, 14>, 2>, 3> as_expected;
   BinaryContext any_filled;
 };
 
-// The neighbourhood of a stretch in one plane: pixel x of it is bit x + 2 of every window.
+// Windows of 64 pixels around a stretch in one plane. Pixel x of the stretch is bit x + 2 of each.
 struct Windows {
   std::uint64_t above2, above, before, before_below;
 
@@ -102,7 +102,8 @@ class Scan {
     return m == 3 ? 1 : m != 0 ? -1 : f == 3 ? 2 : f != 0 ? -1 : 0;
   }
 
-  static std::uint64_t bits(int first, int end) {  // of a word, 0 <= first < end <= 64
+  // A word with the bits from `first` to before `end` set. Requires 0 <= first < end <= 64.
+  static std::uint64_t bits(int first, int end) {
     return (~std::uint64_t{0} >> (64 - (end - first))) << first;
   }
 

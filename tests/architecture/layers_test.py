@@ -79,7 +79,7 @@ LIBRARY_HOMES = {
     "copresence_asio": {"common/wire"},
     "PkgConfig::EPOXY": {"common/gl", "common/window"},
     "glfw": {"common/window"},
-    "tomlplusplus::tomlplusplus": {"common/scene"},
+    "tomlplusplus::tomlplusplus": {"common/toml"},
     "PkgConfig::OPENNI2": {"capture_server/sensor", "capture_server/drivers/contract", "capture_server"},
     "PkgConfig::FREENECT": {"capture_server/drivers/kinect_v1"},
     "embree": {"simulation/truth"},

@@ -16,7 +16,7 @@ Result<void> check_rate(const char* what, int kbps) {
 Result<void> check(const VideoSettings& settings) {
   if (settings.depth_qp < 0 || settings.depth_qp > kMaxDepthQp) {
     return fail(ErrorCode::kInvalid,
-                fmt::format("a depth quantiser of {} cannot be used: give 0 (lossless) to {}",
+                fmt::format("a depth QP of {} cannot be used: give 0 (lossless) to {}",
                             settings.depth_qp, kMaxDepthQp));
   }
   if (settings.depth_kbps) {

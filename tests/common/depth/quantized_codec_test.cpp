@@ -81,7 +81,7 @@ TEST_P(CodedByLevels, RefusesMoreLevelsThanCodesOnlyWhereItMustBeExact) {
   }
 }
 
-std::vector<std::uint16_t> told_levels() {
+std::vector<std::uint16_t> advertised_levels() {
   std::vector<std::uint16_t> levels;
   for (int z = 400; z <= 5000; ++z) levels.push_back(testing::kinect_level(z));
   levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
@@ -90,7 +90,7 @@ std::vector<std::uint16_t> told_levels() {
 
 TEST_P(CodedByLevels, LearnsNothingThatTheSensorHasTold) {
   StreamWithoutVideo stream(GetParam());
-  stream.encoder.set_sensor_levels(told_levels());
+  stream.encoder.set_sensor_levels(advertised_levels());
   for (int time = 0; time < 6; ++time) {
     const Scene scene = kinect_scene(160, 120, time);
     const PlanarDepth planes = stream.send(scene);
@@ -106,9 +106,9 @@ TEST_P(CodedByLevels, LearnsNothingThatTheSensorHasTold) {
 TEST_P(CodedByLevels, IsExactWhereTheSensorHasToldTooManyLevelsOrWrongOnes) {
   for (const int step : {4, 9}) {  // 1150 levels, and 511 levels that leave no codes for the scene's
     StreamWithoutVideo stream(GetParam());
-    std::vector<std::uint16_t> told;
-    for (int z = 401; z <= 5000; z += step) told.push_back(static_cast<std::uint16_t>(z));
-    stream.encoder.set_sensor_levels(told);
+    std::vector<std::uint16_t> advertised;
+    for (int z = 401; z <= 5000; z += step) advertised.push_back(static_cast<std::uint16_t>(z));
+    stream.encoder.set_sensor_levels(advertised);
     for (int time = 0; time < 4; ++time) {
       Scene scene = flat_scene(160, 120, 400);
       for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i)
@@ -121,12 +121,12 @@ TEST_P(CodedByLevels, IsExactWhereTheSensorHasToldTooManyLevelsOrWrongOnes) {
 }
 
 TEST(Adaptive, GivesNoCodeToLevelsThatWereOnlyTold) {
-  StreamWithoutVideo told("adaptive"), learnt("adaptive");
-  told.encoder.set_sensor_levels(told_levels());
-  told.encoder.set_lossless(false);
+  StreamWithoutVideo advertised("adaptive"), learnt("adaptive");
+  advertised.encoder.set_sensor_levels(advertised_levels());
+  advertised.encoder.set_lossless(false);
   learnt.encoder.set_lossless(false);
   const Scene scene = kinect_scene(160, 120);
-  EXPECT_EQ(told.send(scene).picture, learnt.send(scene).picture);
+  EXPECT_EQ(advertised.send(scene).picture, learnt.send(scene).picture);
 }
 
 TEST(Adaptive, IsQuantizedWhereNothingIsLost) {

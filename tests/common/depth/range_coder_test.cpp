@@ -27,11 +27,11 @@ std::vector<Decision> decisions(double probability, int count) {
 
 std::vector<std::uint8_t> write(const std::vector<Decision>& list) {
   std::array<BinaryContext, 3> models;
-  std::vector<std::uint8_t> room(list.size() * RangeEncoder::kMostBytes + RangeEncoder::kEndBytes);
-  RangeEncoder encoder(room.data());
+  std::vector<std::uint8_t> buffer(list.size() * RangeEncoder::kMostBytes + RangeEncoder::kEndBytes);
+  RangeEncoder encoder(buffer.data());
   for (const Decision& d : list) encoder.encode(models[d.model], d.bit);
-  room.resize(static_cast<std::size_t>(encoder.finish() - room.data()));
-  return room;
+  buffer.resize(static_cast<std::size_t>(encoder.finish() - buffer.data()));
+  return buffer;
 }
 
 TEST(RangeCoder, ReadsWhatItWroteWhateverTheOdds) {
@@ -84,13 +84,13 @@ TEST(RangeCoder, ReadsOnWhereItsBytesEnd) {
 TEST(RangeCoder, GoesOnInALargerRoom) {
   const auto list = decisions(0.3, 4000);
   std::array<BinaryContext, 3> models;
-  std::vector<std::uint8_t> room(5000), larger(10000);
-  RangeEncoder encoder(room.data());
+  std::vector<std::uint8_t> buffer(5000), larger(10000);
+  RangeEncoder encoder(buffer.data());
   for (std::size_t i = 0; i < list.size(); ++i) {
     encoder.encode(models[list[i].model], list[i].bit);
     if (i != 2000) continue;
-    const auto used = encoder.next() - room.data();
-    std::copy_n(room.begin(), used, larger.begin());
+    const auto used = encoder.next() - buffer.data();
+    std::copy_n(buffer.begin(), used, larger.begin());
     encoder.move_to(larger.data() + used);
   }
   larger.resize(static_cast<std::size_t>(encoder.finish() - larger.data()));

@@ -173,8 +173,8 @@ TEST(AdaptiveCdf, HoldsEveryPointInTheSlotOfOneSymbolWhateverItLearns) {
 
 TEST(AnsCoder, ReadsWhatItWroteInBothStreams) {
   std::minstd_rand random(5);
-  std::vector<std::uint32_t> room(20000);
-  AnsWriter writer(room.data());
+  std::vector<std::uint32_t> buffer(20000);
+  AnsWriter writer(buffer.data());
   std::vector<unsigned> streams, numbers;
   AdaptiveCdf models[AnsWriter::kStreams];
   for (int i = 0; i < 8000; ++i) {

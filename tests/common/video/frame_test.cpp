@@ -59,7 +59,7 @@ TEST_F(Frames, CarrySamplesInsteadOfThePictureBetweenKeyframes) {
   }
 }
 
-TEST_F(Frames, GoOnAtAnotherQuantiserOrARateFromAKeyframeOn) {
+TEST_F(Frames, GoOnAtAnotherQpOrARateFromAKeyframeOn) {
   std::uint64_t sequence = 1;
   ASSERT_TRUE(decoder.decode(encoded(sequence, true)));
   for (const VideoSettings& settings :

@@ -31,7 +31,7 @@ bool is_keyframe(const std::vector<std::uint8_t>& access_unit) {
 
 class EveryFormat : public testing::TestWithParam<PixelFormat> {};
 
-TEST_P(EveryFormat, IsBitExactAtQuantiserZeroWithOnePictureOutForEachOneIn) {
+TEST_P(EveryFormat, IsBitExactAtQpZeroWithOnePictureOutForEachOneIn) {
   auto to_video = depth_encoder(GetParam(), 0);
   auto from_video = decoder(GetParam());
   for (int i = 0; i < 60; ++i) {

@@ -35,7 +35,7 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
   using namespace command_line;
   using Kind = viewpoint::ViewChoice::Kind;
   ClientSettings settings;
-  CLI::App app{"Shows the room that one or more capture_servers stream, from a viewpoint of your own.",
+  CLI::App app{"Shows the scene that one or more capture_servers stream, from a viewpoint of your own.",
                "render_client"};
   app.footer(kKeys);
   app.set_version_flag("--version", std::string("render_client ") + kVersion);

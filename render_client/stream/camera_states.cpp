@@ -17,7 +17,7 @@ std::optional<std::string> CameraStates::not_connected(std::size_t camera, std::
   std::lock_guard lock(mutex_);
   Camera& of = cameras_[camera];
   of.is_connected = false;
-  of.notice.clear();
+  of.status.clear();
   of.why = std::move(why);
   ++of.tries;
   if (!of.over.empty()) return std::nullopt;  // it is known to have ended, so failed tries are not logged
@@ -42,9 +42,9 @@ void CameraStates::connected(std::size_t camera, std::string name) {
   of = std::move(now);
 }
 
-void CameraStates::notice(std::size_t camera, std::string text) {
+void CameraStates::status(std::size_t camera, std::string text) {
   std::lock_guard lock(mutex_);
-  cameras_[camera].notice = std::move(text);
+  cameras_[camera].status = std::move(text);
 }
 
 void CameraStates::over(std::size_t camera, std::string why) {
@@ -94,7 +94,7 @@ std::optional<Error> CameraStates::all_refused() const {
 std::string CameraStates::awaited(const Camera& camera) {
   if (!camera.left_out.empty()) return camera.left_out;
   if (!camera.over.empty()) return fmt::format("camera \"{}\": {}", camera.name, camera.over);
-  if (camera.is_connected) return camera.notice;
+  if (camera.is_connected) return camera.status;
   if (camera.tries == 0) return "connecting";
   return fmt::format("{} try: waiting for {}", ordinal(camera.tries), camera.why);
 }

@@ -35,7 +35,7 @@ class CameraStates {
 
   /// The server has sent the reason why its camera sends no frames. An empty text means that frames
   /// can come.
-  void notice(std::size_t camera, std::string text);
+  void status(std::size_t camera, std::string text);
 
   /// The server has ended for good, because its recording is over. `why` is its reason.
   void over(std::size_t camera, std::string why);
@@ -63,7 +63,7 @@ class CameraStates {
   struct Camera {
     bool is_connected = false;
     std::string name;    // of the camera, once connected
-    std::string notice;  // why it sends no frames
+    std::string status;  // why it sends no frames
     std::string over;    // why it has ended for good
     std::string why;     // why it is not connected
     Availability availability = Availability::kAwaited;

@@ -93,7 +93,7 @@ std::optional<Duration> ReconnectingSource::failed(const Error& error) {
 }
 
 void ReconnectingSource::status_changed(const std::string& status) {
-  states_.notice(slot_, status);
+  states_.status(slot_, status);
   if (status.empty()) {
     say(Topic::kNotice, Severity::kInfo, fmt::format("{}: camera \"{}\" is back", address_, camera_));
   } else {

@@ -50,13 +50,13 @@ struct Target {
 // linear in w = 1/z, from 0 at the near plane to 1 at the far plane. So the merge gets w back by
 // one multiplication.
 Eigen::Matrix4d clip_from_eye(const ViewPose& eye) {
-  const CameraModel& lens = eye.intrinsics;
+  const CameraModel& intrinsics = eye.intrinsics;
   const double per_w = 1.0 / (1.0 / eye.near_m - 1.0 / eye.far_m);
   Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
-  clip(0, 0) = 2 * lens.fx / lens.width;
-  clip(0, 2) = 2 * (lens.cx + 0.5) / lens.width - 1;
-  clip(1, 1) = 2 * lens.fy / lens.height;
-  clip(1, 2) = 2 * (lens.cy + 0.5) / lens.height - 1;
+  clip(0, 0) = 2 * intrinsics.fx / intrinsics.width;
+  clip(0, 2) = 2 * (intrinsics.cx + 0.5) / intrinsics.width - 1;
+  clip(1, 1) = 2 * intrinsics.fy / intrinsics.height;
+  clip(1, 2) = 2 * (intrinsics.cy + 0.5) / intrinsics.height - 1;
   clip(2, 2) = 2 * per_w / eye.near_m - 1;
   clip(2, 3) = -2 * per_w;
   clip(3, 2) = 1;
@@ -64,11 +64,11 @@ Eigen::Matrix4d clip_from_eye(const ViewPose& eye) {
 }
 
 ViewUniforms view_uniforms(const ViewPose& eye) {
-  const CameraModel& lens = eye.intrinsics;
-  return {
-      .w_near_far = Eigen::Vector2d(1 / eye.near_m, 1 / eye.far_m).cast<float>(),
-      .ray_from_pixel =
-          Eigen::Vector4d(1 / lens.fx, 1 / lens.fy, -lens.cx / lens.fx, -lens.cy / lens.fy).cast<float>()};
+  const CameraModel& intrinsics = eye.intrinsics;
+  return {.w_near_far = Eigen::Vector2d(1 / eye.near_m, 1 / eye.far_m).cast<float>(),
+          .ray_from_pixel = Eigen::Vector4d(1 / intrinsics.fx, 1 / intrinsics.fy,
+                                            -intrinsics.cx / intrinsics.fx, -intrinsics.cy / intrinsics.fy)
+                                .cast<float>()};
 }
 
 MergeLayers::Camera merge_camera(const CameraView& camera, const ViewPose& eye) {

@@ -257,6 +257,21 @@ TEST_F(GlRenderer, GivesOnlyWhatWasAskedFor) {
   EXPECT_TRUE(color.depth_m.empty());
 }
 
+TEST_F(GlRenderer, DrawsEveryEyeIntoAPictureOfItsOwn) {
+  const RgbdFrame frame = wall(64, 48, 2000, {10, 20, 30});
+  const CameraView camera = camera_at(frame, 0);
+  MergedView left, right;
+  right.target = 1;
+  for (int view = 0; view < 2; ++view) {
+    const std::uint32_t before = left.texture;
+    ASSERT_TRUE(renderer_->render({&camera, 1}, eye_of(camera), {}, left).has_value());
+    ASSERT_TRUE(renderer_->render({&camera, 1}, eye_of(camera), kEverything, right).has_value());
+    EXPECT_NE(left.texture, right.texture);
+    EXPECT_EQ(right.color(32, 24), (Rgba8{10, 20, 30, 255}));
+    if (view > 0) EXPECT_EQ(left.texture, before) << "its target is used again";
+  }
+}
+
 TEST_F(GlRenderer, UndoesTheLensesDistortion) {
   RgbdFrame frame = wall(64, 48, 2000, {10, 20, 30});
   CameraView camera = camera_at(frame, 0);

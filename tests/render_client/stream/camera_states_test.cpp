@@ -24,9 +24,9 @@ TEST(CameraStates, TheTitleSaysWhatIsAwaited) {
             "Copresence: 3rd try: waiting for 127.0.0.1:7001: connection refused");
   states.connected(0, "left");
   EXPECT_EQ(states.title("Copresence"), "Copresence");
-  states.notice(0, "the camera is unplugged");
+  states.status(0, "the camera is unplugged");
   EXPECT_EQ(states.title("Copresence"), "Copresence: the camera is unplugged");
-  states.notice(0, "");
+  states.status(0, "");
   EXPECT_EQ(states.title("Copresence"), "Copresence");
 }
 

@@ -30,7 +30,7 @@ void falloff(const AreaLight& light, const ShadowPoints& positions, const float*
     const float dx = tx / root, dy = ty / root, dz = tz / root;
     const float facing = nx[i] * dx + (ny[i] * dy + nz[i] * dz);
     const float shining = 0.35f - 0.65f * (fx * dx + (fy * dy + fz * dz));
-    share[i] = (facing > 0) & (shining > 0) ? facing * shining / square : 0.0f;
+    share[i] = ((facing > 0) & (shining > 0)) ? facing * shining / square : 0.0f;
   }
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 
-// The one thread of a process that calls OpenNI2: it opens, reads and closes the camera or the recording.
-// OpenNI2 (2.2.0.33) keeps the ids of the threads that have called it and later sends them signal 0, which
-// crashes where such a thread has ended. So this thread is made once and lives until the process ends.
+// The only thread of a process that opens, reads and closes the source, and so the only one that
+// calls OpenNI2. OpenNI2 (2.2.0.33) stores the ids of the threads that have called it and later
+// probes them with pthread_kill(). That crashes if such a thread has ended. So this thread is
+// created once and lives until the process ends.
 //
-// Thread: begin() and run() on any thread but this one.
+// Thread: begin() and run() may be called from any other thread.
 
 #include <pthread.h>
 
@@ -25,7 +26,7 @@ class CaptureThread {
   CaptureThread(const CaptureThread&) = delete;
   CaptureThread& operator=(const CaptureThread&) = delete;
 
-  /// Runs `work` after what was begun before; the future is ready when it is done.
+  /// Runs `work` after all earlier work; the future becomes ready when it is done.
   std::future<void> begin(std::function<void()> work) {
     std::packaged_task<void()> task(std::move(work));
     auto done = task.get_future();

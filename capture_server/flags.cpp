@@ -1,7 +1,8 @@
-#include "capture_server/flags.h"
+#include "capture_server/settings.h"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -13,30 +14,31 @@
 namespace copresence::server {
 namespace {
 
-constexpr double kLatestStart = 32'503'680'000;  // the year 3000: milliseconds were meant
+constexpr double kLatestStart =
+    32'503'680'000;  // the year 3000: a larger number is in milliseconds by mistake
 
-/// "K/N" or "K/N:MS": turn K (from 1) of N, MS milliseconds each.
+/// "K/N" or "K/N:MS": time slot K (from 1) of N, MS milliseconds each.
 std::string parse_slot(const std::string& text, sensor::ProjectorSlot& slot) {
   const auto slash = text.find('/'), colon = std::min(text.find(':'), text.size());
-  int turn = 0, count = 0, ms = static_cast<int>(slot.turn.count());
+  int index = 0, count = 0, ms = static_cast<int>(slot.length.count());
   if (slash == std::string::npos || slash > colon ||
-      !CLI::detail::lexical_cast(text.substr(0, slash), turn) ||
+      !CLI::detail::lexical_cast(text.substr(0, slash), index) ||
       !CLI::detail::lexical_cast(text.substr(slash + 1, colon - slash - 1), count) ||
       (colon < text.size() && !CLI::detail::lexical_cast(text.substr(colon + 1), ms))) {
     return fmt::format("\"{}\" is not K/N or K/N:MS, such as 1/2 or 1/2:400", text);
   }
   using Slot = sensor::ProjectorSlot;
-  const Slot wanted{turn - 1, count, std::chrono::milliseconds(ms)};
+  const Slot wanted{index - 1, count, std::chrono::milliseconds(ms)};
   if (!wanted.is_sensible()) {
     return fmt::format(
-        "{} cannot be a turn: K goes from 1 to N, N to {}, MS from {}, and N turns take at most {} ms", text,
+        "{} is no time slot: K goes from 1 to N, N to {}, MS from {}, and N slots take at most {} ms", text,
         Slot::kMost, Slot::kShortest.count(), Slot::kLongestRound.count());
   }
   slot = wanted;
   return {};
 }
 
-/// Of the codec and its parameters, whatever the camera.
+/// Checks the codec and its parameters for a typical camera.
 std::string check_codec(const std::string& name) {
   const auto opened = depth::Encoder::open(name, {640, 480, DepthUnit::kMillimetre, {}});
   return opened ? std::string() : opened.error().what;
@@ -85,35 +87,37 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
       ->capture_default_str()
       ->check(CLI::Validator(check_codec, ""));
   auto* qp =
-      app.add_option("--depth-qp", settings.rates.depth_qp, "constant quality of depth, 0 (lossless) to 51")
+      app.add_option("--depth-qp", settings.encoder.depth_qp, "constant quality of depth, 0 (lossless) to 51")
           ->capture_default_str()
           ->check(whole_number(0, 51));
-  app.add_option("--depth-kbps", settings.rates.depth_kbps, "constant rate of all that depth costs, kbit/s")
+  app.add_option("--depth-kbps", settings.encoder.depth_kbps,
+                 "constant bitrate of depth with all its side data, kbit/s")
       ->check(whole_number(50, 200000))
       ->excludes(qp);
-  app.add_option("--color-kbps", settings.rates.color_kbps, "rate of colour, kbit/s")
+  app.add_option("--color-kbps", settings.encoder.color_kbps, "bitrate of colour, kbit/s")
       ->capture_default_str()
       ->check(whole_number(50, 200000));
   app.add_option("--hole-filling", settings.hole_filling, "off, median, bilateral or joint")
       ->default_str("joint")
       ->transform(one_of(methods_by_name()));
-  add_depth_range(app, "--range", settings.range, "depth that counts, NEAR:FAR in metres");
+  add_depth_range(app, "--range", settings.range, "depth range to keep, NEAR:FAR in metres");
   app.add_option("--compute", settings.compute,
                  "where holes are filled: auto (gl on a GPU, else cpu), gl or cpu")
       ->default_str("auto")
       ->transform(one_of<Compute>({{"auto", Compute::kAuto}, {"gl", Compute::kGl}, {"cpu", Compute::kCpu}}));
-  app.add_option(
-         "--exposure", settings.controls.exposure,
-         "of a camera's colour: auto, or fixed at what auto found after two seconds [the camera's own way]")
+  app.add_option("--exposure", settings.controls.exposure,
+                 "exposure of a camera's colour: auto, or fixed at its automatic value after two seconds "
+                 "[the camera's default]")
       ->transform(automatic_or_fixed());
-  app.add_option("--white-balance", settings.controls.white_balance, "likewise: auto or fixed")
+  app.add_option("--white-balance", settings.controls.white_balance,
+                 "white balance of a camera's colour: auto or fixed, as --exposure")
       ->transform(automatic_or_fixed());
   app.add_option_function<std::string>(
          "--projector-slot",
          [&](const std::string& text) { (void)parse_slot(text, settings.controls.projector.emplace()); },
-         "take turns with the projectors of this room's other cameras against interference: K/N[:MS], the "
-         "Kth "
-         "turn of N, MS milliseconds each [500]; frame rate falls below 30/N, see docs/guide/cameras.md")
+         "take turns with the projectors of the room's other cameras against interference: K/N[:MS] is the "
+         "Kth of N time slots, MS milliseconds each [500]; the frame rate falls below 30/N, see "
+         "docs/guide/cameras.md")
       ->check(CLI::Validator(
           [](const std::string& text) {
             sensor::ProjectorSlot ignored;
@@ -125,8 +129,8 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
       ->default_str("real")
       ->transform(one_of<Pace>({{"real", Pace::kReal}, {"fast", Pace::kFast}}));
   app.add_option("--start-at", settings.start_at,
-                 "Unix time at which a recording begins, seconds: servers that are given the same play in "
-                 "step [the machine's next fifth of a second]")
+                 "Unix time in seconds at which a recording begins, to play on several servers in sync "
+                 "[the machine's next fifth of a second]")
       ->check(number(0, kLatestStart));
   app.add_option("--frames", settings.frames, "end after N captured frames")
       ->check(whole_number<std::uint64_t>(1, 1'000'000'000));
@@ -135,15 +139,14 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
   app.add_option("--scene", settings.scene, "scene file with this camera's pose and intrinsics, by --name")
       ->check(file_name());
   app.add_option("--record", settings.record,
-                 "also record what the sensor gives to this .oni file, lossless in depth; where it exists, "
+                 "also record the sensor's frames to this .oni file, lossless in depth; if it exists, "
                  "FILE-2.oni is created instead, then FILE-3.oni and so on")
       ->check(file_name());
   auto* list = app.add_flag("--list", settings.list, "list the devices that can be opened, and end")
                    ->configurable(false);
   source->excludes(list);
   app.add_option("--config", settings.config,
-                 "settings file: this command line's flags as keys, FLAG = VALUE, where the command line "
-                 "does not give them; "
+                 "settings file with the flags as keys, FLAG = VALUE; the command line takes precedence; "
                  "SIGHUP reads it again, see docs/guide/quality_and_bandwidth.md")
       ->configurable(false)
       ->check(file_name());

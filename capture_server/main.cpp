@@ -1,7 +1,7 @@
 // capture_server: streams one RGB-D camera or recording. See settings.cpp for its command line.
 //
-// The parent owns the listening socket and supervises; the child does all the work. So a crash in a driver
-// costs a fresh start and never the port.
+// The parent owns the listening socket and supervises; the child does all the work. So after a
+// crash in a driver a new child continues on the same port.
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -11,12 +11,13 @@
 #include <functional>
 
 #include "capture_server/capture_thread.h"
+#include "capture_server/diagnosis/device_listing.h"
 #include "capture_server/drivers/contract/simulated_uri.h"
 #include "capture_server/pipeline.h"
 #include "capture_server/running_settings.h"
 #include "capture_server/sensor/source.h"
 #include "capture_server/settings.h"
-#include "capture_server/supervisor.h"
+#include "capture_server/supervisor/supervisor.h"
 #include "common/flow/stop_on_signal.h"
 #include "common/flow/tune_allocator.h"
 
@@ -29,10 +30,10 @@ int say(const Error& error) {
 }
 
 int list_devices() {
-  const auto devices = sensor::list_devices();
+  const auto devices = diagnosis::list_devices();
   if (!devices) return say(devices.error());
   bool any_real = false;
-  for (const sensor::DeviceListing& device : *devices) {
+  for (const diagnosis::DeviceListing& device : *devices) {
     any_real = any_real || !device.source.starts_with("simulated:");
     fmt::print("{}\n  {}{}, driver {}, {}\n", device.source.empty() ? "(cannot be opened)" : device.source,
                device.name, device.serial.empty() ? "" : ", serial " + device.serial, device.driver,
@@ -49,8 +50,8 @@ int list_devices() {
   return 0;
 }
 
-// Reads the settings file again where the child before may have done so. A file whose reading crashed is left
-// alone: the server goes on with what it began with.
+// Reads the settings file again if the child before this one may have done so. If reading it
+// crashed that child, it is not read: the server keeps the settings of its start.
 void catch_up(RunningSettings& settings, const Heartbeat& heartbeat) {
   const Predecessor& predecessor = heartbeat.predecessor();
   if (!predecessor.existed || settings.now().config.empty()) return;
@@ -76,10 +77,13 @@ int stream(RunningSettings& settings, const wire::ListeningSocket& listening, He
   }
   const bool has_file = !settings.now().config.empty();
   flow::StopOnSignal signals(has_file ? read_again : std::function<void()>());
-  std::signal(SIGXFSZ, SIG_IGN);  // a recording that grows beyond a limit is a sentence, not a crash
+  std::signal(
+      SIGXFSZ,
+      SIG_IGN);  // a recording beyond the file size limit then fails with an error instead of a signal
   CaptureThread capture;
   const ServerSettings now = settings.now();
-  const auto ran = run_pipeline(now, listening, settings.rates(), signals.token(), heartbeat, capture);
+  const auto ran =
+      run_pipeline(now, listening, settings.encoder_changes(), signals.token(), heartbeat, capture);
   if (signals.token().stop_requested() && (ran || ran.error().code == ErrorCode::kEndOfStream))
     return kEndedBySignal;
   return ran ? 0 : say(ran.error());
@@ -97,7 +101,7 @@ int main(int argc, char** argv) {
   if (settings->list) return list_devices();
   const auto listening = wire::listen(settings->listen, settings->insecure);
   if (!listening) return say(listening.error());
-  const bool recording = is_recording(settings->source);
+  const bool recording = sensor::is_recording(settings->source);
   RunningSettings running(argc, argv, *settings);
   return supervise(
       {.subject = settings->source, .passes_hangup = !settings->config.empty(), .plays_recording = recording},

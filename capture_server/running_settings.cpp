@@ -11,15 +11,15 @@
 namespace copresence::server {
 namespace {
 
-/// Editors write a file in pieces, or empty it first: it counts once it was the same twice.
+/// Editors write a file in pieces, or empty it first. Its content counts after two equal readings.
 constexpr std::chrono::milliseconds kBetweenLooks{50};
 constexpr int kMostLooks = 5;
 
-constexpr std::array kOfRates = {"depth-qp", "depth-kbps", "color-kbps"};
+constexpr std::array kOfEncoder = {"depth-qp", "depth-kbps", "color-kbps"};
 
-bool is_of_rates(const std::string& key) {
-  for (const char* of_rates : kOfRates) {
-    if (key == of_rates) return true;
+bool is_of_encoder(const std::string& key) {
+  for (const char* of_encoder : kOfEncoder) {
+    if (key == of_encoder) return true;
   }
   return false;
 }
@@ -32,12 +32,12 @@ std::string shown(const std::string& text) {
 
 SettingsChange change(const ServerSettings& running, const ServerSettings& wanted) {
   SettingsChange change{running, {}, {}};
-  change.settings.rates = wanted.rates;
+  change.settings.encoder = wanted.encoder;
   for (const auto& [key, text] : wanted.texts) {
     std::string& was = change.settings.texts[key];
     if (was == text) continue;
     const std::string words = fmt::format("{} {} -> {}", key, shown(was), shown(text));
-    if (is_of_rates(key)) {
+    if (is_of_encoder(key)) {
       change.at_once.push_back(words);
       was = text;
     } else {
@@ -72,7 +72,7 @@ void RunningSettings::read_again() {
   SettingsChange changed = change(now(), *wanted);
   if (!changed.at_once.empty()) {
     spdlog::info("{} read again: {}", file_, fmt::join(changed.at_once, ", "));
-    rates_.put(changed.settings.rates);
+    encoder_changes_.put(changed.settings.encoder);
   }
   if (!changed.after_a_restart.empty()) {
     spdlog::warn("{} read again: a restart of the server is needed for {}", file_,

@@ -1,6 +1,7 @@
 #pragma once
 
-// The settings of a server that runs: its file may be read again, and what can change without a restart does.
+// The settings of a running server. Its settings file can be read again; settings that need no
+// restart then take effect.
 //
 // Thread: read_again() on the thread of signals, everything else on any.
 
@@ -13,11 +14,12 @@
 
 namespace copresence::server {
 
-/// What of new settings holds at once: the rates.
+/// The difference between running and new settings. Only encoder settings take effect without a
+/// restart.
 struct SettingsChange {
-  ServerSettings settings;                   ///< to go on with: the running ones with the new rates
-  std::vector<std::string> at_once;          ///< "depth-kbps 4000 -> 1500"
-  std::vector<std::string> after_a_restart;  ///< of settings that stay as they were, likewise
+  ServerSettings settings;                   ///< the running settings with the new encoder settings
+  std::vector<std::string> at_once;          ///< changes that take effect: "depth-kbps 4000 -> 1500"
+  std::vector<std::string> after_a_restart;  ///< changes that do not
 };
 
 /// Pure.
@@ -25,20 +27,21 @@ SettingsChange change(const ServerSettings& running, const ServerSettings& wante
 
 class RunningSettings {
  public:
-  /// What read_again() does, for sentences about it.
+  /// The activity of read_again(), for Heartbeat::doing().
   static constexpr const char* kReading = "reading the settings file of --config again";
 
-  /// Of a command line that read_command_line() took, and what it came to; it must live as long as this.
+  /// `argc` and `argv` are a command line that read_command_line() accepted; they outlive this.
+  /// `begun_with` is its result.
   RunningSettings(int argc, const char* const* argv, ServerSettings begun_with);
 
-  /// Reads the settings file again and says in the log what changes and what would take a restart. Where it is not what it must be,
-  /// one line says so and everything goes on as before. A file that is just being written is waited for, 0.2 s at most.
+  /// Reads the settings file again, applies the changes and logs them. An invalid file is logged
+  /// and changes nothing. While the file is still being written, it waits, at most 0.2 s.
   void read_again();
 
   ServerSettings now() const;
 
-  /// New rates, for whoever encodes.
-  flow::Mailbox<EncoderSettings>& rates() { return rates_; }
+  /// New encoder settings for the encode stage.
+  flow::Mailbox<EncoderSettings>& encoder_changes() { return encoder_changes_; }
 
  private:
   Result<ServerSettings> read_settled() const;
@@ -48,7 +51,7 @@ class RunningSettings {
   const char* const* const argv_;
   mutable std::mutex mutex_;
   ServerSettings now_;
-  flow::Mailbox<EncoderSettings> rates_;
+  flow::Mailbox<EncoderSettings> encoder_changes_;
 };
 
 }  // namespace copresence::server

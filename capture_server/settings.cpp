@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "capture_server/drivers/contract/simulated_uri.h"
-#include "capture_server/flags.h"
 #include "capture_server/sensor/source.h"
 #include "capture_server/settings_file.h"
 #include "common/command_line/parse_errors.h"
@@ -23,7 +22,7 @@ constexpr const char* kPurpose =
     "Streams one RGB-D camera, or a recording of one, to render_client over TCP.";
 
 std::string default_name(const ServerSettings& settings) {
-  if (is_recording(settings.source)) return std::filesystem::path(settings.source).stem().string();
+  if (sensor::is_recording(settings.source)) return std::filesystem::path(settings.source).stem().string();
   const auto simulated = drivers::parse_simulated_uri(settings.source);
   return simulated ? fmt::format("camera{}", simulated->camera) : "camera";
 }
@@ -32,10 +31,11 @@ std::string key_of(const CLI::Option& option) {
   return option.get_lnames().empty() ? std::string() : option.get_lnames().front();
 }
 
-/// A setting's value; where it is the relative path of a file, from the folder that it is relative to.
+/// A setting's value. A relative path of a file is resolved against the folder that it is relative
+/// to.
 std::string from_folder(const std::filesystem::path& folder, const Setting& setting) {
   const bool is_path = setting.key == "scene" || setting.key == "record" ||
-                       (setting.key == "source" && is_recording(setting.value));
+                       (setting.key == "source" && sensor::is_recording(setting.value));
   return is_path && !setting.value.empty() ? (folder / setting.value).string() : setting.value;
 }
 
@@ -59,7 +59,7 @@ std::string names_of(const scene::Scene& scene) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The camera of the scene file that this server is for; nullptr where the file does not say anything of it.
+/// The scene file's entry for this server's camera, or nullptr.
 tl::expected<const scene::Camera*, Reject> camera_in(const scene::Scene& scene, ServerSettings& settings) {
   if (settings.name.empty() && scene.cameras.size() == 1) settings.name = scene.cameras.front().name;
   if (settings.name.empty() && settings.source.empty()) {
@@ -79,7 +79,8 @@ tl::expected<const scene::Camera*, Reject> camera_in(const scene::Scene& scene, 
   return camera;
 }
 
-/// Source and listening address from the scene file, where neither command line nor settings file gives them.
+/// Takes source and listening address from the scene file, unless the command line or the settings
+///        file has them.
 tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) {
   CLI::Option& source = *app.get_option("--source");
   CLI::Option& listen = *app.get_option("--listen");
@@ -100,7 +101,8 @@ tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) 
   return {};
 }
 
-/// A file's settings, where the command line does not have them or their opposites. Fails with FILE:LINE.
+/// Applies a file's settings, except those that the command line has, or whose opposites it has.
+/// Fails with FILE:LINE.
 Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
   const auto settings = load_settings(path);
   if (!settings) return fail(settings.error());
@@ -148,7 +150,7 @@ std::map<std::string, std::string> texts_of(const CLI::App& app) {
   return texts;
 }
 
-/// All that is asked for. A file's mistakes are refusals, the command line's CLI::ParseError.
+/// Reads all settings. A mistake in a file is a Reject, one on the command line a CLI::ParseError.
 tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* const* argv) {
   ServerSettings settings;
   add_flags(app, settings);
@@ -170,10 +172,10 @@ tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* c
         "--source", fmt::format("{} has more than {} bytes: give a camera or a file by a shorter name",
                                 text::excerpt(settings.source), kMostOfASource));
   }
-  if (settings.controls.projector && is_recording(settings.source)) {
+  if (settings.controls.projector && sensor::is_recording(settings.source)) {
     throw CLI::ValidationError("--projector-slot", "a recording has no projector: leave it out");
   }
-  if (settings.start_at && !is_recording(settings.source)) {
+  if (settings.start_at && !sensor::is_recording(settings.source)) {
     throw CLI::ValidationError("--start-at", "a camera has no beginning: leave it out");
   }
   if (settings.start_at && settings.pace == sensor::SourceSettings::Pace::kFast) {
@@ -186,6 +188,10 @@ tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* c
 }
 
 }  // namespace
+
+bool ServerSettings::keeps_every_frame() const {
+  return pace == sensor::SourceSettings::Pace::kFast && sensor::is_recording(source);
+}
 
 tl::expected<ServerSettings, int> read_command_line(int argc, const char* const* argv) {
   CLI::App app{kPurpose, "capture_server"};

@@ -1,7 +1,7 @@
 #version 450 core
 // checked with: -DCELL_ENOUGH=5 -DREACH_CELLS=12 -DLINKED=5.0 -DWORTH_PIXELS=8 -DSHADOW_PX_PER_STEP=0.16 -DSHADOW_SLACK_PX=2.0
 //
-// Finds the surfaces on which the holes of a cell may lie (surface_guess.h). One invocation per
+// Finds the surfaces on which the holes of a cell may lie (surface_candidates.h). One invocation per
 // cell of the list.
 layout(local_size_x = 64) in;
 

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <string_view>
 
-#include "capture_server/diagnosis/usb_cameras.h"
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/open_ni.h"
 
-namespace copresence::sensor {
+namespace copresence::diagnosis {
 namespace {
 
 std::string_view name_of(openni::PixelFormat format) {
@@ -26,7 +24,7 @@ std::string_view name_of(openni::PixelFormat format) {
     case openni::PIXEL_FORMAT_GRAY16:
       return "16 bits";
     default:
-      return "";  // packed and shifted ones, which we do not use
+      return "";  // packed and shifted formats, which are not used
   }
 }
 
@@ -52,11 +50,11 @@ DeviceListing look_at(const openni::DeviceInfo& found) {
   entry.name = fmt::format("{} {}", found.getVendor(), found.getName());
   openni::Device device;
   if (device.open(uri.c_str()) != openni::STATUS_OK) {
-    // What the bus knows better replaces this.
+    // A more precise reason from the bus replaces this one.
     entry.problems.push_back(fmt::format(
         "it does not open ({}): end other programs that use it (another user's show only to root), or "
         "unplug it and plug it in again",
-        last_open_ni_error()));
+        sensor::last_open_ni_error()));
     return entry;
   }
   char serial[ONI_MAX_STR] = {};
@@ -92,43 +90,43 @@ void add_bus_facts(std::vector<DeviceListing>& listing, const std::vector<UsbCam
     return !camera.serial.empty() && entry.source.ends_with("//" + camera.serial);
   });
   match([](const DeviceListing& entry, const UsbCamera& camera) {
-    return !camera.place.empty() && entry.source.ends_with(camera.place);
+    return !camera.address.empty() && entry.source.ends_with(camera.address);
   });
-  // What is left of one kind on both sides is the same camera where there is one on each.
+  // If one camera of a kind is unmatched on each side, the two are the same.
   const auto left_of = [&](const std::string& kind) {
     std::size_t cameras = 0;
     for (std::size_t i = 0; i < bus.size(); ++i)
-      cameras += !entry_of[i] && bus[i].kind == kind && !bus[i].place.empty();
+      cameras += !entry_of[i] && bus[i].kind == kind && !bus[i].address.empty();
     const auto entries = std::count_if(listing.begin(), listing.end(), [&](const DeviceListing& entry) {
       return entry.driver == kind && is_free(entry);
     });
     return cameras == 1 && entries == 1;
   };
   match([&](const DeviceListing& entry, const UsbCamera& camera) {
-    return !camera.place.empty() && left_of(entry.driver);
+    return !camera.address.empty() && left_of(entry.driver);
   });
 
   std::vector<DeviceListing> only_on_bus;
   for (std::size_t i = 0; i < bus.size(); ++i) {
     const UsbCamera& camera = bus[i];
     DeviceListing* entry = entry_of[i];
-    if (!entry && camera.problems.empty()) continue;  // a driver calls it otherwise
+    if (!entry && camera.problems.empty()) continue;  // listed under another name
     if (!entry)
       entry = &only_on_bus.emplace_back(
           DeviceListing{{}, camera.model, camera.serial, camera.kind, {}, {}, false});
-    if (camera.blocked) entry->problems.clear();  // the bus knows better why it does not open
+    if (camera.blocked) entry->problems.clear();  // the bus gives the more precise reason
     entry->problems.insert(entry->problems.end(), camera.problems.begin(), camera.problems.end());
   }
   listing.insert(listing.end(), only_on_bus.begin(), only_on_bus.end());
 }
 
-Result<std::vector<DeviceListing>> list_devices(const UsbPlaces& places) {
-  const std::vector<UsbCamera> bus = find_usb_cameras(places);  // before we ourselves hold any
-  const OpenNiSession session(drivers::kEveryDriver);
+Result<std::vector<DeviceListing>> list_devices(const UsbPaths& paths) {
+  const std::vector<UsbCamera> bus = find_usb_cameras(paths);  // before this process opens any
+  const sensor::OpenNiSession session(drivers::kEveryDriver);
   if (!session.is_up()) {
     return fail(ErrorCode::kUnavailable,
                 fmt::format("OpenNI2 does not start: {}; install the package libopenni2-0 again",
-                            last_open_ni_error()));
+                            sensor::last_open_ni_error()));
   }
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
@@ -139,4 +137,4 @@ Result<std::vector<DeviceListing>> list_devices(const UsbPlaces& places) {
   return listing;
 }
 
-}  // namespace copresence::sensor
+}  // namespace copresence::diagnosis

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string_view>
 
-namespace copresence::sensor {
+namespace copresence::diagnosis {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,10 +26,10 @@ constexpr Known kCameras[] = {
 constexpr std::string_view kMicrosoft = "045e", kMotor = "02b0";
 constexpr std::string_view kKinectAudio[] = {"02ad", "02bb", "02be", "02c3"};
 
-// A USB device as /sys has it.
+// A USB device, from /sys.
 struct Device {
   std::string vendor, product, serial, speed;
-  std::string name;  // the folder's: 1-4.2 is plugged into port 2 of what is in 1-4
+  std::string name;  // of the folder: 1-4.2 is plugged into port 2 of device 1-4
   int bus = 0, address = 0;
 };
 
@@ -68,7 +68,8 @@ const Known* known(const Device& device) {
   return found == std::end(kCameras) ? nullptr : found;
 }
 
-// The process that has the node open, as "name (process 123)"; other users' processes show only to root.
+// The process that has the node open, as "name (process 123)". Other users' processes are visible
+// only to root.
 std::optional<std::string> holder(const std::string& node, const std::string& processes) {
   std::error_code none;
   const std::string own = std::to_string(::getpid());
@@ -92,8 +93,8 @@ bool is_blank(const std::string& serial) {
   return serial.find_first_not_of('0') == std::string::npos;
 }
 
-// A Kinect 1473 or for Windows has zeros for its camera's serial number. libfreenect, and so everybody, takes that of the
-// audio device on the same hub instead.
+// The camera of a Kinect 1473 or Kinect for Windows has zeros as its serial number. libfreenect
+// reports the serial number of the audio device on the same hub instead.
 std::string serial_of(const Device& device, const std::vector<Device>& devices) {
   if (device.vendor != kMicrosoft || !is_blank(device.serial)) return device.serial;
   const auto audio = std::find_if(devices.begin(), devices.end(), [&](const Device& other) {
@@ -107,15 +108,15 @@ std::string serial_of(const Device& device, const std::vector<Device>& devices) 
 
 }  // namespace
 
-std::vector<UsbCamera> find_usb_cameras(const UsbPlaces& places) {
+std::vector<UsbCamera> find_usb_cameras(const UsbPaths& paths) {
   std::vector<UsbCamera> cameras;
-  const std::vector<Device> devices = read_bus(places.devices);
+  const std::vector<Device> devices = read_bus(paths.devices);
   for (const Device& device : devices) {
     const Known* model = known(device);
     if (!model) continue;
     UsbCamera camera{std::string(model->model),
                      serial_of(device, devices),
-                     fmt::format("{}/{:03}/{:03}", places.nodes, device.bus, device.address),
+                     fmt::format("{}/{:03}/{:03}", paths.nodes, device.bus, device.address),
                      std::string(model->kind),
                      fmt::format("@{}/{}", device.bus, device.address),
                      {},
@@ -126,7 +127,7 @@ std::vector<UsbCamera> find_usb_cameras(const UsbPlaces& places) {
           "you may not open {}: copy packaging/udev/70-copresence-cameras.rules to /etc/udev/rules.d, run "
           "\"udevadm control --reload\" as root and plug the camera in again",
           camera.node));
-    } else if (const auto who = holder(camera.node, places.processes)) {
+    } else if (const auto who = holder(camera.node, paths.processes)) {
       camera.blocked = true;
       camera.problems.push_back(fmt::format("{} has it open: end that program", *who));
     }
@@ -152,7 +153,7 @@ std::vector<UsbCamera> find_usb_cameras(const UsbPlaces& places) {
     if (has_camera) continue;
     cameras.push_back({"Kinect",
                        {},
-                       fmt::format("{}/{:03}/{:03}", places.nodes, device.bus, device.address),
+                       fmt::format("{}/{:03}/{:03}", paths.nodes, device.bus, device.address),
                        "kinect_v1",
                        {},
                        {"only its motor shows: plug in its power supply"},
@@ -161,4 +162,4 @@ std::vector<UsbCamera> find_usb_cameras(const UsbPlaces& places) {
   return cameras;
 }
 
-}  // namespace copresence::sensor
+}  // namespace copresence::diagnosis

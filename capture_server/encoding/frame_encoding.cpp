@@ -9,8 +9,8 @@
 namespace copresence::server {
 namespace {
 
-/// What the sensor says of its lenses and place, where the scene file does not know better.
-sensor::SensorDescription told_by_scene(sensor::SensorDescription sensor, const scene::Camera& camera) {
+/// Replaces the sensor's intrinsics and pose by those of the scene file.
+sensor::SensorDescription apply_scene(sensor::SensorDescription sensor, const scene::Camera& camera) {
   sensor.depth = camera.model;
   if (camera.color) {
     sensor.color = camera.color->model;
@@ -29,8 +29,8 @@ Result<void> check_scene_fits(const sensor::SensorDescription& sensor, const sce
                           sensor.depth.height));
 }
 
-video::VideoSettings video_settings(const EncoderSettings& rates) {
-  return {video::Preset::kLive, rates.depth_qp, rates.depth_kbps, rates.color_kbps};
+video::VideoSettings video_settings(const EncoderSettings& settings) {
+  return {video::Preset::kLive, settings.depth_qp, settings.depth_kbps, settings.color_kbps};
 }
 
 }  // namespace
@@ -46,11 +46,11 @@ void clip_to_range(RgbdFrame& frame, const DepthRangeUnits& range) {
 }
 
 Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_sensor,
-                                          const scene::Camera* camera, const ServerSettings& settings) {
+                                          const scene::Camera* camera, const EncodingSettings& settings) {
   if (camera) {
     if (auto fits = check_scene_fits(from_sensor, *camera); !fits) return fail(fits.error());
   }
-  const sensor::SensorDescription sensor = camera ? told_by_scene(from_sensor, *camera) : from_sensor;
+  const sensor::SensorDescription sensor = camera ? apply_scene(from_sensor, *camera) : from_sensor;
 
   auto registration = registration::Registration::open(
       {sensor.depth, sensor.has_color ? std::optional(sensor.color) : std::nullopt, sensor.color_from_depth,
@@ -63,8 +63,8 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   auto depth = depth::Encoder::open(settings.codec,
                                     {model.width, model.height, sensor.unit, settings.range, sensor.noise});
   if (!depth) return fail(depth.error());
-  depth->set_sensor_levels(sensor.levels);  // registration leaves depth as it was measured
-  depth->set_lossless(settings.rates.is_lossless());
+  depth->set_sensor_levels(sensor.levels);  // registration does not change depth
+  depth->set_lossless(settings.encoder.is_lossless());
 
   StreamDescription stream;
   stream.camera = settings.name;
@@ -78,7 +78,7 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   stream.world_from_camera = sensor.world_from_camera.value_or(Rigid3{});
   stream.codec = depth->description();
 
-  auto video = video::FrameEncoder::open(stream, video_settings(settings.rates));
+  auto video = video::FrameEncoder::open(stream, video_settings(settings.encoder));
   if (!video) return fail(video.error());
   return FrameEncoding(std::move(stream), std::move(*registration), std::move(*filler), std::move(*depth),
                        std::move(*video));
@@ -93,10 +93,10 @@ FrameEncoding::FrameEncoding(StreamDescription description, registration::Regist
       depth_(std::move(depth)),
       video_(std::move(video)) {}
 
-Result<void> FrameEncoding::set_rates(const EncoderSettings& rates) {
-  const auto other_stream = video_.change(video_settings(rates));
+Result<void> FrameEncoding::change_settings(const EncoderSettings& settings) {
+  const auto other_stream = video_.change(video_settings(settings));
   if (!other_stream) return fail(other_stream.error());
-  depth_.set_lossless(rates.is_lossless());
+  depth_.set_lossless(settings.is_lossless());
   keyframe_due_ = keyframe_due_ || *other_stream;
   return {};
 }

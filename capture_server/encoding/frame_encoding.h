@@ -1,16 +1,16 @@
 #pragma once
 
-// The server's half of a frame's way, in one line: registration, hole filling, depth encode, colour planes,
-// video encode. The client's half is render_client/decoding/frame_decoding.h.
+// The server's stages of a frame in order: registration, hole filling, depth encoding, colour
+// conversion, video encoding. The client's stages are in render_client/decoding/frame_decoding.h.
 //
-// Thread: one thread encodes; depth rate and keyframes are asked for by the same thread.
+// Thread: one thread at a time.
 
 #include <memory>
 
+#include "capture_server/encoding/encoder_settings.h"
 #include "capture_server/hole_filling/hole_filler.h"
 #include "capture_server/registration/registration.h"
 #include "capture_server/sensor/frame_source.h"
-#include "capture_server/settings.h"
 #include "common/depth/depth_codec.h"
 #include "common/executor.h"
 #include "common/frame/coded_frame.h"
@@ -20,24 +20,27 @@
 
 namespace copresence::server {
 
-/// Depth outside `range` becomes a hole, so that neither filling nor coding takes it for a surface. Thread: pure.
+/// Turns depth outside `range` into holes, so that neither filling nor coding treats it as a
+/// surface.
 void clip_to_range(RgbdFrame& frame, const DepthRangeUnits& range);
 
 class FrameEncoding {
  public:
-  /// `camera`: what the scene file says of this camera; nullptr where nothing is known. Fails on sizes,
-  /// ranges and codecs that do not go together, with a sentence for the person who started the server.
+  /// `camera`: this camera's entry in the scene file, or nullptr. Its intrinsics and pose replace
+  /// the sensor's.
+  /// Fails if sizes, range and codec do not fit together, with a sentence for the user.
   static Result<FrameEncoding> open(const sensor::SensorDescription& sensor, const scene::Camera* camera,
-                                    const ServerSettings& settings);
+                                    const EncodingSettings& settings);
 
   const StreamDescription& description() const { return description_; }
 
-  /// From the next frame on, which is a keyframe where depth gets another quantiser, or a rate instead of one. Fails where libx264
-  /// refuses; everything is then as before.
-  Result<void> set_rates(const EncoderSettings& rates);
+  /// Takes effect at the next frame. Changing the depth QP, or switching between QP and bitrate,
+  /// forces a keyframe.
+  /// Fails if libx264 refuses; the settings are then as before.
+  Result<void> change_settings(const EncoderSettings& settings);
 
-  /// One frame in, one out. `keyframe`: this one must need nothing of earlier frames. With `workers` colour is
-  /// encoded beside the filling and coding of depth.
+  /// Encodes one frame. `keyframe`: it must not depend on earlier frames. With `workers`, colour is
+  /// encoded in parallel to the filling and coding of depth.
   Result<EncodedFrame> encode(RgbdFrame frame, bool keyframe, Executor* workers = nullptr);
 
  private:

@@ -1,8 +1,8 @@
 #pragma once
 
-// Holes filled with the mean of the depth around them, weighted by pixel distance alone (thesis 3.2, second
-// version). It smears foreground into background; it is here to compare with. Thread: one thread at a time
-// per object.
+// Fills holes with the mean of the depth around them, weighted by pixel distance alone (thesis 3.2,
+// second version). It smears foreground into background. It is kept for comparison. Thread: one
+// thread at a time per object.
 
 #include <vector>
 
@@ -17,14 +17,14 @@ class BilateralFilling final : public HoleFiller {
   std::string_view name() const override { return "cpu"; }
 
   /// d(p) = sum over measured q of G(|p - q|) d(q), divided by the sum of G(|p - q|): a normalised
-  /// convolution, done first along columns, then along rows. Source   thesis A.1 without the range kernel,
-  /// which a hole has no depth for.
+  /// convolution, first along columns, then along rows.
+  /// Source   thesis A.1 without the range kernel: a hole has no depth to compare.
   Result<void> fill(RgbdFrame& frame) override;
 
  private:
   DepthRangeUnits range_;
-  std::vector<float> kernel_;                      // one half and the middle
-  std::vector<float> column_sum_, column_weight_;  // of one row, with a margin of the kernel's radius
+  std::vector<float> kernel_;                      // the centre and one half
+  std::vector<float> column_sum_, column_weight_;  // of one row, with margins of the kernel's radius
 };
 
 }  // namespace copresence::hole_filling

@@ -12,11 +12,11 @@ static_assert(copresence::hole_filling::Cells::kMarginPx >= 4, "rows end within 
 namespace copresence::hole_filling {
 namespace {
 
-constexpr float kNoSurface = -1e6f;  // differs from every depth by more than any slope allows
+constexpr float kNoSurface = -1e6f;  // further from every depth than any slope reaches
 constexpr float kNothingYet = 1e6f;
-constexpr std::uint8_t kNowhereNear = 200;  // cells; and a dozen more is still a byte
+constexpr std::uint8_t kNowhereNear = 200;  // cells; twelve more still fit into a byte
 
-// Eight pixels, as GCC and clang compute side by side.
+// Eight pixels in one vector.
 constexpr int kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 constexpr Lanes kNowhere{};
@@ -73,7 +73,7 @@ void Cells::add_row(std::span<const std::uint16_t> depth, std::span<const std::u
   const std::uint16_t* __restrict in = depth.data();
   float* __restrict out = &steps_[pixel_at(0, y)];
   for (int x = 0; x < width; ++x) out[x] = static_cast<float>(in[x]);
-  for (int x = 0; x < width; x += kLanes) {  // may go on into the margin, where everything is and stays 0
+  for (int x = 0; x < width; x += kLanes) {  // may run into the margin, which is always 0
     Lanes units, sum, nearest, farthest;
     load(out + x, units);
     load(&strip_.sum[x], sum);
@@ -100,7 +100,8 @@ void Cells::add_row(std::span<const std::uint16_t> depth, std::span<const std::u
   }
 }
 
-// Sixteen pixels to one cell, one kind of number a loop, so that compilers take many cells at a time.
+// Adds up the sixteen pixels of each cell. One loop per kind of number, so that compilers vectorise
+// over cells.
 void Cells::add_up_cells(std::size_t first) {
   static_assert(kCellPx == 4);
   const auto columns = static_cast<std::size_t>(columns_);
@@ -119,7 +120,7 @@ void Cells::add_up_cells(std::size_t first) {
                                      std::max(near_px[4 * i + 2], near_px[4 * i + 3]));
       const float farthest = std::min(std::min(far_px[4 * i], far_px[4 * i + 1]),
                                       std::min(far_px[4 * i + 2], far_px[4 * i + 3]));
-      spread[i] = nearest - farthest;  // far below 0 where there is no depth
+      spread[i] = nearest - farthest;  // far below 0 if there is no depth
     }
   }
   {
@@ -173,7 +174,7 @@ void Cells::close_strip(int row) {
   }
 }
 
-/// Parts the pixels of a cell into two surfaces.
+/// Splits the pixels of a cell into two surfaces.
 void Cells::split(int cell, int column, int row) {
   const float* corner = steps(column * kCellPx, row * kCellPx);
   float nearest = 0, farthest = kNothingYet;
@@ -198,7 +199,8 @@ void Cells::split(int cell, int column, int row) {
   near_count[cell] = static_cast<std::uint8_t>(near_pixels);
 }
 
-/// Differences over two cells, to whichever sides lie on the same surface.
+/// Slopes from the differences to the neighbouring cells on both sides, if they lie on the same
+/// surface.
 void Cells::find_slopes() {
   constexpr int kApart = 2;
   constexpr float kMostApart = kSteepest * kApart * kCellPx;
@@ -222,7 +224,8 @@ void Cells::find_slopes() {
   }
 }
 
-/// Depths were means over what a cell holds; from here on they are those of its middle.
+/// Until here a cell's depth is the mean of its pixels. This converts it to the depth at the cell's
+/// middle.
 void Cells::move_to_middles() {
   for (int row = 0; row < rows_; ++row) {
     const int first = at(0, row);
@@ -233,10 +236,11 @@ void Cells::move_to_middles() {
 }
 
 void Cells::find_reach() {
-  const int columns = columns_;  // which bytes that are written might be, as far as a compiler knows
+  const int columns =
+      columns_;  // a local copy: the compiler must assume that stores through uint8_t change members
   for (std::size_t d = 0; d < kDirections.size(); ++d) {
     const int towards = offset(kDirections[d]);
-    const bool upward = towards > 0;  // the neighbour must be known first
+    const bool upward = towards > 0;  // the neighbour's distance must be known first
     std::uint8_t* reaches = reach[d].data();
     for (int i = 0; i < rows_; ++i) {
       const int first = at(0, upward ? rows_ - 1 - i : i);
@@ -258,8 +262,8 @@ void Cells::find_reach() {
   }
 }
 
-// Cell by cell each would wait for its neighbour. Instead: the nearest among the next 1, 2, 4, 8 and 12 cells, for all of
-// the row at once.
+// A loop over cells would have to wait for each neighbour. Instead it takes the nearest among the
+// next 1, 2, 4, 8 and 12 cells, for the whole row at once.
 void Cells::find_reach_along(const std::uint8_t* has, int dx, std::uint8_t* out) {
   static_assert(kReachCells == 12 && kLineMargin >= 4);
   const auto columns = static_cast<std::size_t>(columns_);
@@ -267,7 +271,7 @@ void Cells::find_reach_along(const std::uint8_t* has, int dx, std::uint8_t* out)
   for (std::size_t x = 0; x < columns; ++x) from[x] = has[x] != 0 ? std::uint8_t{1} : kNowhereNear;
   for (const int step : {1, 2, 4, 4}) {
     const std::uint8_t* __restrict const here = from;
-    const std::uint8_t* __restrict const there = from + dx * step;  // in the margins there is nothing
+    const std::uint8_t* __restrict const there = from + dx * step;  // the margins are empty
     std::uint8_t* __restrict const nearest = to;
     for (std::size_t x = 0; x < columns; ++x)
       nearest[x] = std::min(here[x], static_cast<std::uint8_t>(there[x] + step));

@@ -1,7 +1,8 @@
 #pragma once
 
-// Depth in cells of 4x4 pixels: what lies where, and how it slopes. Wide holes are reasoned about on these,
-// sixteen times fewer than pixels and four times less noisy. Thread: one thread at a time per object.
+// Depth in cells of 4x4 pixels: the surfaces in each cell, and their slopes. Wide holes are filled
+// from cells: there are sixteen times fewer of them than pixels, and they are four times less
+// noisy. Thread: one thread at a time per object.
 
 #include <array>
 #include <vector>
@@ -16,35 +17,44 @@ class Cells {
   struct Direction {
     int dx, dy;
   };
-  static constexpr std::array<Direction, 8> kDirections{
-      {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};  // opposite ones side by side
+  static constexpr std::array<Direction, 8> kDirections{{{1, 0},
+                                                         {-1, 0},
+                                                         {0, 1},
+                                                         {0, -1},
+                                                         {1, 1},
+                                                         {-1, -1},
+                                                         {1, -1},
+                                                         {-1, 1}}};  // opposite directions are neighbours
 
   Cells(int width_px, int height_px);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  /// Index of a cell into everything below. Requires -kMargin <= column < columns() + kMargin, rows alike.
+  /// Index of a cell in the arrays below. Requires -kMargin <= column < columns() + kMargin, and
+  /// the same of rows.
   int at(int column, int row) const { return (row + kMargin) * stride_ + column + kMargin; }
   int offset(Direction direction) const { return direction.dy * stride_ + direction.dx; }
 
-  /// Sees `depth` anew. Requires images of this size.
+  /// Replaces the content by a new picture. Requires images of this size.
   void see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units);
 
-  /// Depth of a pixel in sensor steps, 0 where there is none and outside the image; its neighbours lie beside
-  /// it, and pixel_stride() apart from row to row. Requires a pixel at most kMarginPx outside the cells.
+  /// Depth of a pixel in disparity steps; 0 if it has none or is outside the image. Rows are
+  /// pixel_stride() apart. Requires a pixel at most kMarginPx outside the cells.
   const float* steps(int x, int y) const { return &steps_[pixel_at(x, y)]; }
   int pixel_stride() const { return pixel_stride_; }
   static constexpr int kMarginPx = 4;
 
-  // Per cell. A cell whose depths differ by more than kOneSurface holds two surfaces, split halfway.
+  // Per cell. A cell whose depths differ by more than kOneSurface holds two surfaces, split at the
+  // middle of its range.
   std::vector<float> far,
-      near;  ///< steps of the surfaces at the cell's middle; of no meaning where there is none
+      near;  ///< steps of the surfaces at the cell's middle; meaningless without such a surface
   std::vector<std::uint8_t> far_count,
-      near_count;                       ///< measured pixels on them; near_count is 0 for one surface
-  std::vector<float> slope_x, slope_y;  ///< steps per pixel; 0 where unknown
+      near_count;                       ///< measured pixels on them; near_count is 0 if there is one surface
+  std::vector<float> slope_x, slope_y;  ///< steps per pixel; 0 if unknown
   std::vector<std::uint8_t> wanted;     ///< whether the cell has fillable holes
 
-  /// Per direction and cell: how many cells away the next one with depth lies; 0 = none within kReachCells.
+  /// Per direction and cell: distance in cells to the next one with depth, 0 if there is none
+  /// within kReachCells.
   std::array<std::vector<std::uint8_t>, 8> reach;
 
  private:
@@ -52,7 +62,7 @@ class Cells {
     std::vector<float> sum, nearest, farthest;
     std::vector<std::uint8_t> count, row_sum, wanted;
   };
-  struct CellRow {  // sums over a cell's pixels, as Strip has them by column
+  struct CellRow {  // sums over a cell's pixels, made from those of Strip
     std::vector<float> sum, spread;
     std::vector<std::uint8_t> column_sum, row_sum;
   };
@@ -74,10 +84,10 @@ class Cells {
   std::vector<float> steps_;
   Strip strip_;
   CellRow cells_;
-  std::array<std::vector<std::uint8_t>, 2> lines_;  // a row of cells with margins where nothing is
+  std::array<std::vector<std::uint8_t>, 2> lines_;  // a row of cells with empty margins
 
-  std::vector<float> middle_x_, middle_y_;  // where a cell's depth was measured, pixels from its middle
-  std::vector<float> smooth_;               // a cell's depth where it holds one surface, else kNoSurface
+  std::vector<float> middle_x_, middle_y_;  // centroid of a cell's measured pixels, pixels from its middle
+  std::vector<float> smooth_;               // a cell's depth if it holds one surface, else kNoSurface
   std::vector<std::uint8_t> has_depth_;
 };
 

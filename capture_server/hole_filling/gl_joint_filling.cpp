@@ -20,7 +20,7 @@ using gl::Define;
 using gl::Format;
 using gl::Reader;
 
-// As std430 lays them out in the shaders.
+// Layout std430, as in the shaders.
 constexpr std::size_t kCellBytes = 32, kGuessBytes = 64;
 
 struct Commands {
@@ -35,7 +35,7 @@ static_assert(sizeof(Commands) == 32);
 enum Texture : int { kDepth = 0, kFillable = 1, kColor = 2 };
 enum Block : int { kCommands = 0, kWanted = 1, kMeasuredCells = 2, kCells = 3, kGuesses = 4 };
 
-// As GLSL writes it, exact to the last bit.
+// A GLSL literal that is exact to the last bit.
 std::string literal(float value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.9e", double(value));
@@ -76,7 +76,7 @@ Result<GlJointFilling::Programs> GlJointFilling::compile(gl::Context& context, c
       Define{"SHADOW_PX_PER_STEP", literal(kShadowPxPerStep)},
       Define{"SHADOW_SLACK_PX", literal(kShadowSlackPx)},
       Define{"SAME_SURFACE", literal(kSameSurface)},
-      Define{"GUESS_WEIGHT", literal(kGuessWeight)},
+      Define{"GUESS_WEIGHT", literal(kCandidateWeight)},
       Define{"COLOR_SIGMA", literal(kColorSigma)}};
   const auto make = [&](std::string_view source) { return gl::Program::compute(context, source, defines); };
   auto find_fillable = make(shaders::hole_filling_fillable_comp);

@@ -1,8 +1,8 @@
 #pragma once
 
-// Joint filling on a graphics card: the same steps as JointFilling, which a test holds it to, as compute
-// shaders. Cells that have holes to fill are gathered in a list, and the later shaders run over that list by
-// indirect dispatch.
+// Joint filling on a graphics card, as compute shaders. The steps are those of JointFilling; a test
+// compares the two. The cells with holes to fill are gathered in a list. Later shaders run over
+// that list by indirect dispatch.
 //
 // Thread: that of the context.
 
@@ -18,7 +18,7 @@ namespace copresence::hole_filling {
 
 class GlJointFilling final : public HoleFiller {
  public:
-  /// `context` must outlive the filler. Fails (kInvalid) where the driver refuses a shader.
+  /// `context` must outlive the filler. Fails (kInvalid) if the driver rejects a shader.
   static Result<std::unique_ptr<GlJointFilling>> open(gl::Context& context, const FrameFormat& format);
 
   std::string_view name() const override { return "gl"; }
@@ -44,8 +44,8 @@ class GlJointFilling final : public HoleFiller {
   DepthImage filled_host_;
 };
 
-/// A GlJointFilling with a headless context of its own. Fails (kUnavailable) where there is no OpenGL; where
-/// `hardware_only`, also (kUnsupported) where it is software.
+/// A GlJointFilling with a headless context of its own. Fails (kUnavailable) without OpenGL; with
+/// `hardware_only` also (kUnsupported) if OpenGL is a software renderer.
 Result<std::unique_ptr<HoleFiller>> open_gl_joint_filling(const FrameFormat& format, bool hardware_only);
 
 }  // namespace copresence::hole_filling

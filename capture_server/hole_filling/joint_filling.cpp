@@ -7,16 +7,17 @@
 
 #include "capture_server/hole_filling/fillable.h"
 #include "capture_server/hole_filling/filling_rules.h"
-#include "capture_server/hole_filling/surface_guess.h"
+#include "capture_server/hole_filling/surface_candidates.h"
 
 namespace copresence::hole_filling {
 namespace {
 
-constexpr int kTilePx = kCellPx + 2 * kWindowPx;  // a cell and what its pixels' windows reach
+constexpr int kTilePx = kCellPx + 2 * kWindowPx;  // a cell with the margin that its pixels' windows reach
 static_assert(kWindowPx <= Cells::kMarginPx && kWindowPx == 2 && kCellPx == 4);
-constexpr std::array<float, 3> kKernel{0.37f, 0.78f, 1};  // exp(-d^2 / 4), the window's weights to its middle
+constexpr std::array<float, 3> kKernel{0.37f, 0.78f,
+                                       1};  // exp(-d^2 / 4): weights from the window's rim to its centre
 
-// A tile's row and a cell's row, as GCC and clang compute side by side.
+// A row of a tile and a row of a cell, each in one vector.
 using TileRow = float __attribute__((vector_size(kTilePx * sizeof(float))));
 using CellRow = float __attribute__((vector_size(kCellPx * sizeof(float))));
 constexpr TileRow kNone{};
@@ -26,14 +27,15 @@ void load(const float* from, Row& row) {
   std::memcpy(&row, from, sizeof(Row));
 }
 
-/// What the measured pixels in the windows of a cell's pixels say about one surface, row by row.
+/// Evidence of the measured pixels in the windows of a cell's pixels for one surface, row by row.
 struct Support {
-  std::array<CellRow, kCellPx> weight;  ///< of those that lie on the surface
-  std::array<CellRow, kCellPx> rest;    ///< weighted sum of their steps above it
-  std::array<CellRow, kCellPx> x, y;    ///< weighted sum of where they are, pixels from the window's middle
+  std::array<CellRow, kCellPx> weight;  ///< of the pixels that lie on the surface
+  std::array<CellRow, kCellPx> rest;    ///< weighted sum of their distance from it, steps
+  std::array<CellRow, kCellPx> x, y;    ///< weighted sum of their positions, pixels from the window's centre
 };
 
-/// Numbers k to k + 3 of a tile's row: a pixel's neighbour, for the four pixels of a cell's row.
+/// Elements k to k + 3 of a tile's row: for the four pixels of a cell's row, the neighbour at one
+/// offset.
 template <int k>
 CellRow from(const TileRow& row) {
   return __builtin_shufflevector(row, row, k, k + 1, k + 2, k + 3);
@@ -45,13 +47,14 @@ CellRow across(const TileRow& row) {
          from<2>(row);
 }
 
-/// The same, times their offsets.
+/// The same sums, each neighbour times its offset.
 CellRow first_moment_across(const TileRow& row) {
   return 2 * kKernel[0] * (from<4>(row) - from<0>(row)) + kKernel[1] * (from<3>(row) - from<1>(row));
 }
 
-/// Windows are separable, and what a pixel says does not depend on the window it is seen through: sums along columns,
-/// then rows. `corner` is the top left of the cell's tile. Without `places`, x and y stay unset.
+/// Windows are separable, since a pixel's weight does not depend on the window: sums along columns,
+/// then along rows. `corner` is the top left pixel of the cell's tile. Without `places`, x and y
+/// are not set.
 void find_support(const float* corner, int stride, const Plane& plane, bool places, Support& support) {
   constexpr float kFirst = -kWindowPx - 0.5f * (kCellPx - 1);  // from the cell's middle
   constexpr TileRow kColumns{kFirst,     kFirst + 1, kFirst + 2, kFirst + 3,
@@ -81,7 +84,7 @@ void find_support(const float* corner, int stride, const Plane& plane, bool plac
   }
 }
 
-/// exp(-x), near enough, without a table: (1 - x / 8)^8.
+/// exp(-x) by the approximation (1 - x / 8)^8, without a table.
 float falling(float x) {
   const float a = std::max(0.0f, 1 - x * 0.125f), b = a * a, c = b * b;
   return c * c;
@@ -93,26 +96,27 @@ float likeness(Rgb8 a, const std::array<float, 3>& b) {
   return falling((dr * dr + dg * dg + db * db) * (1 / (2 * kColorSigma * kColorSigma)));
 }
 
-/// Which of two surfaces a pixel lies on, by what its window holds of them: weights, and the near one's place. `own` is
-/// its colour, or null.
-bool lies_near(const SurfaceGuess& guess, float far_weight, float near_weight, float near_x, float near_y,
-               const Rgb8* own) {
+/// Decides which of two surfaces a pixel lies on, from the weights of both surfaces in its window
+/// and the near one's centroid. `own` is the pixel's colour, or null.
+bool lies_near(const SurfaceCandidates& candidates, float far_weight, float near_weight, float near_x,
+               float near_y, const Rgb8* own) {
   const bool enclosed =
       near_weight > 2 * far_weight && near_x * near_x + near_y * near_y < 0.25f * near_weight * near_weight;
-  const bool by_place = enclosed || (guess.prefers_near && near_weight >= far_weight);
+  const bool by_place = enclosed || (candidates.prefers_near && near_weight >= far_weight);
   if (own == nullptr) return by_place;
-  const float like_far = likeness(*own, guess.far_color), like_near = likeness(*own, guess.near_color);
+  const float like_far = likeness(*own, candidates.far_color),
+              like_near = likeness(*own, candidates.near_color);
   if (like_near > 4 * like_far + 0.2f) return true;
   if (like_far > 4 * like_near + 0.2f) return false;
   return by_place;
 }
 
-/// Depth, in units and half of one more, of a row of a cell's pixels if they lie on `plane`. Out of every range where the
-/// plane is not in front of the camera.
+/// Depth in units of a row of a cell's pixels on `plane`, plus one half for rounding. Outside every
+/// range where the plane is not in front of the camera.
 CellRow units_on(const Plane& plane, const Support& support, int y, float steps_times_units) {
   constexpr CellRow kColumns{-1.5f, -0.5f, 0.5f, 1.5f};
   const CellRow s = plane.steps + plane.slope_x * kColumns + plane.slope_y * (static_cast<float>(y) - 1.5f) +
-                    support.rest[y] / (support.weight[y] + kGuessWeight);
+                    support.rest[y] / (support.weight[y] + kCandidateWeight);
   return steps_times_units / s + 0.5f;
 }
 
@@ -137,14 +141,14 @@ Result<void> JointFilling::fill(RgbdFrame& frame) {
 
 void JointFilling::fill_cell(int column, int row, RgbdFrame& frame) {
   const ColorImage* color = frame.color ? &*frame.color : nullptr;
-  const SurfaceGuess guess = guess_surfaces(cells_, column, row, color);
-  if (guess.far.steps <= 0) return;
-  const bool two = guess.near.steps > 0;
+  const SurfaceCandidates candidates = find_surface_candidates(cells_, column, row, color);
+  if (candidates.far.steps <= 0) return;
+  const bool two = candidates.near.steps > 0;
   const int left = column * kCellPx, top = row * kCellPx;
   const float* corner = cells_.steps(left - kWindowPx, top - kWindowPx);
   Support far, near;
-  find_support(corner, cells_.pixel_stride(), guess.far, false, far);
-  if (two) find_support(corner, cells_.pixel_stride(), guess.near, true, near);
+  find_support(corner, cells_.pixel_stride(), candidates.far, false, far);
+  if (two) find_support(corner, cells_.pixel_stride(), candidates.near, true, near);
 
   const int right = std::min(kCellPx, frame.depth.width() - left),
             bottom = std::min(kCellPx, frame.depth.height() - top);
@@ -153,13 +157,13 @@ void JointFilling::fill_cell(int column, int row, RgbdFrame& frame) {
     const std::uint8_t* wanted = fillable_.row(top + y).data() + left;
     std::uint16_t* depth = frame.depth.row(top + y).data() + left;
     DepthState* state = frame.state.row(top + y).data() + left;
-    const CellRow far_units = units_on(guess.far, far, y, steps_times_units_);
-    const CellRow near_units = two ? units_on(guess.near, near, y, steps_times_units_) : CellRow{};
+    const CellRow far_units = units_on(candidates.far, far, y, steps_times_units_);
+    const CellRow near_units = two ? units_on(candidates.near, near, y, steps_times_units_) : CellRow{};
     for (int x = 0; x < right; ++x) {
       if (wanted[x] == 0) continue;
       const Rgb8* own = color != nullptr ? color->row(top + y).data() + left + x : nullptr;
       const bool takes_near =
-          two && lies_near(guess, far.weight[y][x], near.weight[y][x], near.x[y][x], near.y[y][x], own);
+          two && lies_near(candidates, far.weight[y][x], near.weight[y][x], near.x[y][x], near.y[y][x], own);
       const float units = takes_near ? near_units[x] : far_units[x];
       if (!(units >= nearest && units < beyond)) continue;
       depth[x] = static_cast<std::uint16_t>(units);

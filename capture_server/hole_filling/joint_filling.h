@@ -1,7 +1,8 @@
 #pragma once
 
-// The default filler, on the CPU: joint bilateral by pixel, depth and colour distance, without bridging
-// surfaces. docs/internals/hole_filling.md tells the method. Thread: one thread at a time per object.
+// The default filler, on the CPU: joint bilateral filling by pixel, depth and colour distance,
+// which does not bridge surfaces. The method is described in docs/internals/hole_filling.md.
+// Thread: one thread at a time per object.
 
 #include "capture_server/hole_filling/cells.h"
 #include "capture_server/hole_filling/hole_filler.h"

@@ -11,10 +11,11 @@ namespace copresence::hole_filling {
 namespace {
 
 constexpr int kMargin = kMedianWindowPx;
-constexpr int kLanes = 16;  // pixels of a row judged side by side
+constexpr int kLanes = 16;  // pixels of a row in one vector
 using Lanes = std::array<std::uint16_t, kLanes>;
 
-/// Calls visit(pointer to the pixels at this offset, on the rim or not) for every offset of the window.
+/// Calls visit(pixels, is_rim) for every offset of the window: the pixels at this offset, and
+/// whether it is on the window's rim.
 template <class Visit>
 void for_window(const std::uint16_t* middle, int stride, int radius, Visit visit) {
   for (int dy = -radius; dy <= radius; ++dy) {
@@ -89,7 +90,7 @@ void MedianFilling::pass(const Window& window, RgbdFrame& frame) {
       }
       if (std::none_of(wanted.begin(), wanted.end(), [](bool want) { return want; })) continue;
 
-      // The median lies in (low, high]: halve that range by counting, until it holds one value.
+      // The median lies in (low, high]. Counting halves that range until it holds one value.
       Lanes low, high = highest;
       for (int i = 0; i < kLanes; ++i) low[i] = static_cast<std::uint16_t>(lowest[i] - 1);
       for (int range = widest + 1; range > 1; range -= range / 2) {

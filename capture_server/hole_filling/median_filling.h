@@ -1,8 +1,8 @@
 #pragma once
 
-// Two median passes over what was measured. The first closes enclosed holes on one surface from a large
-// window, the second what is left, and rough spots of the first, from a small one. Thread: one thread at a
-// time per object.
+// Two median passes over the measured depth. The first pass closes enclosed holes on one surface
+// with a large window. The second closes the others, and rough spots of the first, with a small
+// one. Thread: one thread at a time per object.
 
 #include <vector>
 
@@ -16,20 +16,19 @@ class MedianFilling final : public HoleFiller {
 
   std::string_view name() const override { return "cpu"; }
 
-  /// The median is of the pixels that hold depth; the lower one of an even number.
-  /// Source   Maimone and Fuchs 2011: a hole is filled from the large window where the window's depths differ
-  /// little,
-  ///          enough of it holds depth, and enough of its rim does, so that silhouettes do not grow. Their
-  ///          second pass also smooths measured depth; this one leaves it alone.
+  /// The median is that of the pixels with depth; of an even number it is the lower one.
+  /// Source   Maimone and Fuchs 2011: the large window fills a hole if its depths differ little,
+  ///          enough pixels hold depth, and enough pixels of its rim do, so that silhouettes do not
+  ///          grow. Their second pass also smooths measured depth; this one does not.
   Result<void> fill(RgbdFrame& frame) override;
 
  private:
-  /// How a pass judges a window.
+  /// When a window may fill a hole.
   struct Window {
     int radius;
     int enough;      ///< pixels with depth
-    int enough_rim;  ///< of them on the window's rim
-    float widest;    ///< nearest minus farthest, steps
+    int enough_rim;  ///< of these on the window's rim
+    float widest;    ///< largest difference of depths, steps
   };
   void pass(const Window& window, RgbdFrame& frame);
   void load(const DepthImage& depth);

@@ -1,10 +1,16 @@
 #include "capture_server/recording/depth_16z.h"
 
+#include <array>
+#include <bit>
 #include <cassert>
 #include <cstdlib>
+#include <cstring>
+#include <numeric>
 
 namespace copresence::recording {
 namespace {
+
+static_assert(std::endian::native == std::endian::little);
 
 constexpr int kLargestNibble = 6, kLargestByte = 63;
 constexpr int kZeros = 0x66, kLongestRun = 15;
@@ -53,12 +59,12 @@ class Differences {
   }
 
   std::vector<std::uint8_t>& bytes_;
-  int pending_ = -1;  // nibble that waits for its low half
+  int pending_ = -1;  // nibble that waits for the second one of its byte
   int run_ = 0;       // bytes 0x66 not yet written
 };
 
 tl::unexpected<Error> corrupt(const char* what) {
-  return fail(ErrorCode::kCorrupt, std::string("a 16zT depth frame is damaged: ") + what);
+  return fail(ErrorCode::kCorrupt, std::string("a depth frame is damaged: ") + what);
 }
 
 }  // namespace
@@ -104,29 +110,37 @@ Result<void> append_depth_16z(const DepthImage& depth, std::vector<std::uint8_t>
   return {};
 }
 
-Result<void> expand_depth_16z(std::span<const std::uint8_t> bytes, DepthImage& depth) {
-  if (bytes.size() < 2) return corrupt("no table");
+Result<void> expand_depth_16z(std::span<const std::uint8_t> bytes, DepthTable table, DepthImage& depth) {
   const auto u16_at = [&](std::size_t at) {
     return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
   };
-  const std::size_t entries = u16_at(0);
-  if (bytes.size() < 4 + 2 * entries) return corrupt("its table is cut off");
+  std::array<std::uint16_t, 65536> values;  // by index
+  std::size_t entries = values.size(), at = 0;
+  if (table == DepthTable::kEmbedded) {
+    if (bytes.size() < 2) return corrupt("no table");
+    entries = u16_at(0);
+    at = 2 + 2 * entries;
+    if (bytes.size() < at) return corrupt("its table is cut off");
+    std::memcpy(values.data(), bytes.data() + 2, 2 * entries);
+  } else {
+    std::iota(values.begin(), values.end(), std::uint16_t{0});
+  }
+  if (bytes.size() < at + 2) return corrupt("it has no first pixel");
   if (depth.empty()) return corrupt("no pixels are expected of it");
-  const auto value_of = [&](std::size_t index) { return u16_at(2 + 2 * index); };
 
-  int index = u16_at(2 + 2 * entries);
+  int index = u16_at(at);
+  at += 2;
   if (static_cast<std::size_t>(index) >= entries) return corrupt("its first pixel is not in the table");
   auto out = depth.pixels().begin();
   const auto end = depth.pixels().end();
-  *out++ = value_of(static_cast<std::size_t>(index));
+  *out++ = values[static_cast<std::size_t>(index)];
   const auto put = [&](int new_index) {
     if (out == end || new_index < 0 || static_cast<std::size_t>(new_index) >= entries) return false;
     index = new_index;
-    *out++ = value_of(static_cast<std::size_t>(index));
+    *out++ = values[static_cast<std::size_t>(index)];
     return true;
   };
 
-  std::size_t at = 4 + 2 * entries;
   while (at < bytes.size()) {
     const int high = bytes[at] >> 4, low = bytes[at] & 0xF;
     ++at;

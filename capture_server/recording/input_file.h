@@ -1,6 +1,6 @@
 #pragma once
 
-// A file to read here and there from, however large.
+// Random access to a file of any size.
 //
 // Thread: concurrent reads are safe.
 
@@ -15,7 +15,7 @@ namespace copresence::recording {
 
 class InputFile {
  public:
-  /// Fails  kNotFound: nothing there, not readable, not a file.
+  /// Fails  kNotFound: it does not exist, cannot be read, or is not a regular file.
   static Result<InputFile> open(const std::string& path);
 
   InputFile(InputFile&& other) noexcept;
@@ -24,10 +24,11 @@ class InputFile {
 
   std::uint64_t size() const { return size_; }
 
-  /// Fills `into` from `offset` on; false where that is not there or the medium fails.
+  /// Fills `into` with the bytes from `offset` on. False if they are not in the file or the medium
+  /// fails.
   bool read(std::uint64_t offset, std::span<std::uint8_t> into) const;
 
-  /// This file's bytes for a walk. Requires that this outlives it.
+  /// This file's bytes for a parser. Requires that this outlives it.
   RecordBytes bytes() const;
 
  private:

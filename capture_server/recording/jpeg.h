@@ -1,7 +1,8 @@
 #pragma once
 
-// JPEG pictures of recordings, by libjpeg-turbo with its exact transform: the bytes are those that every program on top of
-// that library writes and the pixels those that OpenNI2's player shows. Thread: distinct objects are independent.
+// JPEG pictures of recordings, by libjpeg-turbo with its exact transform. Encoded bytes are those
+// of every program that uses this library; decoded pixels are those of OpenNI2's player. Thread:
+// distinct objects are independent.
 
 #include <cstdint>
 #include <memory>
@@ -17,8 +18,9 @@ class JpegEncoder {
  public:
   JpegEncoder();
 
-  /// `quality` is 1 to 100; colour is stored at half the resolution both ways (4:2:0), as cameras do. `bytes` is
-  /// overwritten. Fails with kUnsupported and the library's reason: too large a picture, or none at all.
+  /// `quality` is 1 to 100. Colour is stored at half the resolution in both directions (4:2:0), as
+  /// cameras do. `bytes` is overwritten. Fails with kUnsupported and the library's reason: the
+  /// picture is empty or too large.
   Result<void> encode(const ColorImage& image, int quality, std::vector<std::uint8_t>& bytes);
 
  private:
@@ -28,9 +30,9 @@ class JpegEncoder {
   std::unique_ptr<void, Close> codec_;
 };
 
-/// Decodes bytes that nobody has checked. False where they are no JPEG picture of exactly `image`'s size, or one of more
-/// than 500 scans; what damage
-/// leaves of a picture is shown, as players do. `image` then holds anything.
+/// Decodes untrusted bytes. False if they are no JPEG picture of exactly `image`'s size, or have
+/// more than 500 scans. A damaged picture is decoded as far as possible. `image` is unspecified
+/// after a failure.
 bool decode_jpeg(std::span<const std::uint8_t> bytes, ColorImage& image);
 
 }  // namespace copresence::recording

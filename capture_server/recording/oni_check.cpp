@@ -7,8 +7,8 @@
 
 #include "capture_server/recording/input_file.h"
 #include "capture_server/recording/oni_format.h"
+#include "capture_server/recording/oni_parser.h"
 #include "capture_server/recording/record_bytes.h"
-#include "capture_server/recording/record_walk.h"
 
 namespace copresence::recording {
 
@@ -28,7 +28,7 @@ std::size_t steps_without_time(const RecordedStream& stream) {
 double usual_period_us(const RecordedStream& stream) {
   const auto& times = stream.timestamps_us;
   const double nominal = 1e6 / std::max(stream.frames_per_second, 1);
-  // Where more steps than a fourth stand still, the others are no frame's period either.
+  // If more than a fourth of the times stand still, the other steps are no frame periods either.
   if (times.size() < 2 || 4 * steps_without_time(stream) > times.size() - 1) return nominal;
   std::vector<std::uint64_t> steps;
   for (std::size_t i = 1; i < times.size(); ++i) {
@@ -39,7 +39,7 @@ double usual_period_us(const RecordedStream& stream) {
   double sum = 0;
   std::size_t count = 0;
   for (const std::uint64_t step : steps) {
-    // Rounded times alternate about their mean; pauses do not count.
+    // Steps between rounded times alternate around their mean. Pauses do not count.
     if (2 * step < *middle || step > *middle + *middle / 2) continue;
     sum += static_cast<double>(step);
     ++count;
@@ -63,7 +63,7 @@ Result<RecordingSummary> check(const std::string& path) {
   const auto file = InputFile::open(path);
   if (!file) return fail(file.error());
   RecordBytes bytes = file->bytes();
-  return RecordWalk(bytes, path).run();
+  return OniParser(bytes, path).run();
 }
 
 Result<void> check_written(const std::string& path) {
@@ -80,7 +80,7 @@ Result<RecordingSummary> check(std::span<const std::uint8_t> bytes, std::string_
     return true;
   });
   const std::string text(name);
-  return RecordWalk(reader, text).run();
+  return OniParser(reader, text).run();
 }
 
 }  // namespace copresence::recording

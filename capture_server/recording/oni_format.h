@@ -1,27 +1,38 @@
 #pragma once
 
-// The .oni file of OpenNI 2, as far as this project writes and reads it. All numbers are little-endian.
+// The .oni file of OpenNI 2, as far as this project reads and writes it. All numbers are
+// little-endian.
 //
-//   file      header, then records until kEnd
-//   header    "NI10"  u8 major 1  u8 minor 0  u16 maintenance 1  u32 build 0  u64 largest timestamp  u32 largest node
-//   record    u32 kRecordMagic  u32 RecordType  u32 node  u32 bytes of these 28 and the fields  u32 bytes of
-//   the payload
-//             u64 undo position | fields | payload
+//   file     header, then records up to kEnd
+//   header   char[4] "NI10"; version: u8 1, u8 0, u16 1, u32 0; u64 largest timestamp;
+//            u32 largest node
+//   record   u32 kRecordMagic; u32 RecordType; u32 node; u32 size of these 28 bytes and the fields;
+//            u32 size of the payload; u64 undo position; fields; payload
+//   str      u32 length with the final NUL; the bytes with the NUL
 //
-//   kNodeAdded    str name  u32 NodeType  u32 codec  u32 frames  u64 first and u64 last timestamp  u64 seek
-//   table's position kIntProperty  str key  u32 8  u64 value          kGeneralProperty  str key  u32 n  n
-//   bytes kDataBegin    u32 ~0  u64 ~0                     kNewData  u64 timestamp, microseconds  u32 frame,
-//   from 1 | payload kSeekTable    | one entry of zeros, then one per frame: u64 timestamp  u32 0  u64
-//   position of its kNewData kStateReady, kNodeRemoved, kEnd have no fields. A str is a u32 length with its
-//   NUL, then the bytes with the NUL.
+//   type               fields                                                    payload
+//   kNodeAdded         str name, u32 NodeType, u32 codec, u32 frames,            none
+//                      u64 first timestamp, u64 last timestamp,
+//                      u64 position of the seek table
+//   kIntProperty       str key, u32 8, u64 value                                 none
+//   kGeneralProperty   str key, u32 n, n bytes                                   none
+//   kDataBegin         u32 ~0, u64 ~0                                            none
+//   kNewData           u64 timestamp in microseconds, u32 frame number from 1    coded picture
+//   kSeekTable         none                                                      entries
+//   kStateReady, kNodeRemoved, kEnd: no fields, no payload
 //
-// OpenNI 1.0 to 1.3 wrote versions 1.0.0.4 to 1.0.0.6, which are read, too. Their "undo position" and the position of a
-// seek table are u32, so a record begins with 24 bytes and an entry of a seek table has 16. The last field
-// of kNodeAddedOlder (1.0.0.5) is the last timestamp. The last field of kNodeAddedOld (1.0.0.4) is the codec; there the
-// kDataBegin record of the node holds the number of frames and the last timestamp.
+//   entry of a seek table: u64 timestamp, u32 0, u64 position of the kNewData. The first entry is
+//   zeros, then there is one per frame.
 //
-// "undo position" of a kNewData is that of the node's frame before it (0 for the first), of a kNodeRemoved
-// that of its kNodeAdded, elsewhere 0.
+//   undo position: of a kNewData, the position of the node's previous frame, 0 for the first; of a
+//   kNodeRemoved, the position of its kNodeAdded; of all others 0.
+//
+// OpenNI 1.0 to 1.3 wrote versions 1.0.0.4 to 1.0.0.6, which can be read, too:
+// - The undo position and the position of a seek table are u32. So a record begins with 24 bytes, and
+//   an entry of a seek table has 16.
+// - kNodeAddedOlder (1.0.0.5) ends with the last timestamp.
+// - kNodeAddedOld (1.0.0.4) ends with the codec. The node's kDataBegin has the number of frames and
+//   the last timestamp.
 
 #include <cstdint>
 
@@ -33,12 +44,15 @@ inline constexpr std::uint32_t kHeaderTimestampAt = 12;  ///< u64: largest times
 inline constexpr std::uint32_t kHeaderNodeAt = 20;       ///< u32: largest node
 
 inline constexpr std::uint32_t kRecordMagic = 0x0052494E;  // "NIR"
-inline constexpr std::uint32_t kRecordBytes = 28;          ///< of a record without fields and payload
-inline constexpr std::uint32_t kFrameFieldBytes = 12;      ///< the fields of a kNewData
+inline constexpr std::uint32_t kRecordBytes = 28;          ///< of a record's head
+inline constexpr std::uint32_t kMaxFields =
+    1 << 20;  ///< the largest real fields are tables of depth levels with 20 kB
+inline constexpr std::uint32_t kFrameFieldBytes = 12;  ///< fields of a kNewData
 inline constexpr std::uint32_t kSeekEntryBytes = 20;
 inline constexpr std::uint32_t kOldRecordBytes = 24, kOldSeekEntryBytes = 16;  ///< of files before 1.0.1
 
-/// The version of a file: as the u64 behind kFileMagic, and whether records have kOldRecordBytes.
+/// The version of a file, as the u64 after kFileMagic, and whether its records have
+/// kOldRecordBytes.
 inline constexpr std::uint64_t kFileVersion = 0x10001;
 constexpr bool is_old_version(std::uint64_t version) {
   return (version & 0xffffffff) == 1 && version >> 32 >= 4;
@@ -79,25 +93,28 @@ enum class OniPixelFormat : std::uint32_t {
   kGray8 = 202,
 };
 
-inline constexpr char kCameraNoteProperty[] =
-    "copresence.camera";  ///< general: JSON, recording/camera_note.h
+inline constexpr char kCameraMetadataProperty[] =
+    "copresence.camera";  ///< general: JSON, recording/camera_metadata.h
 
 inline constexpr char kUnixZeroProperty[] =
     "copresence.unix_zero";  ///< general: i64, microseconds from 1970 (UTC) to the recording's time zero
 
+/// General, of a depth stream: a u16 per disparity of the sensor, its depth, or 0.
+inline constexpr char kDisparityTableProperty[] = "S2D";
+
 inline constexpr char kFormerEndProperty[] =
-    "copresence.end";  ///< general, no meaning: where a recording once ended, recording/record_end.h
+    "copresence.end";  ///< general, without meaning: a former footer, see recording/oni_footer.h
 
 inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< of one stream: 38 hours
 
-/// Largest timestamp, microseconds: two thousand years, far from where sums of times overflow.
+/// Largest timestamp in microseconds: two thousand years, well below the overflow of sums of times.
 inline constexpr std::uint64_t kMaxTimestamp = std::uint64_t{1} << 56;
 
-/// A recording is played at these rates, frames a second.
+/// Frame rates at which a recording can be played.
 inline constexpr double kSlowestRate = 0.1, kFastestRate = 1000;
 
-/// Largest depth value a recording of this unit may hold: what "xnDeviceMaxDepth" says, and viewers size
-/// tables by it.
+/// Largest depth value in a recording of this unit. It is the value of "xnDeviceMaxDepth", from
+/// which viewers size tables.
 inline constexpr std::uint16_t kMaxDepthMillimetre = 10000;
 inline constexpr std::uint16_t kMaxDepth100Micrometres = 65535;
 

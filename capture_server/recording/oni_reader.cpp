@@ -7,7 +7,7 @@
 
 #include "capture_server/recording/depth_16z.h"
 #include "capture_server/recording/jpeg.h"
-#include "capture_server/recording/record_walk.h"
+#include "capture_server/recording/oni_parser.h"
 
 namespace copresence::recording {
 namespace {
@@ -16,18 +16,13 @@ tl::unexpected<Error> damaged(const RecordedStream& stream, std::size_t frame) {
   return fail(ErrorCode::kCorrupt, fmt::format("frame {} of stream {} is damaged", frame + 1, stream.name));
 }
 
-tl::unexpected<Error> not_decoded(const RecordedStream& stream) {
-  return fail(ErrorCode::kUnsupported,
-              fmt::format("stream {} is coded as {}, which only OpenNI2 decodes", stream.name, stream.codec));
-}
-
 }  // namespace
 
 Result<OniReader> OniReader::open(const std::string& path) {
   auto file = InputFile::open(path);
   if (!file) return fail(file.error());
   RecordBytes bytes = file->bytes();
-  auto summary = RecordWalk(bytes, path).run();
+  auto summary = OniParser(bytes, path).run();
   if (!summary) return fail(summary.error());
   return OniReader(std::move(*file), std::move(*summary));
 }
@@ -43,15 +38,15 @@ Result<DepthImage> OniReader::depth(std::size_t frame) const {
   const RecordedStream& stream = *summary_.find(RecordedStream::Kind::kDepth);
   const auto bytes = payload(stream, frame);
   if (!bytes) return fail(bytes.error());
-  DepthImage image(stream.width, stream.height);
+  DepthImage image;
+  image.resize(stream.width, stream.height);
   if (stream.codec == "NONE") {
     if (bytes->size() != image.pixels().size_bytes()) return damaged(stream, frame);
     std::memcpy(image.data(), bytes->data(), bytes->size());
-  } else if (stream.codec == "16zT") {
-    if (!expand_depth_16z(*bytes, image)) return damaged(stream, frame);
-  } else {
-    return not_decoded(stream);
+    return image;
   }
+  const DepthTable table = stream.codec == "16zT" ? DepthTable::kEmbedded : DepthTable::kNone;
+  if (!expand_depth_16z(*bytes, table, image)) return damaged(stream, frame);
   return image;
 }
 
@@ -59,13 +54,13 @@ Result<ColorImage> OniReader::color(std::size_t frame) const {
   const RecordedStream& stream = *summary_.find(RecordedStream::Kind::kColor);
   const auto bytes = payload(stream, frame);
   if (!bytes) return fail(bytes.error());
-  ColorImage image(stream.width, stream.height);
+  ColorImage image;
+  image.resize(stream.width, stream.height);
   if (stream.codec == "NONE") {
     if (bytes->size() != image.pixels().size_bytes()) return damaged(stream, frame);
     std::memcpy(image.data(), bytes->data(), bytes->size());
     return image;
   }
-  if (stream.codec != "JPEG") return not_decoded(stream);
   if (!decode_jpeg(*bytes, image)) return damaged(stream, frame);
   return image;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
-// The frames of a recording by their numbers, without OpenNI: for tools that look into recordings. A server plays
-// them through OpenNI2 (capture_server/sensor), as it would a camera.
+// The pictures of a recording by their index.
 //
 // Thread: one thread at a time.
 
@@ -24,11 +23,11 @@ class OniReader {
   const RecordingSummary& summary() const { return summary_; }
   std::uint64_t file_bytes() const { return file_.size(); }
 
-  /// A frame's bytes as they are coded. Requires a stream of summary() and frame < stream.frames().
+  /// A frame's coded bytes. Requires a stream of summary() and frame < stream.frames().
   Result<std::vector<std::uint8_t>> payload(const RecordedStream& stream, std::size_t frame) const;
 
-  /// A picture. Requires a stream of that kind and frame < its frames().
-  /// Fails  kCorrupt (its bytes are damaged), kUnsupported (a codec or format that nothing here decodes).
+  /// A picture. Requires a stream of that kind and frame < its frames(). Fails  kCorrupt: its bytes
+  /// are damaged.
   Result<DepthImage> depth(std::size_t frame) const;
   Result<ColorImage> color(std::size_t frame) const;
 

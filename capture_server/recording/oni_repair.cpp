@@ -9,11 +9,11 @@
 
 #include "capture_server/recording/input_file.h"
 #include "capture_server/recording/oni_check.h"
+#include "capture_server/recording/oni_footer.h"
 #include "capture_server/recording/oni_format.h"
-#include "capture_server/recording/oni_salvage.h"
+#include "capture_server/recording/oni_recovery.h"
 #include "capture_server/recording/output_file.h"
 #include "capture_server/recording/record_bytes.h"
-#include "capture_server/recording/record_end.h"
 
 namespace copresence::recording {
 namespace {
@@ -21,8 +21,7 @@ namespace {
 using Bytes = RecordBytesOut;
 
 constexpr std::uint64_t kCopyStep = 1 << 20;
-constexpr std::uint64_t kLargestSkip = 16
-                                       << 10;  // of one property: players read it into a buffer of their own
+constexpr std::uint64_t kLargestSkip = 16 << 10;  // of one property: players read it into a buffer
 
 Result<void> copy_bytes(const InputFile& from, std::uint64_t begin, std::uint64_t end, OutputFile& to,
                         const std::string& name, const ProgressReport& progress) {
@@ -74,8 +73,8 @@ Result<void> pass_over(OutputFile& file, const Gap& gap, std::uint32_t node, con
   return {};
 }
 
-// The check and the player want numbers without a frame missing.
-Result<void> renumber(OutputFile& file, const SalvagedStream& stream) {
+// The check and the player require frame numbers without gaps.
+Result<void> renumber(OutputFile& file, const RecoveredStream& stream) {
   for (std::size_t i = 0; i < stream.frames.size(); ++i) {
     if (stream.frames[i].number == i + 1) continue;
     Bytes number;
@@ -87,7 +86,7 @@ Result<void> renumber(OutputFile& file, const SalvagedStream& stream) {
   return {};
 }
 
-Result<void> finish(OutputFile& file, const Salvage& found, const std::string& name) {
+Result<void> finish(OutputFile& file, const RecoveredRecording& found, const std::string& name) {
   const bool end_stays = !found.has_end || !found.has_seek_tables;  // as a former end
   const std::uint64_t keep = end_stays ? found.whole_until : found.end_position;
   if (file.size() > keep) {
@@ -96,37 +95,40 @@ Result<void> finish(OutputFile& file, const Salvage& found, const std::string& n
   for (const Gap& gap : found.gaps) {
     if (auto passed = pass_over(file, gap, found.streams.front().node, name); !passed) return passed;
   }
-  std::vector<EndedStream> ended;
+  std::vector<FooterStream> ended;
   std::vector<std::vector<FramePlace>> places;
-  for (const SalvagedStream& stream : found.streams) {
+  for (const RecoveredStream& stream : found.streams) {
     if (auto numbered = renumber(file, stream); !numbered) return numbered;
     places.push_back(stream.places());
   }
   for (std::size_t i = 0; i < found.streams.size(); ++i) {
-    const SalvagedStream& stream = found.streams[i];
+    const RecoveredStream& stream = found.streams[i];
     ended.push_back({stream.node, stream.added_position, stream.counts_position, places[i]});
   }
   Bytes largest_node;
   append_number(largest_node, found.largest_node, 4);
   if (auto written = file.write_at(kHeaderNodeAt, largest_node); !written) return written;
-  if (auto done = write_end(file, ended, SeekTables::kYes, found.ends); !done) return fail(done.error());
+  if (auto done = write_footer(file, ended, SeekTables::kYes, found.footers); !done)
+    return fail(done.error());
   return file.close();
 }
 
-// A frame that a part is to hold, and the index of its stream.
+// A frame for a part, and the index of its stream.
 struct Wanted {
-  const SalvagedFrame* frame;
+  const RecoveredFrame* frame;
   std::size_t stream;
 };
 
-// Where a stream's definition lies in a part.
+// Position of a stream's definition in a part.
 struct DefinitionPlace {
   std::uint64_t added_position = 0, counts_position = 0;
 };
 
-// The records of an old file before its first frame, as today's records. Returns where each stream's definition lies.
-Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& input, const Salvage& found,
-                                                           OutputFile& file, const std::string& name) {
+// Converts the records of an old file before its first frame to the current format. Returns the
+// position of each stream's definition.
+Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& input,
+                                                           const RecoveredRecording& found, OutputFile& file,
+                                                           const std::string& name) {
   const auto unreadable = [&] {
     return fail(ErrorCode::kCorrupt, fmt::format("{}: its streams' definitions cannot be read", name));
   };
@@ -144,7 +146,7 @@ Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& inpu
     if (!input.read(at, record)) return unreadable();
     const auto fields = std::span<const std::uint8_t>(record).subspan(kOldRecordBytes);
     const auto stream = std::find_if(found.streams.begin(), found.streams.end(),
-                                     [&](const SalvagedStream& s) { return s.added_position == at; });
+                                     [&](const RecoveredStream& s) { return s.added_position == at; });
     if (stream != found.streams.end()) {
       FieldReader words(fields);
       const std::string_view stream_name = words.text();
@@ -163,27 +165,29 @@ Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& inpu
   return places;
 }
 
-// What comes before a part's first frame.
-Result<std::vector<DefinitionPlace>> write_definitions(const InputFile& input, const Salvage& found,
-                                                       OutputFile& file, const std::string& name) {
+// Writes the records before a part's first frame.
+Result<std::vector<DefinitionPlace>> write_definitions(const InputFile& input,
+                                                       const RecoveredRecording& found, OutputFile& file,
+                                                       const std::string& name) {
   if (found.is_old) return modernise_definitions(input, found, file, name);
   if (auto copied = copy_bytes(input, 0, found.first_frame_position, file, name, [](double) {}); !copied) {
     return fail(copied.error());
   }
   std::vector<DefinitionPlace> places;
-  for (const SalvagedStream& stream : found.streams)
+  for (const RecoveredStream& stream : found.streams)
     places.push_back({stream.added_position, stream.counts_position});
   return places;
 }
 
-Result<void> write_part(const InputFile& input, const Salvage& found, const std::vector<Wanted>& wanted,
-                        OutputFile& file, const std::string& name, const ProgressReport& progress) {
+Result<void> write_part(const InputFile& input, const RecoveredRecording& found,
+                        const std::vector<Wanted>& wanted, OutputFile& file, const std::string& name,
+                        const ProgressReport& progress) {
   const auto definitions = write_definitions(input, found, file, name);
   if (!definitions) return fail(definitions.error());
   std::vector<std::vector<FramePlace>> places(found.streams.size());
   Bytes record;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const SalvagedFrame& frame = *wanted[i].frame;
+    const RecoveredFrame& frame = *wanted[i].frame;
     auto& before = places[wanted[i].stream];
     record.clear();
     append_frame_head(record, found.streams[wanted[i].stream].node, frame.timestamp_us,
@@ -198,21 +202,21 @@ Result<void> write_part(const InputFile& input, const Salvage& found, const std:
     if (auto written = file.append(record); !written) return written;
     progress(static_cast<double>(i + 1) / static_cast<double>(wanted.size()));
   }
-  std::vector<EndedStream> ended;
+  std::vector<FooterStream> ended;
   for (std::size_t i = 0; i < found.streams.size(); ++i) {
     const DefinitionPlace& place = (*definitions)[i];
     ended.push_back({found.streams[i].node, place.added_position, place.counts_position, places[i]});
   }
-  if (auto done = write_end(file, ended, SeekTables::kYes, {}); !done) return fail(done.error());
+  if (auto done = write_footer(file, ended, SeekTables::kYes, {}); !done) return fail(done.error());
   return file.close();
 }
 
-// Every frame of a recording of OpenNI 1.0 to 1.3, in today's format.
-Result<void> rewrite(const InputFile& input, const Salvage& found, OutputFile& file, const std::string& name,
-                     const ProgressReport& progress) {
+// Copies every frame of a recording of OpenNI 1.0 to 1.3 in the current format.
+Result<void> rewrite(const InputFile& input, const RecoveredRecording& found, OutputFile& file,
+                     const std::string& name, const ProgressReport& progress) {
   std::vector<Wanted> all;
   for (std::size_t i = 0; i < found.streams.size(); ++i) {
-    for (const SalvagedFrame& frame : found.streams[i].frames) all.push_back({&frame, i});
+    for (const RecoveredFrame& frame : found.streams[i].frames) all.push_back({&frame, i});
   }
   std::sort(all.begin(), all.end(),
             [](const Wanted& a, const Wanted& b) { return a.frame->position < b.frame->position; });
@@ -226,7 +230,7 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, Exi
   const auto input = InputFile::open(path);
   if (!input) return fail(input.error());
   RecordBytes bytes = input->bytes();
-  const auto found = salvage(bytes, path);
+  const auto found = recover(bytes, path);
   if (!found) return fail(found.error());
   RepairReport report;
   report.depth_frames = found->frames(NodeType::kDepth);
@@ -234,7 +238,7 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, Exi
   report.infrared_frames = found->frames(NodeType::kInfrared);
   report.gaps = found->gaps.size();
   report.dropped_bytes = found->has_end ? 0 : input->size() - found->whole_until;
-  // The old format could do without seek tables, and so can every player.
+  // Players do not need the seek tables, so a full disk may go without them.
   report.was_whole = found->has_end && (found->has_seek_tables || found->is_old) && found->gaps.empty() &&
                      check(path).has_value();
   if (report.was_whole && out.empty()) return report;
@@ -287,16 +291,16 @@ Result<CutReport> cut(const std::string& path, double from_s, double to_s, const
   const auto input = InputFile::open(path);
   if (!input) return fail(input.error());
   RecordBytes bytes = input->bytes();
-  const auto found = salvage(bytes, path);
+  const auto found = recover(bytes, path);
   if (!found) return fail(found.error());
 
   std::vector<Wanted> wanted;
   std::uint64_t first_us = ~std::uint64_t{0};
-  for (const SalvagedStream& stream : found->streams) {
-    for (const SalvagedFrame& frame : stream.frames) first_us = std::min(first_us, frame.timestamp_us);
+  for (const RecoveredStream& stream : found->streams) {
+    for (const RecoveredFrame& frame : stream.frames) first_us = std::min(first_us, frame.timestamp_us);
   }
   for (std::size_t i = 0; i < found->streams.size(); ++i) {
-    for (const SalvagedFrame& frame : found->streams[i].frames) {
+    for (const RecoveredFrame& frame : found->streams[i].frames) {
       const double at_s = static_cast<double>(frame.timestamp_us - first_us) * 1e-6;
       if (at_s >= from_s && at_s < to_s) wanted.push_back({&frame, i});
     }

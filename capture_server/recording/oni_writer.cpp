@@ -20,7 +20,7 @@ RecordedStream::FieldOfView view_of(const CameraModel& model) {
   return {2 * std::atan(0.5 * model.width / model.fx), 2 * std::atan(0.5 * model.height / model.fy)};
 }
 
-// What the check would refuse in the finished file is refused before it is written.
+// Rejects at once what the check would reject in the finished file.
 Result<void> check_stream(RecordedStream::Kind kind, const CameraModel& model, const OniContent& content) {
   if (!is_sane(view_of(model))) {
     return fail(
@@ -102,7 +102,7 @@ Result<void> OniWriter::note_unix_zero(std::int64_t unix_zero_us) {
 }
 
 const CameraModel& OniWriter::camera_of(const Stream& stream) const {
-  const CameraNote& note = content_.camera;
+  const CameraMetadata& note = content_.camera;
   return &stream == &color_ && note.color ? note.color->model : note.model;
 }
 
@@ -111,8 +111,9 @@ std::uint16_t OniWriter::largest_depth() const {
       content_.camera.unit == DepthUnit::kMillimetre ? kMaxDepthMillimetre : kMaxDepth100Micrometres);
 }
 
-// The order is OpenNI's own. Without xnDeviceMaxDepth a 16zT node does not open, without xnCropping the
-// player drops every frame, without xnFOV a point has no direction.
+// The order is that of OpenNI's recorder. Without xnDeviceMaxDepth a 16zT node does not open.
+// Without xnCropping the player drops every frame. Without xnFOV points cannot be converted to the
+// world.
 void OniWriter::append_definition(Bytes& bytes, Stream& stream) {
   const CameraModel& model = camera_of(stream);
   const bool is_depth = &stream == &depth_;
@@ -154,7 +155,7 @@ void OniWriter::append_definition(Bytes& bytes, Stream& stream) {
   integer("xnMirror", 0);
   if (is_depth) {
     const std::string note = to_json(content_.camera);
-    append_general(bytes, stream.node, kCameraNoteProperty, Bytes(note.begin(), note.end()));
+    append_general(bytes, stream.node, kCameraMetadataProperty, Bytes(note.begin(), note.end()));
   }
 }
 
@@ -226,13 +227,13 @@ Result<void> OniWriter::append_frame(Stream& stream, std::chrono::microseconds t
 }
 
 Result<void> OniWriter::end(SeekTables seek_tables) {
-  std::vector<EndedStream> streams;
+  std::vector<FooterStream> streams;
   for (const Stream* stream : {&depth_, &color_}) {
     if (stream == &color_ && !content_.color) continue;
     streams.push_back({stream->node, stream->added_position, stream->counts_position, stream->frames});
   }
   const auto earlier = end_at_ ? std::vector{*end_at_} : std::vector<std::uint64_t>{};
-  const auto at = write_end(file_, streams, seek_tables, earlier);
+  const auto at = write_footer(file_, streams, seek_tables, earlier);
   if (!at) return fail(at.error());
   end_at_ = *at;
   frames_since_ = false;

@@ -1,12 +1,12 @@
 #pragma once
 
-// Writes an .oni recording that OpenNI 2 plays, without OpenNI: depth bit-exact, each stream with its own
-// true timestamps, the same bytes for the same calls.
+// Writes an .oni recording that OpenNI 2 plays. Depth is bit-exact, each stream keeps its own
+// timestamps, and the same calls give the same bytes.
 //
-// Frames go to the system as they come. A program that dies leaves a file that plays up to the last
-// checkpoint(), and that repair() (recording/oni_repair.h) completes up to the last whole frame.
+// Frames are passed to the system at once. If the program dies, the file plays up to the last
+// checkpoint(), and repair() (recording/oni_repair.h) completes it up to the last whole frame.
 //
-// Thread: one thread makes, uses and destroys a writer.
+// Thread: one thread creates, uses and destroys a writer.
 
 #include <chrono>
 #include <cstdint>
@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "capture_server/recording/camera_note.h"
+#include "capture_server/recording/camera_metadata.h"
 #include "capture_server/recording/jpeg.h"
+#include "capture_server/recording/oni_footer.h"
 #include "capture_server/recording/output_file.h"
 #include "capture_server/recording/record_append.h"
-#include "capture_server/recording/record_end.h"
 #include "common/frame/image.h"
 #include "common/result.h"
 
@@ -28,58 +28,62 @@ namespace copresence::recording {
 enum class DepthCoding { k16z, kNone };
 enum class ColorCoding { kJpeg, kRaw };
 
-/// What a recording holds, fixed before its first frame.
+/// The content of a recording, fixed before its first frame.
 struct OniContent {
-  CameraNote camera;  ///< sizes, unit and fields of view of the streams come from it
+  CameraMetadata camera;  ///< gives the streams' sizes, unit and fields of view
   DepthCoding depth = DepthCoding::k16z;
   std::optional<ColorCoding> color = ColorCoding::kJpeg;
   int jpeg_quality = 90;  ///< 1 to 100
   int frames_per_second = 30;
-  /// Largest depth value, for viewers that size tables by it; nothing: kMaxDepth... of oni_format.h.
+  /// Largest depth value, from which viewers size tables. Default: kMaxDepthMillimetre or
+  /// kMaxDepth100Micrometres of oni_format.h.
   std::optional<std::uint16_t> max_depth = std::nullopt;
-  /// Microseconds from 1970 (UTC) to the recording's time zero, where it is known before the first frame.
+  /// Microseconds from 1970 (UTC) to the recording's time zero, if it is known before the first
+  /// frame.
   std::optional<std::int64_t> unix_zero_us = std::nullopt;
 };
 
 class OniWriter {
  public:
-  /// Creates the file and writes what comes before the first frame.
-  /// Fails  kInvalid for a content that cannot be or, with kKeep, a file that exists; kUnavailable when the
-  ///        file cannot be written.
+  /// Creates the file and writes the records before the first frame.
+  /// Fails  kInvalid (impossible content or, with kKeep, an existing file), kUnavailable (the file
+  ///        cannot be written).
   static Result<OniWriter> create(const std::string& path, const OniContent& content,
                                   Existing existing = Existing::kKeep);
-  /// The same under the first free name, see OutputFile::create_numbered().
+  /// The same with the first free name, see OutputFile::create_numbered().
   static Result<OniWriter> create_numbered(const std::string& path, const OniContent& content);
 
   const std::string& path() const { return path_; }
 
-  /// Notes when the recording's time zero was by the clock: OniContent::unix_zero_us, where only the first frame tells it.
-  /// Requires that no frame has been written. Fails  kUnavailable when the disk is full.
+  /// Writes OniContent::unix_zero_us, if it became known only with the first frame. Requires that
+  /// no frame has been written. Fails  kUnavailable: the disk is full.
   Result<void> note_unix_zero(std::int64_t unix_zero_us);
 
-  /// One depth picture, in the note's unit, of its size. `timestamp` is on the device's clock, at least 0 and
-  /// not before that of the stream's last frame.
-  /// Fails  kInvalid for a size, a time or a value beyond the largest, kUnsupported for a picture that the
-  ///        coding cannot hold, kUnavailable when the disk is full or the file as large as it may be. The frame
-  ///        is then not in the file; the file is as it was.
+  /// Writes one depth picture, in the unit and size of the content. `timestamp` is on the device's
+  /// clock, at least 0 and not before that of the stream's previous frame.
+  /// Fails  kInvalid (wrong size, time or depth), kUnsupported (the coding cannot represent the
+  ///        picture), kUnavailable (the disk is full, or the file has its maximum size). The file
+  ///        is then unchanged.
   Result<void> write_depth(std::chrono::microseconds timestamp, const DepthImage& depth);
 
-  /// One colour picture of the colour camera's size. Requires that the content has colour. Fails as write_depth().
+  /// Writes one colour picture of the colour camera's size. Requires that the content has colour.
+  /// Fails as write_depth().
   Result<void> write_color(std::chrono::microseconds timestamp, const ColorImage& color);
 
-  /// One colour picture that is a JPEG file of the right size and three components already: its bytes go in
-  /// unchanged. Requires ColorCoding::kJpeg.
+  /// Writes one colour picture that is a JPEG of the right size and three components already: its
+  /// bytes are stored unchanged. Requires ColorCoding::kJpeg.
   Result<void> write_jpeg(std::chrono::microseconds timestamp, std::span<const std::uint8_t> jpeg);
 
-  /// Makes the file whole as it stands: should the program die, it plays up to here. Costs a hundred bytes of
-  /// the file each time that frames have come since the last. Fails  kUnavailable when the disk is full.
+  /// Completes the file for now: if the program dies, it plays up to here. Takes a hundred bytes of
+  /// the file if frames were written since the last call. Fails  kUnavailable: the disk is full.
   Result<void> checkpoint();
 
-  /// Writes seek tables and counts and closes the file. Call it once, last. Where there is no room for seek
-  /// tables the file goes without them: it plays as well. Fails  kUnavailable when the disk has no room at all.
+  /// Writes seek tables and counts, and closes the file. Call it once, last. If there is no room
+  /// for seek tables, the file is completed without them and still plays. Fails  kUnavailable: the
+  /// disk has no room at all.
   Result<void> finish();
 
-  /// Instead of finish(): takes the file away again.
+  /// Instead of finish(): deletes the file.
   void discard() { file_.discard(); }
 
   std::uint64_t bytes() const { return file_.size(); }
@@ -110,8 +114,8 @@ class OniWriter {
   std::vector<std::uint8_t> record_;
   Stream depth_{1, 0, 0, {}};
   Stream color_{2, 0, 0, {}};
-  std::optional<std::uint64_t> end_at_;  // of the last checkpoint
-  bool frames_since_ = false;            // ... and whether frames came after it
+  std::optional<std::uint64_t> end_at_;  // position of the last checkpoint
+  bool frames_since_ = false;            // whether frames came after it
 };
 
 }  // namespace copresence::recording

@@ -1,6 +1,6 @@
 #pragma once
 
-// The records of oni_format.h as bytes: what the writer, the repair and the cut put into files.
+// Serialises the records of oni_format.h.
 //
 // Thread: free functions on values, safe anywhere.
 
@@ -20,7 +20,7 @@ void append_number(RecordBytesOut& bytes, std::uint64_t value, int size);
 
 void append_text(RecordBytesOut& bytes, std::string_view text);
 
-/// A record's fixed part and fields; `payload_bytes` of payload are for the caller to append.
+/// A record's head and fields. The caller appends the payload of `payload_bytes` bytes.
 void append_record(RecordBytesOut& bytes, RecordType type, std::uint32_t node,
                    std::span<const std::uint8_t> fields, std::size_t payload_bytes = 0,
                    std::uint64_t undo_position = 0);
@@ -29,24 +29,25 @@ void append_integer(RecordBytesOut& bytes, std::uint32_t node, std::string_view 
 void append_general(RecordBytesOut& bytes, std::uint32_t node, std::string_view key,
                     std::span<const std::uint8_t> value);
 
-/// A kNewData's fixed part and fields.
+/// A kNewData's head and fields.
 void append_frame_head(RecordBytesOut& bytes, std::uint32_t node, std::uint64_t timestamp_us,
                        std::uint32_t number, std::size_t payload_bytes, std::uint64_t undo_position);
 
 /// A recording's first 24 bytes.
 RecordBytesOut file_header(std::uint64_t largest_timestamp, std::uint32_t largest_node);
 
-/// Where one frame of a stream lies.
+/// Position of one frame of a stream.
 struct FramePlace {
   std::uint64_t timestamp_us = 0, position = 0;
   friend bool operator==(const FramePlace&, const FramePlace&) = default;
 };
 
-/// A stream's kNodeAdded without frames yet.
+/// A stream's kNodeAdded, with no frames yet.
 void append_node_added(RecordBytesOut& bytes, std::uint32_t node, std::string_view name, NodeType type,
                        std::uint32_t codec);
 
-/// How many bytes at the end of a kNodeAdded count its frames, and what they are with these.
+/// The last bytes of a kNodeAdded, which count its frames: their number, and their values for these
+/// frames.
 inline constexpr std::size_t kNodeCountsBytes = 28;
 RecordBytesOut node_counts(std::span<const FramePlace> frames, std::uint64_t seek_table_position);
 

@@ -45,7 +45,8 @@ double FieldReader::f64() {
 
 std::string_view FieldReader::text() {
   const auto bytes = take(u32());
-  // OpenNI2 indexes a table with every character of a name as a signed number: beyond ASCII it crashes.
+  // OpenNI2 uses each character of a name, as a signed number, as a table index: it crashes beyond
+  // ASCII.
   if (bytes.empty() || bytes.back() != 0 ||
       std::any_of(bytes.begin(), bytes.end() - 1, [](std::uint8_t c) { return c < 0x20 || c > 0x7e; })) {
     ok_ = false;
@@ -56,6 +57,17 @@ std::string_view FieldReader::text() {
 
 std::span<const std::uint8_t> FieldReader::blob() {
   return take(u32());
+}
+
+RecordHead parse_record_head(std::span<const std::uint8_t> bytes) {
+  FieldReader fields(bytes);
+  RecordHead head;
+  head.magic = fields.u32();
+  head.type = static_cast<RecordType>(fields.u32());
+  head.node = fields.u32();
+  head.fields_bytes = fields.u32();
+  head.payload_bytes = fields.u32();
+  return head;
 }
 
 }  // namespace copresence::recording

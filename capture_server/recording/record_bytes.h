@@ -1,10 +1,10 @@
 #pragma once
 
-// The bytes of a recording as its check reads them: in whatever order, bounds checked, few of them in memory.
+// Access to the bytes of a recording for its parsers: in any order, with bounds checks, and with
+// little memory.
 //
 // Thread: one thread at a time.
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -14,12 +14,14 @@
 #include <utility>
 #include <vector>
 
+#include "capture_server/recording/oni_format.h"
+
 namespace copresence::recording {
 
-/// Reads `into.size()` bytes from `offset` on; false where the medium fails.
+/// Reads `into.size()` bytes from `offset` on; false if the medium fails.
 using ReadAt = std::function<bool(std::uint64_t offset, std::span<std::uint8_t> into)>;
 
-/// A window into a file: short reads near each other cost one call of the medium.
+/// A window into a file, so that short reads close to each other need one call of the medium.
 class RecordBytes {
  public:
   static constexpr std::size_t kWindow = 4096;
@@ -28,8 +30,8 @@ class RecordBytes {
 
   std::uint64_t size() const { return size_; }
 
-  /// `count` bytes from `offset` on, valid until the next call; nothing where they lie outside or cannot be
-  /// read.
+  /// `count` bytes from `offset` on, valid until the next call. Nothing if they are outside the
+  /// file or cannot be read.
   std::optional<std::span<const std::uint8_t>> at(std::uint64_t offset, std::uint32_t count);
 
  private:
@@ -39,8 +41,8 @@ class RecordBytes {
   std::uint64_t window_at_ = 0;
 };
 
-/// The fields of one record, front to back, little-endian. Reading past the end makes `whole()` false for
-/// good.
+/// The fields of one record in order, little-endian. After a read beyond the end, `whole()` stays
+/// false.
 class FieldReader {
  public:
   explicit FieldReader(std::span<const std::uint8_t> fields) : left_(fields) {}
@@ -49,15 +51,16 @@ class FieldReader {
   std::uint64_t u64() { return number(8); }
   double f64();
 
-  /// A length with its terminating 0 counted, then the text: printable ASCII without it.
+  /// A length that includes the final NUL, then the text: printable ASCII, returned without the
+  /// NUL.
   std::string_view text();
 
   /// A length, then bytes.
   std::span<const std::uint8_t> blob();
 
-  /// Whether everything read so far was there.
+  /// Whether everything read so far was present.
   bool ok() const { return ok_; }
-  /// Whether everything read so far was there and nothing is left.
+  /// Whether everything read so far was present and nothing is left.
   bool whole() const { return ok_ && left_.empty(); }
 
  private:
@@ -67,5 +70,19 @@ class FieldReader {
   std::span<const std::uint8_t> left_;
   bool ok_ = true;
 };
+
+/// The first fields of a record, unchecked.
+struct RecordHead {
+  std::uint32_t magic = 0;  ///< kRecordMagic if a record begins here
+  RecordType type{};
+  std::uint32_t node = 0;
+  std::uint32_t fields_bytes = 0;   ///< head and fields
+  std::uint32_t payload_bytes = 0;  ///< meaningful only for types with a payload
+
+  bool has_payload() const { return type == RecordType::kNewData || type == RecordType::kSeekTable; }
+};
+
+/// Requires kOldRecordBytes or more.
+RecordHead parse_record_head(std::span<const std::uint8_t> bytes);
 
 }  // namespace copresence::recording

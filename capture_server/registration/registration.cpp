@@ -10,21 +10,22 @@ namespace {
 
 constexpr float kNowhere = -1e6f;    // a coordinate outside every picture
 constexpr float kNearestM = 0.05f;   // points nearer to the colour camera than this are behind its lens
-constexpr float kUnknownDepthM = 2;  // for rows above which nothing was ever measured
+constexpr float kUnknownDepthM = 2;  // for rows above the first measured one
 constexpr float kFarAway = std::numeric_limits<float>::max();
 
-/// Surfaces this much behind the nearest one are hidden by it: six sensor steps, and what a slanted surface
-/// changes from one pixel to the next.
+/// A surface this far behind the nearest one is hidden by it: six disparity steps, plus the change
+/// of a slanted surface from one pixel to the next.
 float hidden_beyond(float z, const DepthNoise& noise) {
   return z + 0.02f + 6 * static_cast<float>(noise.step_m(z));
 }
 
-/// For what is not negative. std::lround is a call, for every pixel.
+/// For non-negative values. std::lround() is a function call for every pixel.
 int rounded(float value) {
   return static_cast<int>(value + 0.5f);  // NOLINT(bugprone-incorrect-roundings)
 }
 
-/// The colour at (u, v), bilinear. Requires 0 <= u <= width - 1, 0 <= v <= height - 1.
+/// The bilinearly interpolated colour at (u, v). Requires 0 <= u <= width - 1, 0 <= v <= height -
+/// 1.
 Rgb8 sample(const ColorImage& color, float u, float v) {
   const int x = std::min(static_cast<int>(u), color.width() - 2),
             y = std::min(static_cast<int>(v), color.height() - 2);
@@ -41,8 +42,8 @@ Rgb8 sample(const ColorImage& color, float u, float v) {
           blend(top[0].b, top[1].b, bottom[0].b, bottom[1].b)};
 }
 
-/// Depth of one row in metres, holes closed with the farther of the measured depths beside them. Where the
-/// row holds no depth at all, `depths` keeps what it held: the row above.
+/// Depth of one row in metres. Holes get the farther of the measured depths next to them. If the
+/// row holds no depth at all, `depths` keeps the values of the row above.
 void assume_depths(std::span<const std::uint16_t> measured, float metres_per_unit, std::span<float> depths) {
   const int width = static_cast<int>(measured.size());
   int last = -1;
@@ -127,7 +128,7 @@ RgbdFrame Registration::apply(RgbdFrame frame) {
   return frame;
 }
 
-/// Where the pixels of row y appear to the colour camera: u_, v_ and z_.
+/// Projects the pixels of row y into the colour camera: u_, v_ and z_.
 void Registration::map_row(const RgbdFrame& frame, int y) {
   if (mapping_ == Mapping::kDepth) assume_depths(frame.depth.row(y), metres_per_unit_, row_z_);
   const std::size_t first = static_cast<std::size_t>(y) * depth_.width;
@@ -157,7 +158,7 @@ void Registration::map_row(const RgbdFrame& frame, int y) {
   }
 }
 
-/// Enters the measured pixels of row y into what the colour camera sees.
+/// Adds the measured pixels of row y to the colour camera's nearest depths.
 void Registration::splat_row(const RgbdFrame& frame, int y) {
   const std::size_t first = static_cast<std::size_t>(y) * depth_.width;
   const float grid_x = float(depth_.width) / float(color_.width),

@@ -1,16 +1,16 @@
+#include "capture_server/sensor/device_source.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
 
-#include "capture_server/diagnosis/device_facts.h"
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/sensor/cpu_starvation.h"
-#include "capture_server/sensor/frame_source.h"
 #include "capture_server/sensor/frame_synchronizer.h"
 #include "capture_server/sensor/open_ni.h"
 #include "capture_server/sensor/projector.h"
 #include "capture_server/sensor/reconnecting_source.h"
+#include "common/flow/cpu_starvation.h"
 
 namespace copresence::sensor {
 namespace {
@@ -19,10 +19,10 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr Duration kStallAfter = std::chrono::seconds(1);
-// A Kinect's projector and exposure take their time.
+// A Kinect's projector and exposure need longer than later frames.
 constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
-constexpr int kSliceMs = 50;  // how long a stop request may go unseen
-// What counts as silence of a slice that took longer: this process was suspended then.
+constexpr int kSliceMs = 50;  // longest delay of a stop request
+// A slice that took longer counts as this much silence: the process was suspended meanwhile.
 constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::uint64_t kSettledAfter = 60;  // frames
@@ -47,7 +47,8 @@ class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
   std::atomic<bool> gone_ = false;
 };
 
-// Those that a process needs for one camera. An installed driver may serve PrimeSense's cameras, too.
+// The drivers that a process needs for one camera. An installed driver may serve PrimeSense's
+// cameras, too.
 std::string_view drivers_for(std::string_view uri) {
   if (uri.empty()) return drivers::kRealCameras;
   const std::string_view driver = drivers::driver_of(uri);
@@ -63,7 +64,8 @@ class DeviceSource final : public FrameSource {
     if (depth_.isValid()) depth_.stop();
     if (color_.isValid()) color_.stop();
     let_threads_leave();
-    // Streams first: closing the device frees them, and they would be freed again.
+    // Streams before the device: closing the device frees them, and destroying them then would free
+    // them again.
     color_.destroy();
     depth_.destroy();
     projector_.reset();
@@ -79,17 +81,17 @@ class DeviceSource final : public FrameSource {
   Result<RgbdFrame> next(std::stop_token stop) override;
 
  private:
-  // A picture, when this process held it, and what its frame will have of it: copied while the picture of the other stream is
-  // still on its way. A colour picture that is shown again is copied again.
+  // A picture, its time of arrival and its pixels. Pixels are copied on arrival, in parallel to
+  // waiting for the other stream. A colour picture that is repeated is copied a second time.
   struct Held {
     openni::VideoFrameRef picture;
     Instant at{};
     std::shared_ptr<RgbdFrame> copy = std::make_shared<RgbdFrame>();
   };
-  using Pairing = FrameSynchronizer<Held>;
+  using Synchronizer = FrameSynchronizer<Held>;
 
   Result<void> open_stream(openni::VideoStream& stream, openni::SensorType type, int width, int height);
-  Result<Pairing::Pair> next_pair(const std::stop_token& stop);
+  Result<Synchronizer::Pair> next_pair(const std::stop_token& stop);
   void read(openni::VideoStream& stream);
   Result<void> begin_controls();
   Result<void> begin_projector();
@@ -106,7 +108,7 @@ class DeviceSource final : public FrameSource {
 
   SensorDescription description_;
   std::int64_t half_period_us_ = 16667;
-  std::optional<Pairing> pairing_;
+  std::optional<Synchronizer> synchronizer_;
   Instant color_is_up_by_{};
   int last_index_[2] = {0, 0};  // of depth, of colour
   SourceCounters counters_;
@@ -126,7 +128,7 @@ Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::Sens
                 fmt::format("{}: it offers no {} of even size; use another camera", description_.name,
                             is_depth ? "depth in 1 mm or 0.1 mm" : "colour in RGB888"));
   }
-  // A device with one mode may refuse to be told so.
+  // A device with a single mode may refuse to set it.
   if (stream.setVideoMode(*mode) != openni::STATUS_OK && !is_usable(stream.getVideoMode(), is_depth)) {
     return fail(
         ErrorCode::kUnavailable,
@@ -136,7 +138,7 @@ Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::Sens
             description_.name, mode->getResolutionX(), mode->getResolutionY(), mode->getFps(),
             last_open_ni_error()));
   }
-  stream.setMirroringEnabled(false);  // a driver that cannot mirror says no, and that is as good
+  stream.setMirroringEnabled(false);  // a driver without mirroring fails, which is just as well
   return {};
 }
 
@@ -168,7 +170,7 @@ Result<void> DeviceSource::start() {
   if (device_.hasSensor(openni::SENSOR_COLOR)) {
     const auto opened =
         open_stream(color_, openni::SENSOR_COLOR, depth_mode.getResolutionX(), depth_mode.getResolutionY());
-    // A camera whose colour is in no format we know still gives depth.
+    // A camera with colour only in an unknown format still gives depth.
     if (!opened && opened.error().code != ErrorCode::kUnsupported) return fail(opened.error());
     if (!opened) color_.destroy();
     description_.has_color = opened.has_value();
@@ -178,7 +180,7 @@ Result<void> DeviceSource::start() {
     description_.registered = device_.isImageRegistrationModeSupported(kToColor) &&
                               device_.setImageRegistrationMode(kToColor) == openni::STATUS_OK &&
                               device_.getImageRegistrationMode() == kToColor;
-    device_.setDepthColorSyncEnabled(true);  // where a device cannot, pairing by time does
+    device_.setDepthColorSyncEnabled(true);  // without it, frames are paired by time
     description_.color = camera_of(color_);
   }
   if (auto taken = begin_controls(); !taken) return taken;
@@ -191,7 +193,7 @@ Result<void> DeviceSource::start() {
   description_.levels = levels_of(depth_);
   description_.frames_per_second = std::max(depth_mode.getFps(), 1);
   half_period_us_ = static_cast<std::int64_t>(500'000 / description_.frames_per_second);
-  pairing_.emplace(half_period_us_, kReuseColorUs);
+  synchronizer_.emplace(half_period_us_, kReuseColorUs);
   if (depth_.start() != openni::STATUS_OK ||
       (description_.has_color && color_.start() != openni::STATUS_OK)) {
     return fail(
@@ -215,7 +217,7 @@ Result<void> DeviceSource::begin_projector() {
 Result<void> DeviceSource::begin_controls() {
   if (!controls_.exposure && !controls_.white_balance) return {};
   openni::CameraSettings* settings = description_.has_color ? color_.getCameraSettings() : nullptr;
-  // Fixed later, when the automatic has found something worth keeping.
+  // fix_controls() fixes them later, when the automatic has settled.
   if (!settings || (controls_.exposure && settings->setAutoExposureEnabled(true) != openni::STATUS_OK) ||
       (controls_.white_balance && settings->setAutoWhiteBalanceEnabled(true) != openni::STATUS_OK)) {
     return fail(
@@ -237,7 +239,7 @@ void DeviceSource::fix_controls() {
 
 SourceCounters DeviceSource::counters() const {
   SourceCounters counters = counters_;
-  counters.color_without_depth = pairing_->unused_color();
+  counters.color_without_depth = synchronizer_->unused_color();
   return counters;
 }
 
@@ -250,8 +252,8 @@ void DeviceSource::read(openni::VideoStream& stream) {
   const int index = held.picture.getFrameIndex();
   if (last > 0 && index > last + 1) counters_.late += static_cast<std::uint64_t>(index - last - 1);
   last = index;
-  if (is_depth && projector_ && !projector_->lit(held.at)) {
-    ++counters_.dark;
+  if (is_depth && projector_ && !projector_->is_exposed(held.at)) {
+    ++counters_.projector_off;
     return;
   }
   const auto timestamp_us = static_cast<std::int64_t>(held.picture.getTimestamp());
@@ -261,35 +263,37 @@ void DeviceSource::read(openni::VideoStream& stream) {
   } else if (is_depth) {
     copy_depth(held.picture, camera, *held.copy);
     held.copy->durations.capture = steady_clock::now() - held.at;
-    pairing_->add_depth(timestamp_us, std::move(held));
+    synchronizer_->add_depth(timestamp_us, std::move(held));
   } else {
     copy_color(held.picture, camera, *held.copy);
     held.copy->durations.capture = steady_clock::now() - held.at;
-    pairing_->add_color(timestamp_us, std::move(held));
+    synchronizer_->add_color(timestamp_us, std::move(held));
   }
 }
 
-Result<DeviceSource::Pairing::Pair> DeviceSource::next_pair(const std::stop_token& stop) {
+Result<DeviceSource::Synchronizer::Pair> DeviceSource::next_pair(const std::stop_token& stop) {
   openni::VideoStream* streams[] = {&depth_, &color_};
   const int stream_count = description_.has_color ? 2 : 1;
-  const Duration dark = controls_.projector ? Duration(controls_.projector->round()) : Duration(0);
-  WatchedTime time;
-  const Instant give_up = time.look(kMostALook) + dark + (counters_.frames ? kStallAfter : kFirstFrameAfter);
+  const Duration others = controls_.projector ? Duration(controls_.projector->round()) : Duration(0);
+  flow::WatchedTime time;
+  const Instant give_up =
+      time.look(kMostALook) + others + (counters_.frames ? kStallAfter : kFirstFrameAfter);
   Instant waits_until = Instant::max();  // for colour
   while (true) {
-    // A camera that is dark may send no depth: what did not come then is not lost.
-    if (projector_ && projector_->obey()) last_index_[0] = 0;
+    // A camera may send no depth while its projector is off. That gap in its frame numbers is no
+    // loss.
+    if (projector_ && projector_->follow_schedule()) last_index_[0] = 0;
     const Instant now = steady_clock::now();
     const bool may_wait = description_.has_color && now < waits_until;
-    if (auto pair = pairing_->take(may_wait)) {
-      // Depth that came before the colour stream was up: no frame has to begin without colour for that.
+    if (auto pair = synchronizer_->take(may_wait)) {
+      // Depth from before the first colour picture is dropped, so that the first frame has colour.
       const bool too_early =
           description_.has_color && !pair->color && counters_.frames == 0 && now < color_is_up_by_;
       if (!too_early) return std::move(*pair);
       waits_until = Instant::max();
       continue;
     }
-    if (pairing_->has_depth() && waits_until == Instant::max())
+    if (synchronizer_->has_depth() && waits_until == Instant::max())
       waits_until = now + std::chrono::microseconds(half_period_us_);
     if (stop.stop_requested()) return fail(ErrorCode::kEndOfStream, "asked to stop");
     if (gone_->gone()) {
@@ -323,7 +327,7 @@ Result<RgbdFrame> DeviceSource::next(std::stop_token stop) {
     frame.color = std::move(pair->color->copy->color);
     frame.durations.capture += pair->color->copy->durations.capture;
   }
-  frame.sensor_times = Pairing::times_of(*pair);
+  frame.sensor_times = Synchronizer::times_of(*pair);
   frame.metadata.sequence = ++counters_.frames;
   if (counters_.frames == kSettledAfter) fix_controls();
   frame.metadata.captured_at = pair->depth.at;
@@ -340,9 +344,9 @@ Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const C
   return source;
 }
 
-Result<std::unique_ptr<FrameSource>> open_lasting_device(const std::string& uri,
-                                                         const CameraControls& controls) {
-  // OpenNI2 and its drivers stay up over the camera's absence: they are told of its return.
+Result<std::unique_ptr<FrameSource>> open_reconnecting_device(const std::string& uri,
+                                                              const CameraControls& controls) {
+  // OpenNI2 and its drivers stay active while the camera is absent, so that they notice its return.
   const auto session = std::make_shared<const OpenNiSession>(drivers_for(uri));
   return ReconnectingSource::open([session, wanted = uri, controls]() mutable {
     auto source = open_device(wanted, controls);

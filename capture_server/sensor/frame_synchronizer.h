@@ -1,11 +1,11 @@
 #pragma once
 
-// Brings depth and colour pictures of one instant together, by their timestamps.
+// Pairs depth and colour pictures of one instant by their timestamps.
 //
-// A depth picture leaves as soon as a colour picture within half a period of it is there: no other can be
-// nearer, as both come in order. So a pair that is on time waits for nothing. A depth picture whose colour
-// does not come leaves when the colour stream has passed it by, or when its owner does not want to wait any
-// longer.
+// A depth picture is paired as soon as there is a colour picture within half a period of it. No
+// other can be nearer, as both streams are in order. So a pair that is on time does not wait. A
+// depth picture without colour is released when the colour stream has passed it, or when the caller
+// no longer wants to wait.
 //
 // Thread: a value.
 
@@ -19,7 +19,7 @@
 
 namespace copresence::sensor {
 
-/// Picture: anything movable and copyable cheaply (a reference-counted one).
+/// Picture: movable, and cheap to copy, such as a reference-counted pointer.
 template <class Picture>
 class FrameSynchronizer {
  public:
@@ -29,20 +29,21 @@ class FrameSynchronizer {
     std::optional<Picture> color;
     std::int64_t color_timestamp_us = 0;
     bool same_instant = false;  ///< false: `color` is an older picture shown again, or there is none
-    bool color_again = false;   ///< an earlier pair had this picture too
+    bool color_again = false;   ///< an earlier pair had this picture, too
   };
 
-  /// What a frame made of this pair says of its times.
+  /// The sensor times of a frame made of this pair.
   static SensorTimes times_of(const Pair& pair) {
     return {std::chrono::microseconds(pair.timestamp_us), std::chrono::microseconds(pair.color_timestamp_us),
             pair.color_again};
   }
 
-  /// Half a depth period is what counts as one instant; colour up to `reuse_us` away is shown again.
+  /// Pictures within half a depth period belong to one instant. Colour up to `reuse_us` away may be
+  /// repeated.
   FrameSynchronizer(std::int64_t half_period_us, std::int64_t reuse_us)
       : half_period_us_(half_period_us), reuse_us_(reuse_us) {}
 
-  /// Timestamps of one stream must not decrease; those of the two streams share their zero.
+  /// Timestamps of one stream must not decrease; both streams have the same time zero.
   void add_depth(std::int64_t timestamp_us, Picture picture) {
     depth_.push_back({timestamp_us, std::move(picture), false});
   }
@@ -54,7 +55,7 @@ class FrameSynchronizer {
   bool has_depth() const { return !depth_.empty(); }
   std::size_t waiting() const { return depth_.size(); }
 
-  /// The oldest depth picture, where it need not wait any longer, or shall not.
+  /// The oldest depth picture, unless it has to wait for colour and `may_wait` is true.
   std::optional<Pair> take(bool may_wait) {
     if (depth_.empty()) return std::nullopt;
     const std::int64_t timestamp = depth_.front().timestamp_us;
@@ -75,12 +76,12 @@ class FrameSynchronizer {
       pair.color_timestamp_us = nearest->timestamp_us;
       pair.color_again = std::exchange(nearest->used, true);
     }
-    // The newest stays, in case the next depth picture finds none of its own.
+    // The newest picture stays, in case the next depth picture has none of its own.
     while (color_.size() > 1 && color_[1].timestamp_us <= timestamp + half_period_us_) drop_oldest_color();
     return pair;
   }
 
-  /// Colour pictures that left without ever having been in a pair.
+  /// Colour pictures that were dropped without being in a pair.
   std::uint64_t unused_color() const { return unused_color_; }
 
  private:

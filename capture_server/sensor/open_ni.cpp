@@ -1,35 +1,20 @@
 #include "capture_server/sensor/open_ni.h"
 
-#include <dlfcn.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <thread>
+#include <tuple>
 
 #include "capture_server/drivers/contract/device_properties.h"
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/sensor/cpu_starvation.h"
+#include "common/flow/cpu_starvation.h"
 
 namespace copresence::sensor {
 
-namespace {
-
-// OpenNI2 unloads its drivers at the end, and its player of recordings forgets 9 kB each time it is loaded: it stays. Leak
-// reports then also know what to call it.
-void keep_player_loaded() {
-  Dl_info open_ni;
-  if (::dladdr(reinterpret_cast<void*>(&oniInitialize), &open_ni) == 0) return;
-  const std::string path = open_ni.dli_fname;
-  const std::string player = path.substr(0, path.find_last_of('/') + 1) + "OpenNI2/Drivers/libOniFile.so.0";
-  // Without it OpenNI2 will say that it cannot play recordings.
-  if (void* const loaded = ::dlopen(player.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) ::dlclose(loaded);
-}
-
-}  // namespace
-
 openni::Status OpenNiSession::initialize(std::string_view choice) {
-  keep_player_loaded();
   ::setenv(drivers::kChoiceVariable, std::string(choice).c_str(), 1);
   return openni::OpenNI::initialize();
 }
@@ -38,10 +23,13 @@ void let_threads_leave() {
   using std::chrono::milliseconds;
   constexpr milliseconds kLeaves(50), kHardlyAnything(5);
   constexpr int kMostTimes = 8;
+  flow::CpuStarvation starvation(::getpid());
+  auto before = starvation.look();
   for (int i = 0; i < kMostTimes; ++i) {
-    const auto before = waited_for_a_core();
     std::this_thread::sleep_for(kLeaves);
-    if (waited_for_a_core() - before < kHardlyAnything) return;
+    const auto now = starvation.look();
+    if (now - before < kHardlyAnything) return;
+    before = now;
   }
 }
 
@@ -54,9 +42,69 @@ std::string last_open_ni_error() {
   return text.empty() ? "no reason given" : text;
 }
 
+bool is_usable(const openni::VideoMode& mode, bool is_depth) {
+  const openni::PixelFormat format = mode.getPixelFormat();
+  const bool known =
+      is_depth ? format == openni::PIXEL_FORMAT_DEPTH_1_MM || format == openni::PIXEL_FORMAT_DEPTH_100_UM
+               : format == openni::PIXEL_FORMAT_RGB888;
+  const auto sane = [](int size) { return size >= 2 && size <= 4096 && size % 2 == 0; };
+  return known && sane(mode.getResolutionX()) && sane(mode.getResolutionY());
+}
+
+std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
+                                             int height) {
+  std::optional<openni::VideoMode> chosen;
+  std::tuple<int, int, int> least;
+  const auto& modes = sensor.getSupportedVideoModes();
+  for (int i = 0; i < modes.getSize(); ++i) {
+    const openni::VideoMode& mode = modes[i];
+    if (!is_usable(mode, is_depth)) continue;
+    const std::tuple distance{
+        std::abs(mode.getResolutionX() - width) + std::abs(mode.getResolutionY() - height),
+        std::abs(mode.getFps() - 30), mode.getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_100_UM ? 1 : 0};
+    if (!chosen || distance < least) {
+      chosen = mode;
+      least = distance;
+    }
+  }
+  return chosen;
+}
+
+CameraModel camera_of(const openni::VideoStream& stream) {
+  const openni::VideoMode mode = stream.getVideoMode();
+  drivers::Intrinsics known;
+  int size = sizeof(known);
+  if (stream.getProperty(drivers::kIntrinsics, &known, &size) == openni::STATUS_OK && size == sizeof(known)) {
+    const CameraModel model{
+        mode.getResolutionX(), mode.getResolutionY(), known[0], known[1], known[2], known[3], {}};
+    if (check(model)) return model;
+  }
+  const double horizontal = stream.getHorizontalFieldOfView(), vertical = stream.getVerticalFieldOfView();
+  const auto sane = [](double angle) { return angle > 0.01 && angle < 3.13; };
+  if (!sane(horizontal) || !sane(vertical))
+    return nominal_kinect(mode.getResolutionX(), mode.getResolutionY());
+  return camera_of_sensor(mode.getResolutionX(), mode.getResolutionY(), horizontal, vertical);
+}
+
+std::optional<Rigid3> pose_of(const openni::Device& device) {
+  drivers::Pose rows;
+  int size = sizeof(rows);
+  if (device.getProperty(drivers::kPose, &rows, &size) != openni::STATUS_OK || size != sizeof(rows))
+    return std::nullopt;
+  Rigid3 pose;
+  for (std::size_t row = 0; row < 3; ++row) {
+    const auto i = static_cast<Eigen::Index>(row);
+    for (std::size_t column = 0; column < 3; ++column)
+      pose.rotation(i, static_cast<Eigen::Index>(column)) = rows[4 * row + column];
+    pose.translation[i] = rows[4 * row + 3];
+  }
+  return pose.is_rigid() ? std::optional(pose) : std::nullopt;
+}
+
 std::vector<std::uint16_t> levels_of(const openni::VideoStream& depth) {
-  // Some drivers want the size that their table has, which is 2048 entries everywhere seen; some write without asking for
-  // the room. So there is always room for the largest that can be.
+  // Some drivers require exactly the size of their table, which is 2048 entries in all drivers
+  // seen. Others write without checking the size that they are given, so the buffer always has room
+  // for the largest table.
   constexpr std::size_t kUsual = 2048, kLargest = 65536;
   std::vector<std::uint16_t> levels(kLargest);
   for (const std::size_t entries : {kUsual, kLargest}) {

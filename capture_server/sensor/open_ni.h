@@ -1,11 +1,12 @@
 #pragma once
 
-// What every user of OpenNI2 in this room needs: its lifetime, its errors, its frames as ours. Only for this
-// room's own sources.
+// OpenNI2 for the sources of this module and for capture_server --list: its lifetime, its errors,
+// its devices and frames as this project's types.
 
 #include <OpenNI.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,9 +16,11 @@
 
 namespace copresence::sensor {
 
-/// OpenNI2 is up while one of these lives; it counts them itself. The first one decides which camera drivers work
-/// (drivers/contract/driver_choice.h) until the last one goes.
-/// Thread: the first one is made while no other thread of the process reads or writes the environment.
+/// OpenNI2 is initialised while one of these exists; OpenNI2 counts them itself. The first one
+/// decides which camera drivers are active (drivers/contract/driver_choice.h) until the last one is
+/// destroyed.
+/// Thread: no other thread of the process reads or writes the environment while the first one is
+/// made.
 class OpenNiSession {
  public:
   explicit OpenNiSession(std::string_view drivers) : status_(initialize(drivers)) {}
@@ -35,20 +38,35 @@ class OpenNiSession {
   openni::Status status_;
 };
 
-/// Call between stopping streams and destroying them: a thread of the driver, or of the player of recordings, may still be
-/// inside. It has 50 ms of a core to leave, or 400 ms at most.
+/// Call between stopping streams and destroying them: a thread of the driver may still be inside
+/// them. Waits until the threads of this process had 50 ms of CPU time to leave, at most 400 ms.
 void let_threads_leave();
 
-/// OpenNI2's own words about its last error, on one line; "no reason given" where it has none.
+/// OpenNI2's message about its last error, on one line; "no reason given" if it has none.
 std::string last_open_ni_error();
 
-/// Every depth that a stream can have, ascending, from its table of disparities; empty where it has none.
+/// Whether frames of a mode can be used: depth in 1 mm or 0.1 mm, colour in RGB888, of even size.
+bool is_usable(const openni::VideoMode& mode, bool is_depth);
+
+/// The usable mode that is nearest to the requested size, then to 30 frames a second; 1 mm is
+/// preferred to 0.1 mm.
+std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
+                                             int height);
+
+/// From the device's intrinsics, else from its field of view, else a Kinect's.
+CameraModel camera_of(const openni::VideoStream& stream);
+
+/// world_from_camera, if the device knows it.
+std::optional<Rigid3> pose_of(const openni::Device& device);
+
+/// Every depth that the stream can report, ascending, from its table of disparities; empty if it
+/// has none.
 std::vector<std::uint16_t> levels_of(const openni::VideoStream& depth);
 
-/// Whether a frame is what its stream promised: OpenNI2 hands on short and odd ones.
+/// Whether a frame has the size that its stream advertised: OpenNI2 also delivers truncated ones.
 bool is_whole(const openni::VideoFrameRef& frame, const CameraModel& camera, int bytes_per_pixel);
 
-/// Copies the pictures out. Requires is_whole() of both, 2 and 3 bytes a pixel.
+/// Copies the pictures out. Requires is_whole() of both, with 2 and 3 bytes per pixel.
 void copy_depth(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into);
 void copy_color(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into);
 

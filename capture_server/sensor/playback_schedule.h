@@ -1,11 +1,11 @@
 #pragma once
 
-// When each frame of a recording is due, on a clock that does not drift: from its timestamps and one starting
-// instant, never from when the frame before it was shown.
+// Computes when each frame of a recording is due. It uses the timestamps and one starting instant,
+// never the time at which the previous frame was shown, so it does not drift.
 //
-// Replays that nobody gave an instant begin on whole fifths of a second of the machine's clock: cameras of the common
-// rates then deliver in step, as cameras do that are wired together, whenever each replay was started. Their views wait for
-// no straggler, and what is measured does not hang on chance.
+// Without a given instant, a replay begins at a whole fifth of a second of the machine's clock. So
+// replays of the common frame rates are in phase, like cameras with a common trigger. Viewers then
+// need not wait for the latest of them, and measurements are repeatable.
 //
 // Thread: a value.
 
@@ -23,16 +23,16 @@ class PlaybackSchedule {
   static constexpr Duration kStep =
       std::chrono::milliseconds(200);  ///< whole periods at 5, 10, 15, 25, 30 and 60 Hz
 
-  /// `period`: a frame's usual time, for where the recording's times say nothing. `begin`: when the first frame is due; at
-  /// the next step where none is given, or where it has passed.
+  /// `period`: the usual time between frames, for recordings with unusable timestamps. `begin`:
+  /// when the first frame is due. Without it, or if it has passed, the next whole step.
   explicit PlaybackSchedule(Duration period, std::optional<Instant> begin = std::nullopt)
       : period_(period), begin_(begin) {}
 
-  /// The instant at which the frame with this timestamp is due, when it is `now`. A pause of more than a second is
-  /// shortened to one. Frames whose times stand still or go back follow each other by the period; what that puts them
-  /// ahead of the recording's times, up to a second, the next steps forward are shortened by, but not below the period.
-  /// Whoever comes more than two tenths of a second late (a suspended process, say) has the rest moved instead of
-  /// getting a burst of frames.
+  /// The instant at which the frame with this timestamp is due; `now` is the present time. A pause
+  /// of more than a second is shortened to one. If timestamps stand still or decrease, frames
+  /// follow each other by the period. The time gained this way, up to a second, is taken from later
+  /// steps, which stay at least one period long. If a call comes more than 0.2 s late (the process
+  /// was suspended, say), the remaining schedule is shifted instead of producing a burst of frames.
   Instant due(std::int64_t timestamp_us, Instant now) {
     using std::chrono::microseconds;
     if (!begun_) {
@@ -64,7 +64,7 @@ class PlaybackSchedule {
   bool begun_ = false;
   std::int64_t last_us_ = 0;
   Instant due_{};
-  Duration ahead_{};  // of the recording's times, since they stood still
+  Duration ahead_{};  // how far the schedule is ahead of the timestamps
 };
 
 }  // namespace copresence::sensor

@@ -15,37 +15,37 @@ ProjectorSchedule::Time clock_now() {
 }  // namespace
 
 Projector::~Projector() {
-  if (!shines_) set(true);
+  if (!is_on_) set(true);
 }
 
-bool Projector::set(bool shines) {
-  const int ours = shines;
-  const std::uint64_t of_prime_sense = shines;
+bool Projector::set(bool on) {
+  const int ours = on;
+  const std::uint64_t of_prime_sense = on;
   return device_.setProperty(drivers::kProjector, ours) == openni::STATUS_OK ||
          device_.setProperty(XN_MODULE_PROPERTY_EMITTER_STATE, of_prime_sense) == openni::STATUS_OK;
 }
 
 Result<void> Projector::begin() {
-  // Dark first: a camera that cannot be dark says so at once, not in a quarter of a minute.
+  // Off first: a camera that cannot switch it off then fails at once, not at the end of its slot.
   if (!set(false)) {
     return fail(ErrorCode::kUnsupported,
                 "it cannot switch its projector off; start without --projector-slot");
   }
-  shines_ = false;
-  obey();
+  is_on_ = false;
+  follow_schedule();
   return {};
 }
 
-bool Projector::obey() {
-  const bool wanted = schedule_.shines(clock_now());
-  if (wanted == shines_ || !set(wanted)) return false;  // what fails is tried again at the next call
-  shines_ = wanted;
-  lit_since_ = std::chrono::steady_clock::now() + settles_;
+bool Projector::follow_schedule() {
+  const bool wanted = schedule_.is_on(clock_now());
+  if (wanted == is_on_ || !set(wanted)) return false;  // after a failure the next call tries again
+  is_on_ = wanted;
+  exposed_since_ = std::chrono::steady_clock::now() + settles_;
   return true;
 }
 
-bool Projector::lit(Instant at) const {
-  return shines_ && at >= lit_since_ && schedule_.shines(clock_now());
+bool Projector::is_exposed(Instant at) const {
+  return is_on_ && at >= exposed_since_ && schedule_.is_on(clock_now());
 }
 
 Duration Projector::until_change() const {

@@ -1,6 +1,7 @@
 #pragma once
 
-// The projector of an open camera, switched as a schedule says. Only for this room's own sources.
+// The projector of an open camera, switched by a schedule. PrimeSense's and Asus's cameras can
+// switch it, a Kinect v1 cannot.
 //
 // Thread: as its source.
 
@@ -17,37 +18,39 @@ namespace copresence::sensor {
 
 class Projector {
  public:
-  /// `device` is open and outlives this; `period` is between two of its frames.
+  /// `device` is open and outlives this; `period` is the time between two of its frames.
   Projector(openni::Device& device, const ProjectorSlot& slot, Duration period)
       : device_(device), schedule_(slot), settles_(2 * period) {}
-  /// Leaves it shining, as it was found.
+  /// Leaves it on, as it was found.
   ~Projector();
   Projector(const Projector&) = delete;
   Projector& operator=(const Projector&) = delete;
 
-  /// The first turn, or the dark before it. Call once, before the others.
-  /// Fails  kUnsupported: this camera cannot.
+  /// Begins to follow the schedule. Call once, before the others.
+  /// Fails  kUnsupported: the camera cannot switch its projector.
   Result<void> begin();
 
-  /// Switches it where that is due; true when it did. A camera may take its time: 5 to 250 ms have been reported.
-  bool obey();
+  /// Switches the projector if the schedule requires it; true if it did. A camera takes 5 to 250
+  /// ms, by reports.
+  bool follow_schedule();
 
-  /// How soon obey() has something to do.
+  /// Time until follow_schedule() has to switch.
   Duration until_change() const;
 
-  /// Whether a depth picture that this process got at `at` was exposed in this camera's own light: two periods after
-  /// the switch at the earliest, since one is exposed and then transferred, and before the turn's end.
-  /// Call when it has just come: one that finds this process late with switching off is not.
-  bool lit(Instant at) const;
+  /// Whether a depth picture that was received at `at` was exposed in this camera's own light. A
+  /// picture is exposed and then transferred, so that begins two periods after the projector was
+  /// switched on. It ends with the time slot. Call on arrival of the picture: the answer also
+  /// depends on the present time.
+  bool is_exposed(Instant at) const;
 
  private:
-  bool set(bool shines);
+  bool set(bool on);
 
   openni::Device& device_;
   const ProjectorSchedule schedule_;
   const Duration settles_;
-  bool shines_ = true;  // cameras begin so
-  Instant lit_since_ = Instant::max();
+  bool is_on_ = true;  // as cameras are when they are opened
+  Instant exposed_since_ = Instant::max();
 };
 
 }  // namespace copresence::sensor

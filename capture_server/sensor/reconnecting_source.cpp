@@ -13,7 +13,7 @@ SourceCounters sum(const SourceCounters& a, const SourceCounters& b) {
           a.color_without_depth + b.color_without_depth,
           a.damaged + b.damaged,
           a.late + b.late,
-          a.dark + b.dark};
+          a.projector_off + b.projector_off};
 }
 
 bool may_pass(const Error& error) {
@@ -21,7 +21,7 @@ bool may_pass(const Error& error) {
          error.code == ErrorCode::kNotFound;
 }
 
-// Whether frames of one can follow those of the other in a stream that was described once.
+// Whether frames of both fit into one stream with one description.
 bool same_stream(const SensorDescription& a, const SensorDescription& b) {
   const auto same_size = [](const CameraModel& x, const CameraModel& y) {
     return x.width == y.width && x.height == y.height;

@@ -1,7 +1,7 @@
 #pragma once
 
-// A camera that may go and come back: unplugged, silent or with failing transfers it is opened again until it
-// is there, and its frames go on counting.
+// A camera that may disappear and come back. After it was unplugged, fell silent or had failing
+// transfers, it is opened again until it is there. Sequence numbers continue.
 //
 // Thread: as FrameSource.
 
@@ -16,19 +16,21 @@ class ReconnectingSource final : public FrameSource {
  public:
   using Open = std::function<Result<std::unique_ptr<FrameSource>>()>;
 
-  /// How often a missing camera is looked for: it must be back within a second of being plugged in.
+  /// Time between two tries to open a missing camera, which must be back within a second of being
+  /// plugged in.
   static constexpr std::chrono::milliseconds kBetweenTries{250};
 
-  /// Fails  as `open`, the first time: a camera that was never there is a mistake on the command line.
+  /// Fails  as `open` the first time: a camera that was never there is a mistake on the command
+  ///        line.
   static Result<std::unique_ptr<FrameSource>> open(Open open,
                                                    std::chrono::milliseconds between_tries = kBetweenTries);
 
   const SensorDescription& description() const override { return description_; }
   SourceCounters counters() const override;
 
-  /// As FrameSource::next(), but after kUnavailable and kTimeout call it again. That call looks for the
-  /// camera once and may open it, which takes a slow one up to 20 s, and waits for its first frame. Fails
-  /// with kUnsupported when what came back is another kind of camera.
+  /// As FrameSource::next(), but after kUnavailable and kTimeout call it again. That call tries
+  /// once to open the camera and waits for its first frame, together up to 20 s. Fails with
+  /// kUnsupported if a different kind of camera came back.
   Result<RgbdFrame> next(std::stop_token stop) override;
 
  private:
@@ -37,8 +39,8 @@ class ReconnectingSource final : public FrameSource {
   const Open open_;
   const std::chrono::milliseconds between_tries_;
   const SensorDescription description_;
-  std::unique_ptr<FrameSource> source_;  // null while it is away
-  SourceCounters before_;                // of those that are gone
+  std::unique_ptr<FrameSource> source_;  // null while the camera is absent
+  SourceCounters before_;                // sums over closed sources
 };
 
 }  // namespace copresence::sensor

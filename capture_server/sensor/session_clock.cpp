@@ -14,8 +14,8 @@
 namespace copresence::sensor {
 namespace {
 
-// The first replay's span, microseconds since 1970, and when it is due on the steady clock, nanoseconds. All of one
-// machine and, since it is read under a lock, of one boot.
+// The first replay's span in microseconds since 1970, and when it is due on the steady clock in
+// nanoseconds. All values are of one machine and, since the file is read under a lock, of one boot.
 struct Shared {
   std::int64_t from_us = 0, to_us = 0, begin_ns = 0;
 };
@@ -59,7 +59,8 @@ std::optional<SessionClock> SessionClock::join(const std::string& folder, const 
                       std::chrono::duration_cast<std::chrono::nanoseconds>(begin.time_since_epoch()).count()};
     if (::pwrite(descriptor, &mine, sizeof(mine), 0) != sizeof(mine)) return std::nullopt;
   }
-  // Between the two locks another first one may have come: what the file says now is what counts.
+  // Another first replay may have started between the two locks, so the file's present content
+  // counts.
   Shared shared;
   if (!lock(descriptor, LOCK_SH) || ::pread(descriptor, &shared, sizeof(shared), 0) != sizeof(shared) ||
       !is_sane(shared)) {

@@ -33,9 +33,15 @@ MODULES = {
     "capture_server/drivers/installed": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/kinect_v1": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/simulated": EDGE_TYPES | {"capture_server/drivers/contract", "common/flow", "simulation/scene", "simulation/truth", "simulation/sensor"},
-    "capture_server/sensor": EDGE_TYPES | {"common/flow", "capture_server/drivers/contract"},
+    "capture_server/sensor": EDGE_TYPES | {"common/flow", "capture_server/drivers/contract", "capture_server/recording"},
+    "capture_server/diagnosis": EDGE_TYPES | {"capture_server/drivers/contract", "capture_server/sensor"},
     "capture_server/registration": EDGE_TYPES,
     "capture_server/hole_filling": EDGE_TYPES | {"common/gl"},
+    "capture_server/encoding": EDGE_TYPES | {"common/color", "common/depth", "common/scene", "common/video",
+                                             "capture_server/hole_filling", "capture_server/registration",
+                                             "capture_server/sensor"},
+    "capture_server/recorder": EDGE_TYPES | {"common/flow", "capture_server/recording", "capture_server/sensor"},
+    "capture_server/supervisor": EDGE_TYPES | {"common/flow"},
     "render_client/stream": EDGE_TYPES | {"common/flow", "common/wire"},
     "render_client/camera_setup": EDGE_TYPES | {"common/scene"},
     "render_client/decoding": EDGE_TYPES | {"common/color", "common/depth", "common/scene", "common/video",
@@ -60,7 +66,7 @@ HOMES = {
     r"epoxy/|EGL/|GL/": {"common/gl", "common/window"},
     r"GLFW/": {"common/window"},
     r"toml\+\+": {"common/toml"},
-    r"OpenNI\.h|Oni.*\.h|PS1080\.h|PrimeSense\.h|Driver/": {"capture_server/sensor", "capture_server/drivers/contract"},
+    r"OpenNI\.h|Oni.*\.h|PS1080\.h|PrimeSense\.h|Driver/": {"capture_server/sensor", "capture_server/diagnosis", "capture_server/drivers/contract"},
     r"libfreenect": {"capture_server/drivers/kinect_v1"},
     r"embree": {"simulation/truth"},
     r"opencv": set(),  # the two programs start in a sixth of the time without it: docs/decisions/0003-libraries.md
@@ -68,7 +74,7 @@ HOMES = {
     r"png\.h": {"render_client/display"},
     r"zlib\.h": {"common/bitstream"},
     r"CLI/": {"common/command_line", "capture_server", "render_client"},
-    r"spdlog": {"capture_server", "render_client"},
+    r"spdlog": {"capture_server", "capture_server/recorder", "render_client"},
     r"nlohmann": {"capture_server/recording", "render_client/statistics"},
 }
 
@@ -80,7 +86,7 @@ LIBRARY_HOMES = {
     "PkgConfig::EPOXY": {"common/gl", "common/window"},
     "glfw": {"common/window"},
     "tomlplusplus::tomlplusplus": {"common/toml"},
-    "PkgConfig::OPENNI2": {"capture_server/sensor", "capture_server/drivers/contract", "capture_server"},
+    "PkgConfig::OPENNI2": {"capture_server/sensor", "capture_server/diagnosis", "capture_server/drivers/contract", "capture_server"},
     "PkgConfig::FREENECT": {"capture_server/drivers/kinect_v1"},
     "embree": {"simulation/truth"},
     "copresence_opencv": set(),
@@ -88,7 +94,7 @@ LIBRARY_HOMES = {
     "PkgConfig::TURBOJPEG": {"capture_server/recording"},
     "PNG::PNG": {"render_client/display"},
     "ZLIB::ZLIB": {"common/bitstream"},
-    "spdlog::spdlog": {"capture_server", "render_client"},
+    "spdlog::spdlog": {"capture_server", "capture_server/recorder", "render_client"},
     "nlohmann_json::nlohmann_json": {"capture_server/recording", "render_client/statistics"},
 }
 # Program -> folders of modules and foreign libraries that it must not link, not even through others.

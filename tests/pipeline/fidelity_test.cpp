@@ -104,7 +104,7 @@ class Fidelity : public ::testing::Test {
 
   /// What the client would show of the frame with this sequence number, had it got uncoded what was sent up to it.
   static RgbdFrame shown_frame(const scene::Camera& camera, std::uint64_t sequence, const SentFrames& sent) {
-    auto source = open_source(camera.source, {sensor::SourceSettings::Pace::kFast, true});
+    auto source = sensor::open_source(camera.source, {sensor::SourceSettings::Pace::kFast, true});
     EXPECT_TRUE(source) << source.error().what;
     const DepthUnit unit = (*source)->description().unit;
     const auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,

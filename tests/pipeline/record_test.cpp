@@ -50,9 +50,9 @@ TEST(Record, ACopyIsTheSameInDepthBitByBit) {
   expect_same_depth(source, folder / "copy.oni");
   copy_at_full_speed(folder / "copy.oni", folder / "again.oni");
   expect_same_depth(source, folder / "again.oni");
-  const auto note = OniReader::open(folder / "copy.oni")->summary().camera_note;
+  const auto note = OniReader::open(folder / "copy.oni")->summary().camera_metadata;
   ASSERT_TRUE(note);
-  EXPECT_EQ(note->world_from_camera, OniReader::open(source)->summary().camera_note->world_from_camera);
+  EXPECT_EQ(note->world_from_camera, OniReader::open(source)->summary().camera_metadata->world_from_camera);
 }
 
 TEST(Record, ACopyOfARealKinectsRecordingIsTheSame) {

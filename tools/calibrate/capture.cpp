@@ -62,7 +62,7 @@ SourceOptions add_source_options(CLI::App& parser, std::vector<NamedSource>& sou
 Result<Capture> Capture::open(const NamedSource& source, const scene::Camera* known, Form form) {
   sensor::SourceSettings settings;
   settings.pace = sensor::SourceSettings::Pace::kFast;
-  auto frames = source.is_stream ? open_stream(source.from) : open_source(source.from, settings);
+  auto frames = source.is_stream ? open_stream(source.from) : sensor::open_source(source.from, settings);
   if (!frames) return fail(frames.error());
   sensor::SensorDescription told = (*frames)->description();
   if (known) {

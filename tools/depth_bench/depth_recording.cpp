@@ -7,7 +7,7 @@
 namespace copresence::depth_bench {
 
 Result<DepthRecording> load(const std::filesystem::path& recording, const DepthRange& range, int frames) {
-  const auto source = open_source(recording.string(), {sensor::SourceSettings::Pace::kFast, false});
+  const auto source = sensor::open_source(recording.string(), {sensor::SourceSettings::Pace::kFast, false});
   if (!source) return fail(source.error());
   const sensor::SensorDescription& description = (*source)->description();
   DepthRecording loaded;

@@ -162,7 +162,7 @@ class ImageImport {
     content.color = recording::ColorCoding::kJpeg;
     content.camera.registered = is_registered() && color_size_ == depth_size_;
     if (!content.camera.registered)
-      content.camera.color = recording::ColorCameraNote{camera_of(color_size_), {}};
+      content.camera.color = recording::ColorCameraMetadata{camera_of(color_size_), {}};
     return {};
   }
 

@@ -9,7 +9,7 @@
 
 #include "capture_server/recording/input_file.h"
 #include "capture_server/recording/oni_reader.h"
-#include "capture_server/recording/oni_salvage.h"
+#include "capture_server/recording/oni_recovery.h"
 #include "tools/record/time_reading.h"
 
 namespace copresence::record {
@@ -141,11 +141,11 @@ Result<RecordingInfo> read_info(const std::string& path, const recording::Progre
   }
   info.depth = depth_statistics(*reader, progress);
   info.color_after_depth_ms = color_after_depth(*summary.find(Kind::kDepth), summary.find(Kind::kColor));
-  info.camera = summary.camera_note;
+  info.camera = summary.camera_metadata;
   info.started_unix_us = start_of(summary);
   if (const auto file = recording::InputFile::open(path)) {
     recording::RecordBytes bytes = file->bytes();
-    const auto found = recording::salvage(bytes, path);
+    const auto found = recording::recover(bytes, path);
     info.finished = found && found->has_end && (found->has_seek_tables || found->is_old);
   }
   return info;

@@ -48,10 +48,10 @@ struct RecordingInfo {
   bool finished = false;
   double seconds = 0;
   std::vector<StreamInfo> streams;
-  std::optional<DepthInfo> depth;  ///< Empty if only OpenNI2 can decode it.
+  std::optional<DepthInfo> depth;  ///< Empty if no frame decodes.
   /// Median time from a depth frame to the nearest colour frame.
   std::optional<double> color_after_depth_ms;
-  std::optional<recording::CameraNote> camera;
+  std::optional<recording::CameraMetadata> camera;
   /// Capture time of the first frame in microseconds since 1970 (UTC), if the recorder stored it.
   std::optional<std::int64_t> started_unix_us;
 };

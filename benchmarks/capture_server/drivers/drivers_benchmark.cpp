@@ -1,9 +1,10 @@
-// What cameras cost through OpenNI2: the process's CPU time per 640x480 frame with everything that runs for it, how soon a
-// frame is in the encode thread's hands, what opening and closing leaves behind, and how soon an unplugged camera goes on.
-// Kinects are fake (tests/support/fake_freenect). With "still" their pictures are drawn once: what remains is the driver,
-// OpenNI2 and the copies into an RgbdFrame, but nothing of libfreenect's own unpacking.
+// Measures cameras through OpenNI2: CPU time of the process per 640x480 frame, latency from the
+// sensor to the encode thread, leaks of opening and closing, and how soon a replugged camera
+// streams again. Kinects are fake (tests/support/fake_freenect). With "still" the pictures are
+// drawn only once. What remains is the driver, OpenNI2 and the copies into an RgbdFrame, without
+// libfreenect's unpacking.
 //
-// benchmarks/cameras.py runs it with the fake library found first.
+// benchmarks/cameras.py runs it with the fake library first in the search path.
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -15,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "capture_server/sensor/frame_source.h"
+#include "capture_server/sensor/device_source.h"
 #include "common/flow/mailbox.h"
 
 namespace copresence::sensor {
@@ -32,7 +33,7 @@ double cpu_ms() {
   return ms(use.ru_utime) + ms(use.ru_stime);
 }
 
-// CPU time so far of the threads in which drivers work.
+// CPU time so far of the drivers' threads.
 double driver_ms() {
   double sum = 0;
   for (const auto& thread : fs::directory_iterator("/proc/self/task")) {
@@ -46,8 +47,8 @@ double driver_ms() {
   return sum;
 }
 
-// What this process holds: memory in use (what was freed is free, whether or not the system has it back), resident memory,
-// open files and threads.
+// Resources of this process: memory in use (freed memory does not count), resident memory, open
+// files and threads.
 struct Holdings {
   double heap_kb = 0, resident_kb = 0, files = 0, threads = 0;
 
@@ -72,13 +73,13 @@ struct Holdings {
   }
 };
 
-// A fake Kinect's file; empty where the fake library is not in place.
+// The file of a fake Kinect; empty if the fake library is not loaded.
 fs::path kinect() {
   const char* bus = std::getenv("COPRESENCE_FAKE_KINECTS");
   return bus ? fs::path(bus) / "BENCH1" : fs::path();
 }
 
-// Whether `uri` can be opened; a fake Kinect is plugged in for it, with `words` in its file.
+// Whether `uri` can be opened. For a fake Kinect it is plugged in first, with `words` in its file.
 bool plug_in(const std::string& uri, const std::string& words = "") {
   if (!uri.starts_with("freenect")) return true;
   if (kinect().empty()) return false;
@@ -101,7 +102,7 @@ void stream(benchmark::State& state, const std::string& uri, const std::string& 
   state.counters["driver_ms_per_frame"] = (driver_ms() - driver_before) / frames;
   state.counters["late"] = static_cast<double>((*source)->counters().late);
 }
-// The first 60 frames are the first period of what moves, from opening on; then another camera's later ones.
+// The first 60 frames are the first period of the animation after opening; then come later periods.
 BENCHMARK_CAPTURE(stream, simulated_first_two_seconds, "simulated:room?camera=0", "", 0)
     ->Unit(benchmark::kMillisecond)
     ->Iterations(60);
@@ -115,10 +116,10 @@ BENCHMARK_CAPTURE(stream, fake_kinect_without_drawing, "freenect://BENCH1", "sti
     ->Unit(benchmark::kMillisecond)
     ->Iterations(150);
 
-// From the instant at which this process holds a depth picture to that at which another thread holds the frame made of it:
-// pairing with colour, copying both out of OpenNI2's buffers, the mailbox, waking up. The threads are the pipeline's, with
-// an encoder that is always ready. A frame waits for colour that comes later: the fake Kinect's comes 9 ms after depth, so its
-// wait is not counted; of the simulated camera both come at once.
+// Time from the arrival of a depth picture to the moment at which another thread has its frame:
+// pairing with colour, copying both from OpenNI2's buffers, the mailbox, and the wake-up. Threads
+// are as in the pipeline, with an encoder that is always ready. Waiting for colour is not counted:
+// the fake Kinect's comes 9 ms after depth, the simulated camera's at the same time.
 void arrival_to_encoder(benchmark::State& state, const std::string& uri) {
   if (!plug_in(uri)) return state.SkipWithError("run benchmarks/cameras.py");
   const auto source = open_device(uri);
@@ -157,20 +158,21 @@ void open_and_close(benchmark::State& state) {
   for (auto _ : state) {
     const auto source = open_device("freenect://BENCH1");
     if (!source || !(*source)->next({})) return state.SkipWithError("it did not open");
-    if (++cycle == 20) early = Holdings::now();  // what is made once has been made
+    if (++cycle == 20) early = Holdings::now();  // one-time allocations are done
   }
-  // The twentieth was counted while its camera was open.
+  // The twentieth camera was still open when resources were counted.
   const auto source = open_device("freenect://BENCH1");
   if (!source || !(*source)->next({})) return state.SkipWithError("it did not open");
   early.tell_growth(state);
 }
 BENCHMARK(open_and_close)->Unit(benchmark::kMillisecond)->Iterations(1000);
 
-// One iteration: unplugged while it streams, noticed, plugged in, the first frame. Time is from plugging in.
+// One iteration: the camera is unplugged while it streams, that is noticed, it is plugged in, and
+// the first frame arrives. The time begins when it is plugged in.
 void unplug_and_replug(benchmark::State& state) {
   if (kinect().empty()) return state.SkipWithError("run benchmarks/cameras.py");
   std::ofstream(kinect()).close();
-  const auto source = open_lasting_device("freenect://BENCH1");
+  const auto source = open_reconnecting_device("freenect://BENCH1");
   if (!source) return state.SkipWithError(source.error().what.c_str());
   using Clock = std::chrono::steady_clock;
   double worst = 0;

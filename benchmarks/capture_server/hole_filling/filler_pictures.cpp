@@ -1,6 +1,8 @@
-// Pictures to compare the fillers by, as in thesis figures 3.4 and 3.5: filler_pictures OUT.jpg
+// Draws pictures that compare the fillers, as in thesis figures 3.4 and 3.5: filler_pictures
+// OUT.jpg
 //
-// One camera of the simulated room: colour, what a Kinect measures and the truth; then what each filler makes of it.
+// One camera of the simulated room: colour, the Kinect's measurement and the truth; then the result
+// of each filler.
 
 #include <fmt/format.h>
 
@@ -21,7 +23,7 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-// Near is red, far is blue, a hole is black; even in 1/z, as the sensor's steps are.
+// Near is red, far is blue, a hole is black. The scale is uniform in 1/z, like the sensor's steps.
 cv::Mat picture_of(const DepthImage& depth_mm) {
   constexpr double kNear = 1 / 900.0, kFar = 1 / 5000.0;
   cv::Mat gray(kHeight, kWidth, CV_8UC1), colored;

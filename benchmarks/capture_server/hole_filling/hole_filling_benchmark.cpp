@@ -1,4 +1,5 @@
-// Milliseconds per 640x480 frame, one core, at 4 % and at 25 % holes: speckle and shadows as a Kinect has them.
+// Milliseconds per 640x480 frame on one core, at 4 % and at 25 % holes: speckle and shadows like a
+// Kinect's.
 
 #include <benchmark/benchmark.h>
 
@@ -12,7 +13,8 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-/// A slanted wall 2 to 4 m away, boards at 1.2 m before it, each with a shadow, and speckle over everything.
+/// A slanted wall 2 to 4 m away, boards in front of it at 1.2 m with their shadows, and speckle
+/// everywhere.
 RgbdFrame frame_with_holes(bool many, bool color) {
   const int every = many ? 128 : 320, shadow = many ? 26 : 12, rarity = many ? 22 : 70;
   RgbdFrame frame;

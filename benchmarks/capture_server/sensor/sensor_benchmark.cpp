@@ -1,5 +1,5 @@
-// What playing a recording costs: the whole way from the file to RgbdFrames of 640x480, OpenNI2's decoding included.
-// "user" and "system" are the process's own CPU time per frame, all threads.
+// Measures playing a recording, from the file to RgbdFrames of 640x480. "user" and "system" are the
+// process's CPU time per frame, over all threads.
 
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
@@ -25,7 +25,7 @@ BENCHMARK(check)->Name("recording_check/office.oni")->Unit(benchmark::kMilliseco
 void play(benchmark::State& state, const char* name, sensor::SourceSettings::Pace pace) {
   const auto path = test::real_recording(name);
   if (!path) return state.SkipWithError("no ../shared/recordings here");
-  const auto source = open_source(*path, {pace, true});
+  const auto source = sensor::open_source(*path, {pace, true});
   if (!source) return state.SkipWithError(source.error().what.c_str());
   benchmark::DoNotOptimize((*source)->next({}));
   rusage before{}, after{};

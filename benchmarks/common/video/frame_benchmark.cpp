@@ -29,7 +29,7 @@ struct Content {
 
 Content load(const std::string& path, const std::string& codec, bool lossless) {
   Content content;
-  auto source = open_source(path, {.pace = sensor::SourceSettings::Pace::kFast});
+  auto source = sensor::open_source(path, {.pace = sensor::SourceSettings::Pace::kFast});
   if (!source) return content;
   const sensor::SensorDescription& sensor = (*source)->description();
   content.stream.model = sensor.depth;

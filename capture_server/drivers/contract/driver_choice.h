@@ -1,10 +1,12 @@
 #pragma once
 
-// Which camera drivers a process needs. OpenNI2 loads every driver of its folder, and PS1080 alone takes up to 0.4 s
-// to leave again; the drivers of this project load cheaply and stay out of the way unless they are chosen.
+// Which camera drivers are active in a process. OpenNI2 loads every driver in its folder, and the
+// shutdown of PS1080 alone takes up to 0.4 s. So the drivers of this project do nothing unless they
+// are chosen.
 //
-// The choice travels in an environment variable, set before OpenNI2 starts: a driver is a library of its own and sees
-// nothing else of its process. Unset means all, so that other programs (NiViewer2) find every camera.
+// The choice is passed in an environment variable, set before OpenNI2 is initialised: a driver is a
+// separate library and shares nothing else with its process. Unset means all, so that other
+// programs (NiViewer2) find every camera.
 //
 // Thread: values.
 
@@ -17,21 +19,22 @@ namespace copresence::drivers {
 inline constexpr const char* kChoiceVariable = "COPRESENCE_DRIVERS";
 inline constexpr std::string_view kPrimeSense = "primesense", kKinectV1 = "kinect_v1",
                                   kSimulated = "simulated",
-                                  kInstalled = "installed";  ///< those that a user has installed for OpenNI2
-inline constexpr std::string_view kNoDriver = "none";        ///< recordings need none of these
+                                  kInstalled =
+                                      "installed";  ///< drivers that a user has installed for OpenNI2
 /// Names, joined by commas.
 inline constexpr std::string_view kOtherThanKinects = "primesense,installed",
                                   kRealCameras = "primesense,kinect_v1,installed",
                                   kEveryDriver = "primesense,kinect_v1,installed,simulated";
 
-/// The driver of a camera by what OpenNI2 calls it. Those of others are called VENDOR/PRODUCT@BUS/ADDRESS, mostly.
+/// The driver of a camera by its URI in OpenNI2. Most third-party drivers use
+/// VENDOR/PRODUCT@BUS/ADDRESS.
 inline std::string_view driver_of(std::string_view uri) {
   if (uri.starts_with("simulated:")) return kSimulated;
   if (uri.starts_with("freenect:")) return kKinectV1;
   return uri.starts_with("1d27/") ? kPrimeSense : kInstalled;
 }
 
-/// Whether the driver with this name is to work in this process.
+/// Whether the driver with this name is active in this process.
 inline bool is_chosen(std::string_view driver) {
   const char* const variable = std::getenv(kChoiceVariable);
   if (!variable) return true;

@@ -1,25 +1,28 @@
 #pragma once
 
-// A camera driver of somebody else, a library of its own, inside a driver of ours: loaded from where it is
-// installed, and only where it is wanted. Devices and streams are its own objects; OpenNI2's driver interface
-// gives them the same virtual functions wherever they come from.
+// A third-party camera driver inside a driver of this project. It is a library of its own, loaded
+// from its installed path and only if it is needed. Its devices and streams are passed on
+// unchanged: OpenNI2's driver interface gives them the same virtual functions in every driver.
 //
 // Thread: as OpenNI2 calls a driver.
 
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/drivers/contract/open_ni_driver.h"
 
 namespace copresence::drivers {
 
 class ForeignDriver {
  public:
-  /// Loads the library; it stays loaded to the end of the process, since threads of PS1080 have been seen in
-  /// it after it said that it was done. Nothing where the file is not there or is no driver for OpenNI2.
+  /// Loads the library. It stays loaded until the process ends, since threads of PS1080 were seen
+  /// to run in it after its shutdown. Returns nothing if the file is missing or is no driver for
+  /// OpenNI2.
   static std::optional<ForeignDriver> load(const std::string& path);
 
-  /// As the functions that a driver's library exports.
+  /// The functions that a driver's library exports.
   void create(OniDriverServices* services) const { create_(services); }
   OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
                        oni::driver::DeviceDisconnectedCallback disconnected,
@@ -47,6 +50,33 @@ class ForeignDriver {
   void* (*enable_sync_)(oni::driver::StreamBase**, int) = nullptr;
   void (*disable_sync_)(void*) = nullptr;
   void (*destroy_)() = nullptr;
+};
+
+/// Base of a driver that passes OpenNI2's calls on to third-party drivers.
+class ForeignDriverHost : public oni::driver::DriverBase {
+ public:
+  /// `name` is one of driver_choice.h.
+  ForeignDriverHost(OniDriverServices* services, std::string_view name)
+      : DriverBase(services), services_(services), name_(name) {}
+
+  OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
+                       oni::driver::DeviceDisconnectedCallback disconnected,
+                       oni::driver::DeviceStateChangedCallback changed, void* cookie) final {
+    DriverBase::initialize(connected, disconnected, changed, cookie);
+    return is_chosen(name_) ? load(connected, disconnected, changed, cookie) : ONI_STATUS_OK;
+  }
+
+ protected:
+  /// Called once, if the driver is chosen.
+  virtual OniStatus load(oni::driver::DeviceConnectedCallback connected,
+                         oni::driver::DeviceDisconnectedCallback disconnected,
+                         oni::driver::DeviceStateChangedCallback changed, void* cookie) = 0;
+
+  OniDriverServices* services() const { return services_; }
+
+ private:
+  OniDriverServices* services_;
+  std::string_view name_;
 };
 
 }  // namespace copresence::drivers

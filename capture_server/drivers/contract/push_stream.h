@@ -1,10 +1,10 @@
 #pragma once
 
-// A stream of a driver that pushes whole pictures as its camera delivers them, and the properties that every such stream
-// answers in the same way. A picture is written where OpenNI2 keeps it: nothing is copied on the way.
+// A stream to which the camera's driver pushes whole pictures, with the properties that all such
+// streams have in common. A picture is written directly into OpenNI2's memory, without a copy.
 //
-// Thread: OpenNI2 calls properties, start() and stop() from its users' threads; pictures come from the camera's thread.
-// After stop() has returned, no picture of this stream reaches OpenNI2.
+// Thread: OpenNI2 calls properties, start() and stop() from the threads of its users; pictures come
+// from the camera's thread. After stop() has returned, no picture of this stream reaches OpenNI2.
 
 #include <condition_variable>
 #include <cstdint>
@@ -21,10 +21,11 @@
 
 namespace copresence::drivers {
 
-/// Copies `size` bytes out as OpenNI2's properties go. Requires nothing: sizes come from strangers.
+/// Copies `size` bytes out by the rules of OpenNI2's properties. Any size is allowed: callers are
+/// untrusted.
 OniStatus answer(const void* value, int size, void* data, int* data_size);
 
-/// What somebody set as a property; nothing where its size is another.
+/// The value of a property that is being set; nothing if its size is wrong.
 template <class Value>
 std::optional<Value> read_as(const void* data, int size) {
   Value value;
@@ -35,18 +36,18 @@ std::optional<Value> read_as(const void* data, int size) {
 
 struct Lens {
   float horizontal_fov = 0, vertical_fov = 0;  ///< radians
-  std::optional<Intrinsics> intrinsics;        ///< where more is known
+  std::optional<Intrinsics> intrinsics;        ///< if known
 };
 
 class PushStream;
 
-/// The device that a stream belongs to: it begins and ends the camera's work.
+/// The device of a stream, which starts and stops the camera.
 class StreamOwner {
  public:
   virtual OniStatus begin(PushStream& stream) = 0;
-  /// Only after a begin() that succeeded; never fails.
+  /// Called only after a successful begin(); never fails.
   virtual void end(PushStream& stream) = 0;
-  /// Properties that this camera's streams have beyond the common ones, or instead of them.
+  /// This camera's properties beyond the common ones, or instead of them.
   virtual OniStatus get_of(PushStream&, int /*property*/, void* /*data*/, int* /*size*/) {
     return ONI_STATUS_NOT_SUPPORTED;
   }
@@ -60,7 +61,7 @@ class StreamOwner {
 
 class PushStream : public oni::driver::StreamBase {
  public:
-  /// `max_value`: greater than every pixel's, which OpenNI2's depth recorder relies on; 0 for colour.
+  /// `max_value`: greater than every pixel, as OpenNI2's depth recorder requires; 0 for colour.
   PushStream(StreamOwner& owner, OniSensorType type, std::vector<OniVideoMode> modes, int max_value);
   ~PushStream() override;
 
@@ -68,19 +69,22 @@ class PushStream : public oni::driver::StreamBase {
   OniVideoMode mode() const;
   void set_lens(const Lens& lens);
 
-  /// One picture on its way: to be written, then sent. What is not sent is given back. As long as there is one, stop()
-  /// waits for it, so its stream stays. The stream holds no lock meanwhile, since OpenNI2 calls stop() and properties under
-  /// locks of its own. A device may hold a lock while next_picture() asks OpenNI2 for memory, but none when it sends.
+  /// One picture: obtain it, write it, send it. A picture that is not sent is given back to
+  /// OpenNI2. While a picture exists, stop() waits for it, so the stream cannot disappear. The
+  /// stream holds no lock meanwhile, since OpenNI2 calls stop() and properties under locks of its
+  /// own. A device may hold a lock in next_picture(), which asks OpenNI2 for memory, but not in
+  /// send().
   class Picture {
    public:
-    /// All of it, row by row from the top, its values unspecified before they are written. Requires a `Pixel` of the mode's size.
+    /// All pixels, row by row from the top; unspecified before they are written. Requires a `Pixel`
+    /// of the mode's size.
     template <class Pixel>
     std::span<Pixel> pixels() {
       return {static_cast<Pixel*>(frame_->data), static_cast<std::size_t>(frame_->dataSize) / sizeof(Pixel)};
     }
 
-    /// Hands it to whoever listens; then it is no longer ours. `index` counts the camera's pictures from 1: a gap says that some
-    /// were lost.
+    /// Passes it to OpenNI2's listeners. It must not be used afterwards. `index` counts the
+    /// camera's pictures from 1; a gap means lost pictures.
     void send(std::uint64_t timestamp_us, int index);
 
    private:
@@ -94,7 +98,8 @@ class PushStream : public oni::driver::StreamBase {
     std::unique_ptr<OniFrame, GiveBack> frame_;
   };
 
-  /// Nothing when the stream is stopped, or OpenNI2 has no memory for it. Requires that its thread has no other one of this stream.
+  /// Nothing if the stream is stopped or OpenNI2 has no memory. Requires that the calling thread
+  /// has no other picture of this stream.
   std::optional<Picture> next_picture();
 
   OniStatus start() override;
@@ -106,19 +111,19 @@ class PushStream : public oni::driver::StreamBase {
 
  private:
   int row_bytes() const;
-  void no_picture();    // none is on its way
-  bool end_pictures();  // waits for the one on its way; false where the stream did not run
+  void no_picture();    // marks that there is no picture
+  bool end_pictures();  // waits for the present picture; false if the stream did not run
 
   StreamOwner& owner_;
   const OniSensorType type_;
   const std::vector<OniVideoMode> modes_;
   const int max_value_;
-  mutable std::mutex mutex_;  // of all below; never held while OpenNI2 or the owner is called
+  mutable std::mutex mutex_;  // guards all below; never held while OpenNI2 or the owner is called
   std::condition_variable given_back_;
   OniVideoMode mode_;
   Lens lens_;
   bool running_ = false;
-  bool on_its_way_ = false;  // there is a picture
+  bool on_its_way_ = false;  // a picture exists
 };
 
 }  // namespace copresence::drivers

@@ -3,8 +3,8 @@
 // The address of a simulated camera, as the server reads it and the driver opens it:
 // simulated:WORLD?camera=N&cameras=N&seed=N&marker=on&control=FILE&projectors=FILE
 //
-// The worlds and the number of cameras are listed here so that the server need not link the simulator.
-// A test holds the lists to the simulator's own.
+// The worlds and the number of cameras are listed here so that the server need not link the
+// simulator. A test holds the lists to the simulator's own.
 //
 // Thread: values.
 
@@ -35,7 +35,8 @@ struct SimulatedUri {
 /// Fails  kInvalid, with a sentence that lists the possible values.
 Result<SimulatedUri> parse_simulated_uri(const std::string& uri);
 
-/// All simulated cameras in one phrase: "simulated:WORLD?camera=N, N from 0 to 7, WORLD one of room, ...".
+/// All simulated cameras in one phrase: "simulated:WORLD?camera=N, N from 0 to 7, WORLD one of
+/// room, ...".
 std::string simulated_cameras();
 
 }  // namespace copresence::drivers

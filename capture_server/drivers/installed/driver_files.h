@@ -1,6 +1,6 @@
 #pragma once
 
-// Which drivers for OpenNI2 a user has installed beside those that this project brings.
+// Finds the OpenNI2 drivers that a user has installed in addition to this project's.
 //
 // Thread: free functions, safe anywhere.
 
@@ -9,14 +9,15 @@
 
 namespace copresence::drivers {
 
-/// Folders in which OpenNI2 or a vendor's installer puts drivers, the first ones first: OPENNI2_DRIVERS_PATH
-/// (a folder of drivers), OPENNI2_REDIST (a folder that holds OpenNI2/Drivers), then `system_folder`
-/// (Debian's) and the usual ones of /usr and /usr/local.
+/// Folders in which OpenNI2 or a vendor's installer puts drivers, in order of precedence:
+/// OPENNI2_DRIVERS_PATH (a folder of drivers), OPENNI2_REDIST (a folder that contains
+/// OpenNI2/Drivers), `system_folder` (Debian's), and the usual ones of /usr and /usr/local.
 std::vector<std::string> driver_folders(const std::string& system_folder);
 
-/// Paths of the drivers in these folders, whole, each once, sorted within a folder; of two with one name the
-/// first folder's. Left out are drivers of cameras that our own drivers serve (PS1080, FreenectDriver), the
-/// player of recordings (OniFile), OpenNI2's example (DummyDevice), and this project's.
+/// Full paths of the drivers in these folders, sorted within each folder. Of two drivers with the
+/// same name, the first folder's counts. Left out are drivers whose cameras this project's drivers
+/// serve (PS1080, FreenectDriver), the player of recordings (OniFile), OpenNI2's example
+/// (DummyDevice), and this project's drivers.
 std::vector<std::string> installed_drivers(const std::vector<std::string>& folders);
 
 }  // namespace copresence::drivers

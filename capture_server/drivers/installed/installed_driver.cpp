@@ -1,6 +1,6 @@
-// Cameras of the drivers that a user has installed for OpenNI2 (Orbbec's, for example). OpenNI2 itself looks
-// only into our private folder, so this driver loads them and hands OpenNI2's calls on to the one whose
-// camera it is.
+// Cameras of the drivers that a user has installed for OpenNI2 (Orbbec's, for example). OpenNI2
+// itself searches only this project's private folder. So this driver loads the others and passes
+// OpenNI2's calls on to the owner of each camera.
 
 #include <functional>
 #include <list>
@@ -8,7 +8,6 @@
 #include <mutex>
 #include <string>
 
-#include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/drivers/contract/foreign_driver.h"
 #include "capture_server/drivers/installed/driver_files.h"
 
@@ -16,23 +15,19 @@ namespace copresence::drivers {
 namespace {
 
 using oni::driver::DeviceBase;
-using oni::driver::DriverBase;
 using oni::driver::StreamBase;
 
-class InstalledDrivers final : public DriverBase {
+class InstalledDrivers final : public ForeignDriverHost {
  public:
-  explicit InstalledDrivers(OniDriverServices* services) : DriverBase(services), services_(services) {}
+  explicit InstalledDrivers(OniDriverServices* services) : ForeignDriverHost(services, kInstalled) {}
 
-  OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
-                       oni::driver::DeviceDisconnectedCallback disconnected,
-                       oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
-    DriverBase::initialize(connected, disconnected, changed, cookie);
-    if (!is_chosen(kInstalled)) return ONI_STATUS_OK;
+  OniStatus load(oni::driver::DeviceConnectedCallback, oni::driver::DeviceDisconnectedCallback,
+                 oni::driver::DeviceStateChangedCallback, void*) override {
     for (const std::string& path : installed_drivers(driver_folders(COPRESENCE_OPENNI_DRIVERS))) {
       const auto driver = ForeignDriver::load(path);
-      if (!driver) continue;  // built for another system, most likely: the other cameras are none the worse
+      if (!driver) continue;  // most likely built for another system; the others still work
       Loaded& loaded = drivers_.emplace_back(Loaded{*driver, this});
-      driver->create(services_);
+      driver->create(services());
       if (driver->initialize(on_connected, on_disconnected, on_changed, &loaded) != ONI_STATUS_OK)
         drivers_.pop_back();
     }
@@ -73,8 +68,8 @@ class InstalledDrivers final : public DriverBase {
     owner->driver.close(device);
   }
 
-  // OpenNI2 does not say whose streams they are: only where there is one driver they can only be its own.
-  // Frames are paired by their times in any case.
+  // OpenNI2 does not say to which driver the streams belong, so this works only with a single
+  // driver. Frames are also paired by their times, without it.
   void* enableFrameSync(StreamBase** streams, int count) override {
     return drivers_.size() == 1 ? drivers_.front().driver.enable_sync(streams, count) : nullptr;
   }
@@ -93,7 +88,8 @@ class InstalledDrivers final : public DriverBase {
     InstalledDrivers* owner;
   };
 
-  // A driver announces its cameras to us, so that we know whose they are; OpenNI2 hears of them as ours.
+  // A driver announces its cameras to this driver, which notes the owner and announces them to
+  // OpenNI2 as its own.
   static void on_connected(const OniDeviceInfo* info, void* cookie) {
     Loaded& loaded = *static_cast<Loaded*>(cookie);
     loaded.owner->note(info->uri, loaded);
@@ -111,9 +107,8 @@ class InstalledDrivers final : public DriverBase {
     announced_by_[uri] = &loaded;
   }
 
-  OniDriverServices* services_;
-  std::list<Loaded> drivers_;  // keeps its elements where they are
-  std::mutex mutex_;           // of the next
+  std::list<Loaded> drivers_;  // a list: the elements' addresses must not change
+  std::mutex mutex_;           // guards the maps
   std::map<std::string, const Loaded*, std::less<>> announced_by_;
   std::map<DeviceBase*, const Loaded*> opened_by_;
 };

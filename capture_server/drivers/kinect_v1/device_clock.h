@@ -1,7 +1,8 @@
 #pragma once
 
-// A Kinect's clock as microseconds that never wrap. The camera stamps pictures with 32 bits of a 60 MHz counter, which
-// begins anew every 71.6 s; the time that passed in the host says how many times it did, however long nothing came.
+// A Kinect's clock as microseconds that never wrap. The camera's timestamps are 32 bits of a 60 MHz
+// counter, which wraps every 71.6 s. The time that has passed on the host tells the number of
+// wraps, however long nothing came.
 //
 // Source: the OpenKinect protocol documentation (60 MHz).
 // Thread: a value.
@@ -14,12 +15,13 @@ class DeviceClock {
  public:
   static constexpr std::int64_t kTicksPerUs = 60;
 
-  /// When the picture stamped `ticks` was taken, counted from an arbitrary zero. `host_us`: this machine's monotonic
-  /// clock, now; right to half a round, 35 s. Streams of one device share one clock and so one zero.
+  /// When the picture with timestamp `ticks` was taken, from an arbitrary zero. `host_us`: the
+  /// present time on this machine's monotonic clock. It may be wrong by half a wrap, 35 s. Streams
+  /// of one device have the same clock and zero.
   std::uint64_t to_us(std::uint32_t ticks, std::int64_t host_us) {
     if (!begun_) {
       begun_ = true;
-      ticks_ = (std::int64_t{1} << 32) + ticks;  // another stream's first picture may be older
+      ticks_ = (std::int64_t{1} << 32) + ticks;  // the first picture of another stream may be older
       host_us_ = host_us;
     }
     const std::int64_t expected = ticks_ + (host_us - host_us_) * kTicksPerUs;

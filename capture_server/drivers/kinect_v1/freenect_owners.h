@@ -1,6 +1,7 @@
 #pragma once
 
-// libfreenect's context, owned, and its words. libfreenect says why something failed only through its log.
+// An owner of libfreenect's context, and libfreenect's messages. libfreenect reports the reason of
+// a failure only in its log.
 //
 // Thread: one context is used by one thread at a time.
 
@@ -18,13 +19,14 @@ struct ShutDownFreenect {
 };
 using FreenectContext = std::unique_ptr<freenect_context, ShutDownFreenect>;
 
-/// Null where USB cannot be used at all. `parts`: of freenect_device_flags.
+/// Null if USB cannot be used at all. `parts`: of freenect_device_flags.
 FreenectContext make_freenect_context(int parts);
 
-/// The newest error that libfreenect logged on this thread, on one line; "no reason given" where there was none.
+/// The last error that libfreenect logged on this thread, on one line; "no reason given" if there
+/// was none.
 std::string last_freenect_error();
 
-/// Serial numbers of the Kinects that can be asked for theirs; nothing where the bus cannot be read now.
+/// Serial numbers of the Kinects that report one; nothing if the bus cannot be read now.
 std::optional<std::vector<std::string>> list_serials(freenect_context& context);
 
 }  // namespace copresence::drivers

@@ -7,8 +7,8 @@
 namespace copresence::drivers {
 namespace {
 
-constexpr int kInterrupted = -10;  // libusb's, when a signal came: nothing is wrong
-constexpr long kSliceUs = 5000;    // how long work may wait for the thread
+constexpr int kInterrupted = -10;  // libusb's code for an interruption by a signal: no error
+constexpr long kSliceUs = 5000;    // longest time that work waits for the thread
 
 }  // namespace
 
@@ -36,7 +36,7 @@ Result<std::unique_ptr<FreenectThread>> FreenectThread::open(const std::string& 
 
 FreenectThread::~FreenectThread() = default;
 
-// With its motor where there is one: a Kinect for Windows has none that opens like this.
+// Opens the motor, too, if there is one: that of a Kinect for Windows does not open this way.
 bool FreenectThread::open_device(Shared& shared) {
   for (const int parts : {FREENECT_DEVICE_CAMERA | FREENECT_DEVICE_MOTOR, int{FREENECT_DEVICE_CAMERA}}) {
     shared.context = make_freenect_context(parts);

@@ -1,9 +1,9 @@
 #pragma once
 
-// The one thread that talks to one Kinect: libfreenect's calls for a device and its transfers are not to be
-// mixed between threads. Others hand it work and wait.
+// The only thread that talks to one Kinect: calls of libfreenect for a device and its transfers
+// must not be mixed between threads. Other threads pass work to it and wait.
 //
-// Thread: run() from any thread but this one.
+// Thread: run() may be called from any other thread.
 
 #include <libfreenect.h>
 
@@ -22,13 +22,14 @@ namespace copresence::drivers {
 
 class FreenectThread {
  public:
-  /// How long opening may take: some of libfreenect's transfers have no limit of their own.
+  /// Time limit for opening: some of libfreenect's transfers have no limit of their own.
   static constexpr std::chrono::milliseconds kOpensWithin{20'000};
 
-  /// Opens the Kinect with this serial number and keeps its transfers going. `on_lost` is called once, on the
-  /// thread, when they fail; from then on run() fails.
-  /// Fails  kUnavailable with libfreenect's words, or where the Kinect does not answer within `opens_within`. The thread
-  ///        then stays behind until it does, and closes the device.
+  /// Opens the Kinect with this serial number and keeps its transfers going. `on_lost` is called
+  /// once, on the thread, when the transfers fail. From then on run() fails.
+  /// Fails  kUnavailable with libfreenect's message, or if the Kinect does not answer within
+  ///        `opens_within`. In that case the thread stays until the Kinect answers, and then closes
+  ///        it.
   static Result<std::unique_ptr<FreenectThread>> open(const std::string& serial,
                                                       std::function<void()> on_lost,
                                                       std::chrono::milliseconds opens_within = kOpensWithin);
@@ -37,11 +38,11 @@ class FreenectThread {
   FreenectThread(const FreenectThread&) = delete;
   FreenectThread& operator=(const FreenectThread&) = delete;
 
-  /// Runs `work` on the thread and returns what it returned; -1 when the camera is lost.
+  /// Runs `work` on the thread and returns its result; -1 if the camera is lost.
   int run(const std::function<int(freenect_device*)>& work);
 
  private:
-  // What the thread works with: it may outlive the object where it does not answer.
+  // The thread's data. It outlives the object if the thread does not answer.
   struct Shared {
     std::string serial;
     std::function<void()> on_lost;
@@ -62,7 +63,7 @@ class FreenectThread {
   static void do_work(Shared& shared);
 
   const std::shared_ptr<Shared> shared_;
-  std::mutex one_at_a_time_;  // of those who have work
+  std::mutex one_at_a_time_;  // of the threads that pass work
   std::jthread thread_;
 };
 

@@ -1,10 +1,11 @@
 #pragma once
 
-// One Kinect v1 as a device of OpenNI2: depth in 1 mm, registered to colour or not; colour RGB888 or infrared GRAY8 (one
-// of the two: they are one camera); all 640x480 at 30 frames a second; tilt, light, near mode, exposure and white
-// balance.
+// One Kinect v1 as a device of OpenNI2, all streams with 640x480 at 30 frames a second: depth in 1
+// mm, optionally registered to colour, and either colour (RGB888) or infrared (GRAY8), which are
+// one camera. It also has tilt, light, near mode, exposure and white balance.
 //
-// Thread: OpenNI2 calls from its users' threads; pictures come from the device's own.
+// Thread: OpenNI2 calls it from the threads of its users; pictures come from the device's own
+// thread.
 
 #include <functional>
 #include <list>
@@ -21,7 +22,7 @@ namespace copresence::drivers {
 
 class KinectDevice final : public PushDevice {
  public:
-  using Explain = std::function<void(const std::string&)>;  ///< one sentence into OpenNI2's last error
+  using Explain = std::function<void(const std::string&)>;  ///< appends a sentence to OpenNI2's last error
 
   /// Fails  as FreenectThread::open().
   static Result<std::unique_ptr<KinectDevice>> open(const std::string& serial, std::function<void()> on_lost,
@@ -38,7 +39,7 @@ class KinectDevice final : public PushDevice {
   OniStatus set_of(PushStream& stream, int property, const void* data, int size) override;
 
  private:
-  // A started stream and the count of its pictures.
+  // A started stream and its picture count.
   struct Running {
     PushStream* stream = nullptr;
     int index = 0;

@@ -1,5 +1,6 @@
-// Kinect v1 cameras over Debian's libfreenect, as cameras of OpenNI2. Each is called by its serial number,
-// freenect://A00366..., whatever its place on the bus. They may come and go; a failing transfer is a camera that went.
+// Kinect v1 cameras over Debian's libfreenect, as cameras of OpenNI2. Their URIs contain their
+// serial numbers, freenect://A00366..., independent of their place on the bus. They may be plugged
+// in and out; a failing transfer counts as unplugged.
 //
 // Threads: one watches the bus; each open device has its own.
 
@@ -13,7 +14,7 @@
 #include <string>
 
 #include "capture_server/drivers/contract/driver_choice.h"
-#include "capture_server/drivers/contract/watch.h"
+#include "capture_server/drivers/contract/periodic_thread.h"
 #include "capture_server/drivers/kinect_v1/kinect_device.h"
 
 namespace copresence::drivers {
@@ -33,7 +34,7 @@ class KinectDriver final : public oni::driver::DriverBase {
     DriverBase::initialize(connected, disconnected, changed, cookie);
     if (!is_chosen(kKinectV1)) return ONI_STATUS_OK;
     bus_ = make_freenect_context(FREENECT_DEVICE_CAMERA);
-    if (!bus_) return ONI_STATUS_OK;  // a machine without USB has no Kinect, and may have other cameras
+    if (!bus_) return ONI_STATUS_OK;  // a machine without USB has no Kinect, but may have other cameras
     look_at_bus();
     watch_.emplace(kWatchEvery, [this] { watch(); });
     return ONI_STATUS_OK;
@@ -78,9 +79,10 @@ class KinectDriver final : public oni::driver::DriverBase {
     return info;
   }
 
-  // OpenNI2 is told without our lock: it may be asking us something under its own.
+  // Calls OpenNI2 without holding mutex_: OpenNI2 may be calling this driver under a lock of its
+  // own.
   void look_at_bus() {
-    std::map<std::string, bool> told;  // whether it came or went
+    std::map<std::string, bool> told;  // true: plugged in
     {
       const std::lock_guard lock(mutex_);
       devices_seen_ = freenect_num_devices(bus_.get());
@@ -104,7 +106,7 @@ class KinectDriver final : public oni::driver::DriverBase {
     came ? deviceConnected(&info) : deviceDisconnected(&info);
   }
 
-  // An open device's transfers failed. If it is still there it comes back at the next look.
+  // An open device's transfers failed. If it is still there, the next look announces it again.
   void lose(const std::string& serial) {
     {
       const std::lock_guard lock(mutex_);
@@ -116,7 +118,8 @@ class KinectDriver final : public oni::driver::DriverBase {
     tell(serial, false);
   }
 
-  // Counting devices costs next to nothing; asking for serial numbers opens every one, so that waits for a reason.
+  // Counting devices is cheap. Reading serial numbers opens every device, so that is done only if
+  // the count changed.
   void watch() {
     std::unique_lock lock(mutex_);
     const bool changed = lost_any_ || freenect_num_devices(bus_.get()) != devices_seen_;
@@ -125,11 +128,11 @@ class KinectDriver final : public oni::driver::DriverBase {
   }
 
   std::mutex mutex_;
-  FreenectContext bus_;                    // for looking; each open device has its own
+  FreenectContext bus_;                    // for enumerating; each open device has its own
   std::map<std::string, bool> announced_;  // by serial number
   int devices_seen_ = 0;
   bool lost_any_ = false;
-  std::optional<Watch> watch_;
+  std::optional<PeriodicThread> watch_;
 };
 
 }  // namespace

@@ -1,9 +1,8 @@
-// PrimeSense and Asus Xtion cameras by Debian's own PS1080 driver, which is loaded only where it is chosen: it takes
-// up to 0.4 s to leave.
+// PrimeSense and Asus Xtion cameras by Debian's PS1080 driver. It is loaded only if it is chosen,
+// since its shutdown takes up to 0.4 s.
 
 #include <optional>
 
-#include "capture_server/drivers/contract/driver_choice.h"
 #include "capture_server/drivers/contract/foreign_driver.h"
 #include "capture_server/drivers/contract/open_ni_driver.h"
 
@@ -11,23 +10,20 @@ namespace copresence::drivers {
 namespace {
 
 using oni::driver::DeviceBase;
-using oni::driver::DriverBase;
 using oni::driver::StreamBase;
 
 constexpr const char* kPs1080 = COPRESENCE_OPENNI_DRIVERS "/libPS1080.so.0";
 
-class PrimeSenseDriver final : public DriverBase {
+class PrimeSenseDriver final : public ForeignDriverHost {
  public:
-  explicit PrimeSenseDriver(OniDriverServices* services) : DriverBase(services), services_(services) {}
+  explicit PrimeSenseDriver(OniDriverServices* services) : ForeignDriverHost(services, kPrimeSense) {}
 
-  OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
-                       oni::driver::DeviceDisconnectedCallback disconnected,
-                       oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
-    DriverBase::initialize(connected, disconnected, changed, cookie);
-    if (!is_chosen(kPrimeSense)) return ONI_STATUS_OK;
+  OniStatus load(oni::driver::DeviceConnectedCallback connected,
+                 oni::driver::DeviceDisconnectedCallback disconnected,
+                 oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
     ps1080_ = ForeignDriver::load(kPs1080);
-    if (!ps1080_) return ONI_STATUS_OK;  // a machine without it has no such camera, and may have others
-    ps1080_->create(services_);
+    if (!ps1080_) return ONI_STATUS_OK;  // without it there is no such camera, but there may be others
+    ps1080_->create(services());
     return ps1080_->initialize(connected, disconnected, changed, cookie);
   }
 
@@ -52,7 +48,6 @@ class PrimeSenseDriver final : public DriverBase {
   }
 
  private:
-  OniDriverServices* services_;
   std::optional<ForeignDriver> ps1080_;
 };
 

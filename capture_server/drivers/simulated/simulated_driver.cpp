@@ -14,8 +14,8 @@
 #include <string>
 
 #include "capture_server/drivers/contract/driver_choice.h"
+#include "capture_server/drivers/contract/periodic_thread.h"
 #include "capture_server/drivers/contract/simulated_uri.h"
-#include "capture_server/drivers/contract/watch.h"
 #include "capture_server/drivers/simulated/simulated_device.h"
 
 namespace copresence::drivers {
@@ -73,7 +73,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
 
   void shutdown() override {
-    std::optional<Watch> ending;  // joins after the lock is released
+    std::optional<PeriodicThread> ending;  // joins after the lock is released
     const std::lock_guard lock(mutex_);
     ending.swap(watch_);
   }
@@ -141,7 +141,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   std::mutex mutex_;
   std::map<std::string, Known> known_;
   std::map<std::string, std::shared_ptr<const simulation::LitScene>> worlds_;
-  std::optional<Watch> watch_;
+  std::optional<PeriodicThread> watch_;
 };
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "capture_server/diagnosis/device_listing.h"
 #include "tests/support/process.h"
 
-namespace copresence::sensor {
+namespace copresence::diagnosis {
 namespace {
 
 namespace fs = std::filesystem;
@@ -180,4 +180,4 @@ TEST_F(UsbCameras, AreNoneOnAMachineWithoutUsb) {
 }
 
 }  // namespace
-}  // namespace copresence::sensor
+}  // namespace copresence::diagnosis

@@ -17,7 +17,7 @@ TEST(DriverChoice, OnlyTheNamedOnesWork) {
   EXPECT_TRUE(is_chosen(kKinectV1));
   EXPECT_FALSE(is_chosen(kSimulated));
   EXPECT_FALSE(is_chosen("prime"));
-  setenv(kChoiceVariable, std::string(kNoDriver).c_str(), 1);
+  setenv(kChoiceVariable, "none", 1);
   EXPECT_FALSE(is_chosen(kPrimeSense));
 }
 

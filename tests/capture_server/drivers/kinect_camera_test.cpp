@@ -7,8 +7,9 @@
 #include <fstream>
 #include <thread>
 
+#include "capture_server/diagnosis/device_listing.h"
 #include "capture_server/drivers/kinect_v1/freenect_thread.h"
-#include "capture_server/sensor/frame_source.h"
+#include "capture_server/sensor/device_source.h"
 #include "tests/capture_server/drivers/fake_kinects.h"
 #include "tests/support/fake_freenect/fake_scene.h"
 
@@ -144,7 +145,7 @@ TEST_F(KinectCamera, IsUnpluggedAndPluggedInTenTimes) {
 
 TEST_F(KinectCamera, IsWaitedForWhenItWasTheFirstAndNoOtherIsTaken) {
   plug_in("A1");
-  const auto source = sensor::open_lasting_device("");
+  const auto source = sensor::open_reconnecting_device("");
   ASSERT_TRUE(source) << source.error().what;
   EXPECT_EQ((*source)->description().uri, "freenect://A1");
   plug_in("B2");
@@ -173,7 +174,7 @@ TEST_F(KinectCamera, SendsDepthOfItsOwnTurnsOnly) {
                                                                                  frame->metadata.captured_at);
     const auto wall = std::chrono::duration_cast<sensor::ProjectorSchedule::Time>(
         std::chrono::system_clock::now().time_since_epoch());
-    EXPECT_TRUE(schedule.shines(wall - ago));
+    EXPECT_TRUE(schedule.is_on(wall - ago));
   }
   EXPECT_GT(steady_clock::now() - begin, milliseconds(1000));  // three turns of four frames
   EXPECT_EQ((*source)->counters().damaged, 0u);
@@ -228,8 +229,8 @@ class KinectListing : public KinectCamera {
     std::filesystem::create_directories(bus_ / "dev/001");
     std::ofstream(bus_ / ("dev/001/0" + std::to_string(address)));
   }
-  std::vector<sensor::DeviceListing> kinects() const {
-    auto listing = sensor::list_devices({bus_ / "sys", bus_ / "dev", bus_ / "proc"});
+  std::vector<diagnosis::DeviceListing> kinects() const {
+    auto listing = diagnosis::list_devices({bus_ / "sys", bus_ / "dev", bus_ / "proc"});
     EXPECT_TRUE(listing);
     if (!listing) return {};
     std::erase_if(*listing, [](const auto& entry) { return entry.driver != "kinect_v1"; });

@@ -25,7 +25,7 @@ namespace {
 using std::chrono::milliseconds;
 
 TEST(SimulatedCamera, IsALiveKinectThatKnowsItsPlace) {
-  const auto source = open_source("simulated:room?camera=1", {});
+  const auto source = sensor::open_source("simulated:room?camera=1", {});
   ASSERT_TRUE(source) << source.error().what;
   const sensor::SensorDescription& description = (*source)->description();
   const CameraModel model = simulation::kinect_model(640, 480);
@@ -53,7 +53,7 @@ TEST(SimulatedCamera, IsALiveKinectThatKnowsItsPlace) {
 }
 
 TEST(SimulatedCamera, ShowsItsFrameNumberByTheSystemClock) {
-  const auto source = open_source("simulated:empty-room?camera=0&marker=on", {});
+  const auto source = sensor::open_source("simulated:empty-room?camera=0&marker=on", {});
   ASSERT_TRUE(source) << source.error().what;
   for (int i = 0; i < 5; ++i) {
     const auto frame = (*source)->next({});
@@ -71,9 +71,9 @@ TEST(SimulatedCamera, SaysWhenItIsUnpluggedAndGoesOnWithinASecond) {
   testing::TemporaryFolder folder;
   const auto plug = folder / "plug";
   const std::string uri = "simulated:empty-room?camera=0&control=" + plug.string();
-  EXPECT_EQ(open_source(uri, {}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(sensor::open_source(uri, {}).error().code, ErrorCode::kNotFound);
   std::ofstream(plug).close();
-  const auto source = open_source(uri, {});
+  const auto source = sensor::open_source(uri, {});
   ASSERT_TRUE(source) << source.error().what;
   std::uint64_t last = 0;
   for (int round = 0; round < 3; ++round) {
@@ -97,7 +97,7 @@ std::unique_ptr<sensor::FrameSource> lit_in_turns(const std::string& uri,
                                                   std::optional<sensor::ProjectorSlot> slot) {
   sensor::SourceSettings settings;
   settings.controls.projector = slot;
-  auto source = open_source(uri, settings);
+  auto source = sensor::open_source(uri, settings);
   if (!source) throw std::runtime_error(source.error().what);
   return std::move(*source);
 }
@@ -164,7 +164,7 @@ TEST(SimulatedCamera, LosesNothingToOtherProjectorsWhenTheyTakeTurns) {
 TEST(SimulatedCamera, HasNoDepthInTheDarkAndItsTurnsAreCounted) {
   sensor::SourceSettings settings;
   settings.controls.projector = sensor::ProjectorSlot{0, 2, milliseconds(200)};
-  const auto source = open_source("simulated:empty-room?camera=0", settings);
+  const auto source = sensor::open_source("simulated:empty-room?camera=0", settings);
   ASSERT_TRUE(source) << source.error().what;
   for (std::uint64_t i = 1; i <= 10; ++i) {
     const auto frame = (*source)->next({});
@@ -174,7 +174,7 @@ TEST(SimulatedCamera, HasNoDepthInTheDarkAndItsTurnsAreCounted) {
         std::count_if(frame->depth.pixels().begin(), frame->depth.pixels().end(), [](auto z) { return z; }),
         640 * 480 / 2);
   }
-  EXPECT_GT((*source)->counters().dark, 10u);
+  EXPECT_GT((*source)->counters().projector_off, 10u);
 }
 
 // OpenNI2 itself, for what no frame source shows.
@@ -259,8 +259,8 @@ TEST_F(SimulatedDriver, SendsEitherPictureWhileTheOtherIsNotWanted) {
 }
 
 TEST(SimulatedCamera, IsNoCameraWhereItCannotBe) {
-  EXPECT_EQ(open_source("simulated:moon", {}).error().code, ErrorCode::kInvalid);
-  EXPECT_EQ(open_source("simulated:room?camera=9", {}).error().code, ErrorCode::kInvalid);
+  EXPECT_EQ(sensor::open_source("simulated:moon", {}).error().code, ErrorCode::kInvalid);
+  EXPECT_EQ(sensor::open_source("simulated:room?camera=9", {}).error().code, ErrorCode::kInvalid);
 }
 
 }  // namespace

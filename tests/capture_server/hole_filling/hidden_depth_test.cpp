@@ -19,7 +19,7 @@ constexpr std::size_t kLater = 45, kEvery = 15;  // frames
 constexpr double kStepsMm = 351300;
 
 std::vector<RgbdFrame> frames_of(const std::string& path) {
-  const auto source = open_source(path, {sensor::SourceSettings::Pace::kFast, false});
+  const auto source = sensor::open_source(path, {sensor::SourceSettings::Pace::kFast, false});
   EXPECT_TRUE(source) << source.error().what;
   std::vector<RgbdFrame> frames;
   if (!source) return frames;

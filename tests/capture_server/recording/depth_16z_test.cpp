@@ -50,10 +50,21 @@ TEST(Depth16z, ComesBackWhateverThePicture) {
   pictures.push_back(ramp);
   for (const DepthImage& picture : pictures) {
     DepthImage back(picture.width(), picture.height());
-    const auto done = expand_depth_16z(coded(picture), back);
+    const auto done = expand_depth_16z(coded(picture), DepthTable::kEmbedded, back);
     ASSERT_TRUE(done) << done.error().what;
     EXPECT_EQ(back, picture);
   }
+}
+
+TEST(Depth16z, ExpandsDepthsWithoutATable) {
+  // The depth 700, two equal pixels, +1 and -1, a byte's difference, a whole depth.
+  const Bytes bytes{0xBC, 2, 0xE1, 0x57, 0xFF, 192 - 20, 0xFF, 9, 0xC4};
+  DepthImage back(7, 1);
+  const auto done = expand_depth_16z(bytes, DepthTable::kNone, back);
+  ASSERT_TRUE(done) << done.error().what;
+  EXPECT_EQ(back, of_values({700, 700, 700, 701, 700, 720, 2500}));
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_FALSE(expand_depth_16z(std::span(bytes).first(size), DepthTable::kNone, back)) << size;
 }
 
 TEST(Depth16z, RefusesMoreLevelsThanItCanNumber) {
@@ -70,7 +81,7 @@ TEST(Depth16z, RefusesEveryTruncation) {
   const Bytes whole = coded(picture);
   DepthImage back(20, 10);
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    EXPECT_FALSE(expand_depth_16z(std::span(whole).first(size), back)) << size;
+    EXPECT_FALSE(expand_depth_16z(std::span(whole).first(size), DepthTable::kEmbedded, back)) << size;
   }
 }
 
@@ -81,7 +92,7 @@ TEST(Depth16z, SurvivesFlippedBits) {
     for (int bit = 0; bit < 8; ++bit) {
       Bytes damaged = whole;
       damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ 1 << bit);
-      if (const auto done = expand_depth_16z(damaged, back); !done) {
+      if (const auto done = expand_depth_16z(damaged, DepthTable::kEmbedded, back); !done) {
         EXPECT_EQ(done.error().code, ErrorCode::kCorrupt);
       }
     }

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "capture_server/recording/oni_check.h"
-#include "capture_server/recording/oni_salvage.h"
+#include "capture_server/recording/oni_recovery.h"
 
 namespace copresence::recording {
 namespace {
@@ -24,7 +24,7 @@ void require_promises(const RecordingSummary& summary) {
     require(std::isfinite(usual_period_us(stream)) && usual_period_us(stream) > 0);
     require(stream.frames_per_second > 0 && !stream.name.empty());
   }
-  if (summary.camera_note) require(check(summary.camera_note->model).has_value());
+  if (summary.camera_metadata) require(check(summary.camera_metadata->model).has_value());
 }
 
 // What the repair would keep lies in the file, in order.
@@ -33,12 +33,12 @@ void require_whole_frames(std::span<const std::uint8_t> data) {
     std::copy_n(data.begin() + static_cast<std::ptrdiff_t>(offset), into.size(), into.begin());
     return true;
   });
-  const auto found = salvage(bytes, "fuzz.oni");
+  const auto found = recover(bytes, "fuzz.oni");
   if (!found) return;
   require(!found->streams.empty() && found->whole_until <= data.size());
-  for (const SalvagedStream& stream : found->streams) {
+  for (const RecoveredStream& stream : found->streams) {
     std::uint32_t last = 0;
-    for (const SalvagedFrame& frame : stream.frames) {
+    for (const RecoveredFrame& frame : stream.frames) {
       require(frame.number > last && frame.position + frame.bytes() <= found->whole_until);
       last = frame.number;
     }

@@ -59,8 +59,8 @@ TEST_F(OniCheck, TellsWhatARecordingHolds) {
   EXPECT_EQ(summary->find(Kind::kColor)->codec, "NONE");
   EXPECT_EQ(summary->find(Kind::kColor)->timestamps_us.front(), 5'007'000u);
   EXPECT_EQ(summary->duration, std::chrono::microseconds(12 * 33'333));
-  ASSERT_TRUE(summary->camera_note);
-  EXPECT_EQ(summary->camera_note->name, "one");
+  ASSERT_TRUE(summary->camera_metadata);
+  EXPECT_EQ(summary->camera_metadata->name, "one");
 }
 
 TEST_F(OniCheck, TakesARecordingWithoutColor) {
@@ -322,7 +322,7 @@ TEST(OniWriterContent, RefusesBeforeItWritesWhatNobodyCouldPlay) {
   EXPECT_THAT(refusal(large), testing::HasSubstr("4096x4096"));
   OniContent large_color = content;
   large_color.camera.registered = false;
-  large_color.camera.color = ColorCameraNote{{1920, 1080, 1000, 1000, 960, 540, {}}, {}};
+  large_color.camera.color = ColorCameraMetadata{{1920, 1080, 1000, 1000, 960, 540, {}}, {}};
   EXPECT_THAT(refusal(large_color), testing::HasSubstr("1920x1080"));
   OniContent flat = content;
   flat.camera.model.fx = 1e-300;

@@ -140,22 +140,23 @@ TEST_F(OniWriterTest, DepthPayloadsExpandToWhatWasWritten) {
     if (record.type != RecordType::kNewData || record.node != 1) continue;
     DepthImage back(64, 48);
     ASSERT_TRUE(expand_depth_16z(
-        {reinterpret_cast<const std::uint8_t*>(record.payload.data()), record.payload.size()}, back));
+        {reinterpret_cast<const std::uint8_t*>(record.payload.data()), record.payload.size()},
+        DepthTable::kEmbedded, back));
     EXPECT_EQ(back, depth(frame++));
   }
   EXPECT_EQ(frame, 2);
 }
 
-TEST_F(OniWriterTest, CarriesTheCameraNote) {
+TEST_F(OniWriterTest, CarriesTheCameraMetadata) {
   content_.camera.registered = true;
   content_.camera.world_from_camera = Rigid3{Eigen::Matrix3d::Identity(), {1, 2, 3}};
   write(path("a.oni"), 1);
   int notes = 0;
   for (const Record& record : records_of(bytes_of(path("a.oni")))) {
-    const auto key = record.fields.find(kCameraNoteProperty);
+    const auto key = record.fields.find(kCameraMetadataProperty);
     if (record.type != RecordType::kGeneralProperty || key == std::string::npos) continue;
-    const auto note =
-        parse_camera_note(std::string_view(record.fields).substr(key + sizeof(kCameraNoteProperty) + 4));
+    const auto note = parse_camera_metadata(
+        std::string_view(record.fields).substr(key + sizeof(kCameraMetadataProperty) + 4));
     ASSERT_TRUE(note) << note.error().what;
     EXPECT_EQ(*note, content_.camera);
     ++notes;
@@ -215,8 +216,8 @@ TEST_F(OniWriterTest, ACheckpointCostsAHundredBytes) {
 }
 
 TEST_F(OniWriterTest, AColorCameraOfItsOwnMayHaveAnotherSize) {
-  content_.camera.color = ColorCameraNote{{128, 96, 110, 110, 63.5, 47.5, {}},
-                                          Rigid3{Eigen::Matrix3d::Identity(), {0.025, 0, 0}}};
+  content_.camera.color = ColorCameraMetadata{{128, 96, 110, 110, 63.5, 47.5, {}},
+                                              Rigid3{Eigen::Matrix3d::Identity(), {0.025, 0, 0}}};
   auto writer = OniWriter::create(path("a.oni"), content_);
   ASSERT_TRUE(writer);
   ASSERT_TRUE(writer->write_depth(microseconds(0), depth(0)));
@@ -226,7 +227,7 @@ TEST_F(OniWriterTest, AColorCameraOfItsOwnMayHaveAnotherSize) {
   const auto summary = check(path("a.oni"));
   ASSERT_TRUE(summary) << summary.error().what;
   EXPECT_EQ(summary->find(RecordedStream::Kind::kColor)->width, 128);
-  EXPECT_EQ(summary->camera_note, content_.camera);
+  EXPECT_EQ(summary->camera_metadata, content_.camera);
 }
 
 TEST_F(OniWriterTest, HoldsEveryDepthWhereItIsToldSo) {

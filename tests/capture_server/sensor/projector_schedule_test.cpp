@@ -17,7 +17,7 @@ TEST(ProjectorSchedule, LetsNoTwoShineAtOnceAndGivesEachItsShare) {
     for (Time now = kSomeDay; now < kSomeDay + kTurn * count; now += milliseconds(1)) {
       int at_once = 0;
       for (int i = 0; i < count; ++i) {
-        const bool shines = ProjectorSchedule({i, count, kTurn}).shines(now);
+        const bool shines = ProjectorSchedule({i, count, kTurn}).is_on(now);
         shining[i] += shines;
         at_once += shines;
       }
@@ -31,23 +31,23 @@ TEST(ProjectorSchedule, TellsWhenItChanges) {
   const ProjectorSchedule second({1, 2, milliseconds(200)});
   Time now = kSomeDay;
   for (int changes = 0; changes < 6;) {
-    const bool before = second.shines(now);
+    const bool before = second.is_on(now);
     const Time until = second.until_change(now);
     ASSERT_GT(until, Time(0));
     ASSERT_LE(until, milliseconds(200));
-    EXPECT_EQ(second.shines(now + until - Time(1)), before);
+    EXPECT_EQ(second.is_on(now + until - Time(1)), before);
     now += until;
-    changes += second.shines(now) != before;
+    changes += second.is_on(now) != before;
   }
 }
 
 TEST(ProjectorSchedule, StaysDarkAMomentBeforeTheNextOnesTurn) {
   const ProjectorSchedule first({0, 2, milliseconds(200)});
-  EXPECT_TRUE(first.shines(milliseconds(0)));
-  EXPECT_TRUE(first.shines(milliseconds(194)));
-  EXPECT_FALSE(first.shines(milliseconds(196)));
-  EXPECT_FALSE(first.shines(milliseconds(300)));
-  EXPECT_TRUE(first.shines(milliseconds(400)));
+  EXPECT_TRUE(first.is_on(milliseconds(0)));
+  EXPECT_TRUE(first.is_on(milliseconds(194)));
+  EXPECT_FALSE(first.is_on(milliseconds(196)));
+  EXPECT_FALSE(first.is_on(milliseconds(300)));
+  EXPECT_TRUE(first.is_on(milliseconds(400)));
 }
 
 TEST(ProjectorSchedule, RefusesTurnsThatLookLikeAStalledCamera) {

@@ -46,14 +46,14 @@ TEST_F(RunningSettingsTest, GiveNewRatesAndSayOldAndNew) {
   file_.write("source = \"desk.oni\"\ndepth-kbps = 1500\ncolor-kbps = 900\n");
   const std::string said = read_again();
   EXPECT_THAT(said, HasSubstr("desk.toml read again: color-kbps 2500 -> 900, depth-kbps 4000 -> 1500"));
-  EXPECT_EQ(running_.rates().try_take(), (EncoderSettings{20, 1500, 900}));
-  EXPECT_EQ(running_.now().rates.depth_kbps, 1500);
+  EXPECT_EQ(running_.encoder_changes().try_take(), (EncoderSettings{20, 1500, 900}));
+  EXPECT_EQ(running_.now().encoder.depth_kbps, 1500);
 }
 
 TEST_F(RunningSettingsTest, GoFromARateToAQuantiser) {
   file_.write("source = \"desk.oni\"\ndepth-qp = 24\n");
   EXPECT_THAT(read_again(), HasSubstr("depth-kbps 4000 -> none, depth-qp 20 -> 24"));
-  EXPECT_EQ(running_.rates().try_take(), (EncoderSettings{24, std::nullopt, 2500}));
+  EXPECT_EQ(running_.encoder_changes().try_take(), (EncoderSettings{24, std::nullopt, 2500}));
 }
 
 TEST_F(RunningSettingsTest, NameWhatTakesARestartEveryTimeAndLeaveItAlone) {
@@ -63,14 +63,14 @@ TEST_F(RunningSettingsTest, NameWhatTakesARestartEveryTimeAndLeaveItAlone) {
     EXPECT_THAT(said, HasSubstr("a restart of the server is needed for codec adaptive -> quantized, loop"));
     EXPECT_THAT(said, Not(HasSubstr("kbps")));
     EXPECT_EQ(running_.now().codec, "adaptive");
-    EXPECT_EQ(running_.rates().try_take(), std::nullopt);
+    EXPECT_EQ(running_.encoder_changes().try_take(), std::nullopt);
   }
 }
 
 TEST_F(RunningSettingsTest, SayWhenNothingHasChanged) {
   file_.write("# the same\ndepth-kbps = 4_000\nsource = \"desk.oni\"\n");
   EXPECT_THAT(read_again(), HasSubstr("desk.toml read again: nothing has changed"));
-  EXPECT_EQ(running_.rates().try_take(), std::nullopt);
+  EXPECT_EQ(running_.encoder_changes().try_take(), std::nullopt);
 }
 
 TEST_F(RunningSettingsTest, StayAsTheyAreWhereTheFileIsWrong) {
@@ -80,8 +80,8 @@ TEST_F(RunningSettingsTest, StayAsTheyAreWhereTheFileIsWrong) {
     EXPECT_THAT(said, HasSubstr("warning: "));
     EXPECT_THAT(said, HasSubstr("everything goes on as before"));
     EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
-    EXPECT_EQ(running_.rates().try_take(), std::nullopt);
-    EXPECT_EQ(running_.now().rates.depth_kbps, 4000);
+    EXPECT_EQ(running_.encoder_changes().try_take(), std::nullopt);
+    EXPECT_EQ(running_.now().encoder.depth_kbps, 4000);
   }
 }
 

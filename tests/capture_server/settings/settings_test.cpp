@@ -40,7 +40,7 @@ TEST(Settings, ComeFromTheFileWhereTheCommandLineDoesNotGiveThem) {
   const ServerSettings settings = settings_of(file.with());
   EXPECT_EQ(settings.source, "openni:");
   EXPECT_EQ(settings.name, "left");
-  EXPECT_EQ(settings.rates.depth_kbps, 1500);
+  EXPECT_EQ(settings.encoder.depth_kbps, 1500);
   EXPECT_EQ(settings.range.near_m, 0.5);
   EXPECT_EQ(settings.hole_filling, hole_filling::Method::kMedian);
   EXPECT_TRUE(settings.insecure);
@@ -49,15 +49,15 @@ TEST(Settings, ComeFromTheFileWhereTheCommandLineDoesNotGiveThem) {
 
   const ServerSettings over = settings_of(file.with({"--name", "right", "--depth-kbps", "900"}));
   EXPECT_EQ(over.name, "right");
-  EXPECT_EQ(over.rates.depth_kbps, 900);
+  EXPECT_EQ(over.encoder.depth_kbps, 900);
   EXPECT_EQ(over.source, "openni:");
 }
 
 TEST(Settings, OfTheFileGiveWayToTheirOppositeOnTheCommandLine) {
   SettingsFile file("depth-kbps = 1500\n");
   const ServerSettings settings = settings_of(file.with({"--source", "desk.oni", "--depth-qp", "12"}));
-  EXPECT_EQ(settings.rates.depth_qp, 12);
-  EXPECT_EQ(settings.rates.depth_kbps, std::nullopt);
+  EXPECT_EQ(settings.encoder.depth_qp, 12);
+  EXPECT_EQ(settings.encoder.depth_kbps, std::nullopt);
 }
 
 TEST(Settings, OnlyARecordingAtItsOwnPaceHasABeginning) {
@@ -185,11 +185,11 @@ TEST(Settings, AreReadAgainFromTheFileAsItIsThen) {
   SettingsFile file("source = \"desk.oni\"\ndepth-kbps = 4000\n");
   const Arguments arguments = file.with({"--color-kbps", "800"});
   const int count = static_cast<int>(arguments.size());
-  EXPECT_EQ(settings_of(arguments).rates.depth_kbps, 4000);
+  EXPECT_EQ(settings_of(arguments).encoder.depth_kbps, 4000);
   file.write("source = \"desk.oni\"\ndepth-qp = 24\ncolor-kbps = 3000\n");
   const auto again = read_again(count, arguments.data());
   ASSERT_TRUE(again) << again.error().what;
-  EXPECT_EQ(again->rates, (EncoderSettings{24, std::nullopt, 800}));
+  EXPECT_EQ(again->encoder, (EncoderSettings{24, std::nullopt, 800}));
   file.write("source = \"desk.oni\"\ndepth-qp = 24\nspeed = 3\n");
   EXPECT_THAT(read_again(count, arguments.data()).error().what, HasSubstr("desk.toml:3: "));
   file.write("");

@@ -1,4 +1,4 @@
-#include "capture_server/supervisor.h"
+#include "capture_server/supervisor/supervisor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 #include <new>
 #include <string>
 
-namespace copresence {
+namespace copresence::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -704,4 +704,4 @@ TEST(Supervisor, LeavesNoChildBehindWhenItIsKilled) {
 }
 
 }  // namespace
-}  // namespace copresence
+}  // namespace copresence::server

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "capture_server/drivers/contract/push_device.h"
-#include "capture_server/drivers/contract/watch.h"
+#include "capture_server/drivers/contract/periodic_thread.h"
 
 namespace {
 
@@ -40,7 +40,7 @@ class VendorDevice final : public PushDevice {
  private:
   Lens lens_of(OniSensorType) const override { return {1.0f, 0.8f, {}}; }
 
-  std::optional<Watch> sender_;
+  std::optional<PeriodicThread> sender_;
   int index_ = 0;
 };
 

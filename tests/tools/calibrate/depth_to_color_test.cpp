@@ -49,7 +49,7 @@ class DepthToColorProgram : public ::testing::Test {
     recording::OniContent content;
     content.camera.name = "left";
     content.camera.model = kDepthLens;
-    content.camera.color = recording::ColorCameraNote{kColorLens, Rigid3{}};
+    content.camera.color = recording::ColorCameraMetadata{kColorLens, Rigid3{}};
     auto writer = recording::OniWriter::create(recording_, content);
     ASSERT_TRUE(writer) << writer.error().what;
     simulation::KinectNoise noise(kDepthLens, DepthUnit::kMillimetre, 3, 0);

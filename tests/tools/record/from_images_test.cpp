@@ -71,7 +71,7 @@ TEST_F(FromImages, MakesARecordingOfATumSet) {
   const Rgb8 pixel = (*reader->color(0))(5, 5);
   EXPECT_NEAR(pixel.r, 200, 8);
   EXPECT_NEAR(pixel.b, 10, 8);
-  const auto& note = reader->summary().camera_note;
+  const auto& note = reader->summary().camera_metadata;
   ASSERT_TRUE(note);
   EXPECT_EQ(note->model.fy, 52.6);
   EXPECT_EQ(note->model.distortion[1], -0.2);
@@ -137,10 +137,10 @@ TEST_F(FromImages, TakesColorOfAnotherSizeAsAnotherCameras) {
   ASSERT_TRUE(make_from_images(settings_, kNobodyWatches));
   const auto summary = recording::check(settings_.out);
   ASSERT_TRUE(summary) << summary.error().what;
-  EXPECT_FALSE(summary->camera_note->registered);
-  ASSERT_TRUE(summary->camera_note->color);
-  EXPECT_EQ(summary->camera_note->color->model.width, 128);
-  EXPECT_NEAR(summary->camera_note->color->model.fx, 2 * summary->camera_note->model.fx, 1e-9);
+  EXPECT_FALSE(summary->camera_metadata->registered);
+  ASSERT_TRUE(summary->camera_metadata->color);
+  EXPECT_EQ(summary->camera_metadata->color->model.width, 128);
+  EXPECT_NEAR(summary->camera_metadata->color->model.fx, 2 * summary->camera_metadata->model.fx, 1e-9);
 }
 
 TEST_F(FromImages, GivesPicturesOfEveryShapeSquarePixels) {
@@ -150,7 +150,7 @@ TEST_F(FromImages, GivesPicturesOfEveryShapeSquarePixels) {
     const auto report = make_from_images(settings_, kNobodyWatches);
     ASSERT_TRUE(report) << report.error().what;
     EXPECT_THAT(report->remarks, testing::Contains(HasSubstr("square pixels")));
-    const auto note = recording::check(settings_.out)->camera_note;
+    const auto note = recording::check(settings_.out)->camera_metadata;
     EXPECT_DOUBLE_EQ(note->model.fx, note->model.fy);
     EXPECT_NEAR(note->model.fx, 575.8 * std::max(width, height) / 640, 0.1);
     EXPECT_DOUBLE_EQ(note->color->model.fx, note->color->model.fy);

@@ -1,0 +1,33 @@
+#pragma once
+
+// The settings of the encoding module. Thread: values.
+
+#include <optional>
+#include <string>
+
+#include "capture_server/hole_filling/hole_filler.h"
+#include "common/frame/depth_unit.h"
+
+namespace copresence::server {
+
+/// Quality and bitrates. All of it can change while the server runs.
+struct EncoderSettings {
+  int depth_qp = 20;              ///< 0 (lossless) to 51
+  std::optional<int> depth_kbps;  ///< bitrate of all that depth costs, instead of depth_qp
+  int color_kbps = 2500;
+
+  bool is_lossless() const { return depth_qp == 0 && !depth_kbps; }
+  friend bool operator==(const EncoderSettings&, const EncoderSettings&) = default;
+};
+
+/// What stays the same for the whole stream, and the encoder settings that it begins with.
+struct EncodingSettings {
+  std::string name;  ///< the camera's
+  std::string codec = "adaptive";
+  EncoderSettings encoder;
+  hole_filling::Method hole_filling = hole_filling::Method::kJoint;
+  hole_filling::Compute compute = hole_filling::Compute::kAuto;
+  DepthRange range;
+};
+
+}  // namespace copresence::server

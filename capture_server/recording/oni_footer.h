@@ -1,0 +1,44 @@
+#pragma once
+
+// The footer of a recording's file, written so that the file is valid at every moment: a program
+// may be killed between any two writes, and the recording plays up to its last footer.
+//
+// Frames may follow a footer without seek tables. They are written after it, then the next footer.
+// Only then does the former footer become a property, which every player skips. This costs a
+// hundred bytes per footer, and no frame that a footer covers is ever lost.
+//
+// Thread: free functions, one thread per file.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "capture_server/recording/output_file.h"
+#include "capture_server/recording/record_append.h"
+#include "common/result.h"
+
+namespace copresence::recording {
+
+struct FooterStream {
+  std::uint32_t node = 0;
+  std::uint64_t added_position = 0;         ///< of its kNodeAdded
+  std::uint64_t counts_position = 0;        ///< of that record's last kNodeCountsBytes
+  std::span<const FramePlace> frames = {};  ///< all of them
+};
+
+enum class SeekTables { kNo, kYes };
+
+/// Appends a footer for these streams, at least one, and makes it the valid one by writing counts,
+/// times and, if requested, positions of seek tables at the front of the file. `earlier_footers`
+/// are the positions of these streams' former footers, all without seek tables.
+/// Returns the new footer's position.
+/// Fails  as OutputFile; the file then still ends with its former footer.
+Result<std::uint64_t> write_footer(OutputFile& file, std::span<const FooterStream> streams,
+                                   SeekTables seek_tables, std::span<const std::uint64_t> earlier_footers);
+
+/// Size of a footer without seek tables.
+constexpr std::uint64_t footer_bytes(std::size_t streams) {
+  return kRecordBytes * (streams + 1);
+}
+
+}  // namespace copresence::recording

@@ -1,0 +1,75 @@
+#pragma once
+
+// The strict parser of a recording: one pass over the record chain, with the rules of OpenNI2's
+// player (oni_check.h). The tolerant one is oni_recovery.h.
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "capture_server/recording/oni_check.h"
+#include "capture_server/recording/record_bytes.h"
+#include "capture_server/recording/stream_format.h"
+
+namespace copresence::recording {
+
+class OniParser {
+ public:
+  /// `name` is the recording's name in messages. Both are kept by reference.
+  OniParser(RecordBytes& bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+
+  /// Once per walk.
+  Result<RecordingSummary> run();
+
+ private:
+  struct Record : RecordHead {
+    std::uint64_t at = 0;  ///< its position in the file
+  };
+
+  struct Node {
+    enum class Life { kConfiguring, kReady, kRemoved };
+    Life life = Life::kConfiguring;
+    bool is_stream = false;
+    std::uint32_t frames_claimed = 0;
+    bool is_counted_at_data = false;  ///< whether its kDataBegin has the number of frames
+    std::uint64_t seek_table_at = 0;  ///< from its definition; 0 = none
+    bool has_seek_table = false;      ///< whether one of the right size was found
+    std::uint64_t max_payload = 0;
+    StreamFormat format;  ///< may not change once the node is ready
+    RecordedStream stream;
+  };
+
+  Result<void> header();
+  Result<Record> next_record();
+  Result<void> read(const Record& record);
+  Result<void> node_added(const Record& record, FieldReader fields);
+  Result<void> property(const Record& record, FieldReader fields);
+  Result<void> state_ready(const Record& record);
+  Result<void> node_removed(const Record& record);
+  Result<void> data_begin(const Record& record, FieldReader fields);
+  Result<void> new_data(const Record& record, FieldReader fields);
+  Result<void> seek_table(const Record& record);
+  Result<RecordingSummary> summary();
+
+  std::uint32_t record_bytes() const { return is_old_ ? kOldRecordBytes : kRecordBytes; }
+  Node* find(std::uint32_t id);
+  tl::unexpected<Error> damaged(std::uint64_t at, const std::string& what) const;
+  tl::unexpected<Error> cut_off(std::uint64_t at) const;
+  tl::unexpected<Error> unusable(const std::string& what) const;
+  tl::unexpected<Error> placed(std::uint64_t at, const Error& error) const;
+
+  RecordBytes& bytes_;
+  const std::string& name_;
+  std::uint64_t position_ = 0;
+  std::uint64_t max_timestamp_ = 0;
+  std::uint32_t max_node_ = 0;
+  bool data_begun_ = false;
+  std::uint32_t configuring_ =
+      0;  ///< number of nodes between kNodeAdded and kStateReady; definitions may nest
+  std::map<std::uint32_t, Node> nodes_;
+  std::optional<CameraMetadata> camera_metadata_;
+  std::optional<std::int64_t> unix_zero_us_;
+  bool is_old_ = false;  ///< of OpenNI 1.0 to 1.3, with shorter records
+};
+
+}  // namespace copresence::recording

@@ -1,0 +1,144 @@
+#pragma once
+
+// A child process of the supervisor: its start, the observation of its threads, and its end.
+//
+// Thread: the supervisor's only thread.
+
+#include <sys/types.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "capture_server/supervisor/heartbeat.h"
+#include "capture_server/supervisor/supervisor.h"
+#include "common/flow/cpu_starvation.h"
+
+namespace copresence::server {
+
+/// The signals that the parent waits for instead of being interrupted by them.
+class BlockedSignals {
+ public:
+  explicit BlockedSignals(bool hangup_too);
+  ~BlockedSignals();
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+
+  /// Ignores SIGINT and then unblocks it: a pending Ctrl-C is for the parent to pass on.
+  void restore_in_child() const;
+
+  struct Arrived {
+    bool stop = false;       ///< SIGTERM or SIGINT
+    bool interrupt = false;  ///< SIGINT
+    bool hangup = false;
+  };
+
+  /// The signals that arrived within `time`. The end of a child ends the wait, too.
+  Arrived wait(std::chrono::milliseconds time) const;
+
+ private:
+  sigset_t before_, for_children_;
+  int descriptor_ = -1;
+};
+
+/// A ChildReport in shared memory of parent and children. Each child begins with a new one.
+class SharedReport {
+ public:
+  SharedReport();
+  ~SharedReport();
+  SharedReport(const SharedReport&) = delete;
+  SharedReport& operator=(const SharedReport&) = delete;
+
+  bool has_memory() const;
+  /// Requires has_memory().
+  ChildReport& begin_anew();
+
+ private:
+  void* memory_;
+};
+
+/// How a child process ended.
+struct ChildEnd {
+  enum class Kind {
+    kNotStarted,
+    kExited,
+    kStopped,        ///< after a stop request, in whichever way
+    kWouldNotStop,   ///< killed: it did not stop in time
+    kStoppedAtOnce,  ///< killed on a second stop request
+    kCrashed,        ///< by its own fault
+    kKilled,         ///< by a signal from another process
+    kHung,
+  };
+  Kind kind = Kind::kExited;
+  int code = 0;        ///< exit status, or the signal's number
+  bool crash = false;  ///< whether it crashed after a stop request
+  Stage stage = Stage::kPreparing;
+  std::string activity{}, remedy{};
+  std::uint64_t frames = 0;
+  std::string thread{};                ///< that crashed or hung; empty if unknown
+  pid_t sender = 0;                    ///< of the signal that killed it; 0 if unknown
+  std::chrono::nanoseconds silent{0};  ///< of one that hung
+};
+
+/// A deadline that is extended by the time in which the child got no CPU.
+class Countdown {
+ public:
+  void begin_again(std::optional<std::chrono::nanoseconds> starved_before = std::nullopt) {
+    passed_ = std::chrono::nanoseconds(0);
+    starved_before_ = starved_before;
+  }
+  std::chrono::nanoseconds passed() const { return passed_; }
+
+  /// Whether it is over after `step` more. `starved` is called only once a fourth of `usual` has
+  /// passed.
+  bool is_over(std::chrono::nanoseconds step, std::chrono::nanoseconds usual, std::chrono::nanoseconds most,
+               const std::function<std::chrono::nanoseconds()>& starved);
+
+ private:
+  std::chrono::nanoseconds passed_{0};
+  std::optional<std::chrono::nanoseconds> starved_before_;
+};
+
+class ChildProcess {
+ public:
+  /// Forks; `child_main` runs in the child. All arguments outlive this.
+  ChildProcess(const SupervisorPolicy& policy, const BlockedSignals& signals, ChildReport& report,
+               const Predecessor& predecessor, const std::function<int(Heartbeat&)>& child_main);
+
+  /// Passes signals on and watches the child until it has ended.
+  ChildEnd wait();
+
+ private:
+  std::chrono::milliseconds between_looks() const;
+  void ask_to_stop();
+  std::optional<ChildEnd> reap();
+  ChildEnd ended(int status);
+  ChildEnd describe(ChildEnd::Kind kind, int code) const;
+  bool opens_or_closes() const;
+  void resume_after(std::chrono::nanoseconds step);
+  void forget_silence();
+  std::optional<ChildEnd> look_at_threads(std::chrono::nanoseconds step);
+  void kill_at_once() const;
+
+  struct Watched {
+    std::uint64_t beats = 0;
+    Countdown silence;
+  };
+
+  const SupervisorPolicy& policy_;
+  const BlockedSignals& signals_;
+  ChildReport& report_;
+  pid_t id_ = -1;
+  std::function<std::chrono::nanoseconds()> starved_;
+  std::array<Watched, ChildReport::kMostThreads> watched_;
+  std::optional<std::chrono::steady_clock::time_point> stop_asked_at_;
+  Countdown stopping_;
+  bool suspended_ = false;
+  std::chrono::nanoseconds suspension_{0};
+};
+
+}  // namespace copresence::server

@@ -1,0 +1,41 @@
+#pragma once
+
+// Evaluates how child processes ended: the messages about it, and whether to start another child.
+//
+// Thread: the supervisor's only thread.
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "capture_server/supervisor/child_process.h"
+
+namespace copresence::server {
+
+/// Prints a sentence on standard error.
+void say(const std::string& sentence);
+
+/// What happened to a child, as the beginning of a sentence: "x.oni: capture crashed (...) after 12
+/// frames".
+std::string what_happened(const SupervisorPolicy& policy, const ChildEnd& end);
+
+/// Crashes and hangs over the lives of several children.
+class CrashHistory {
+ public:
+  explicit CrashHistory(const SupervisorPolicy& policy) : policy_(policy) {}
+
+  /// Why another child makes no sense, as the end of a sentence; nothing if it does.
+  std::optional<std::string> verdict(const ChildEnd& end, std::chrono::nanoseconds lived);
+
+  /// How long to wait before the next child.
+  std::chrono::milliseconds pause() const;
+
+ private:
+  bool is_same(const ChildEnd& a, const ChildEnd& b) const;
+
+  const SupervisorPolicy& policy_;
+  std::optional<ChildEnd> before_;
+  int in_a_row_ = 0;
+};
+
+}  // namespace copresence::server

@@ -1,0 +1,63 @@
+#pragma once
+
+// Tells a broken thread from one that got no CPU: both are silent.
+//
+// Thread: values; a CpuStarvation belongs to one thread at a time.
+
+#include <sys/types.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+namespace copresence::flow {
+
+/// How long the threads of a process were runnable but not scheduled, summed over the threads.
+class CpuStarvation {
+ public:
+  explicit CpuStarvation(pid_t process) : process_(process) {}
+
+  /// The sum since the first call. It never shrinks when threads end; a thread's waiting after the
+  /// last call before its end is not in it. Zero if the kernel does not count it
+  /// (/proc/PID/task/TID/schedstat).
+  std::chrono::nanoseconds look();
+
+ private:
+  const pid_t process_;
+  bool has_looked_ = false;
+  std::chrono::nanoseconds sum_{0};
+  std::map<pid_t, std::chrono::nanoseconds> threads_;
+};
+
+/// How long something may be silent before it counts as broken: `usual` plus the time without a
+/// CPU, at most `most`.
+class StallTimeout {
+ public:
+  constexpr StallTimeout(std::chrono::nanoseconds usual, std::chrono::nanoseconds most)
+      : usual_(usual), most_(most) {}
+
+  constexpr bool is_over(std::chrono::nanoseconds silent, std::chrono::nanoseconds starved) const {
+    return silent > std::min(usual_ + starved, most_);
+  }
+
+ private:
+  std::chrono::nanoseconds usual_, most_;
+};
+
+/// A clock for loops that look at it often. If a look comes late because the process was suspended,
+/// the clock advances by no more than `at_most`.
+class WatchedTime {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  Clock::time_point look(std::chrono::nanoseconds at_most, Clock::time_point now = Clock::now()) {
+    watched_ += std::min<std::chrono::nanoseconds>(now - last_, at_most);
+    last_ = now;
+    return watched_;
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now(), watched_ = last_;
+};
+
+}  // namespace copresence::flow

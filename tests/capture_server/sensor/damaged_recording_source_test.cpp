@@ -199,8 +199,9 @@ TEST_F(RecordingSource, PlaysDepthWhereNoColorDecodes) {
     if (!settings.loop) {
       EXPECT_EQ(source->next({}).error().code, ErrorCode::kEndOfStream);
     }
-    EXPECT_GE(source->counters().damaged, settings.loop ? 24u : 12u);  // the last passes are still open
-    EXPECT_LE(source->counters().damaged, 12u * static_cast<unsigned>(passes));
+    // All of the passes that were delivered, and of the next one what was read ahead.
+    EXPECT_GE(source->counters().damaged, 12u * static_cast<unsigned>(passes));
+    EXPECT_LE(source->counters().damaged, 12u * static_cast<unsigned>(passes) + (settings.loop ? 6u : 0u));
   }
 }
 

@@ -38,7 +38,7 @@ RgbdFrame walls(int near, int far, std::uint64_t sequence) {
 
 // Whoever asks for keyframes does not know of those that depth makes by itself.
 TEST(FrameEncoding, SendsFramesThatDecodeThoughDepthMakesAKeyframeOfItsOwn) {
-  auto encoding = FrameEncoding::open(small_sensor(), nullptr, ServerSettings{});
+  auto encoding = FrameEncoding::open(small_sensor(), nullptr, EncodingSettings{});
   ASSERT_TRUE(encoding) << encoding.error().what;
   auto decoder = video::FrameDecoder::open(encoding->description());
   ASSERT_TRUE(decoder) << decoder.error().what;

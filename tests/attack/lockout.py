@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Attackers who try to keep others out of a server, all from the address of the honest viewer:
+"""Attackers that try to lock viewers out of a server. They have the same address as the honest viewer:
 tests/attack/lockout.py [--bin FOLDER] [CASE ...]"""
 import re
 import threading
@@ -9,11 +9,12 @@ import programs
 import proxy
 import wire
 
-ENTRY_S = 20.0  # about one on a machine that has time; those who are locked out never get in
+# A newcomer waits for a keyframe, of which there is at most one a second. 1.3 to 2.2 s were measured with 23 busy processes on 2 cores.
+ENTRY_S = 8.0
 
 
 class Attackers:
-    """Connections that one function opens and another one works on, until the end of the block."""
+    """Opens connections with `open_one` and calls `work` on each of them, until the end of the block."""
 
     def __init__(self, port, count, open_one, pause=0.25, work=None, renew_after=None):
         self.port, self.count, self.open_one, self.pause, self.work = port, count, open_one, pause, work
@@ -114,7 +115,7 @@ def silent_connections_renewed(room, checks):
             for attempt in range(2):
                 newcomer_gets_in(port, checks, f"{kind}, attempt {attempt + 1}")
     line = server.says(r"\d+ connections in the last 10 s ended before the first frame was acknowledged", within=20)
-    checks.expect(line is not None, "the log says what goes on")
+    checks.expect(line is not None, "the log reports the attack")
     checks.expect(server.said().count("\n") < 60, f"in {server.said().count(chr(10))} lines")
 
 
@@ -134,12 +135,12 @@ def viewers_that_never_acknowledge(room, checks):
             newcomer_gets_in(port, checks, "31 never read")
         grown = programs.resident_kb(child) - before
         checks.expect(grown < 60_000, f"the server grew by {grown / 1000:.0f} MB")
-        goes_on = beside.wait_for_frames(len(beside.arrivals) + 20, 30)
+        goes_on = beside.wait_for_frames(len(beside.arrivals) + 20, ENTRY_S)
         checks.expect(goes_on, "the viewer beside them goes on")
 
 
 def log_of_viewers(room, checks):
-    """the log says who came and who left"""
+    """the log has a line for each viewer that joins or leaves"""
     server, port = room.serve()
     with wire.Viewer(port) as viewer:
         viewer.wait_for_frames(3, 20)

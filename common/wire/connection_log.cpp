@@ -15,21 +15,21 @@ const char* in_words(Ending why) {
     case Ending::kHungUp:
       return "hung up";
     case Ending::kNoHello:
-      return "said no hello";
+      return "sent no hello";
     case Ending::kNonsense:
-      return "sent what no render_client sends";
+      return "violated the protocol";
     case Ending::kSilent:
-      return "fell silent";
+      return "sent and received nothing for too long";
     case Ending::kNoProgress:
       return "acknowledged no frame";
     case Ending::kMadeRoom:
-      return "had to make room for others";
+      return "made room for others";
     case Ending::kNoPlace:
-      return "found all places taken";
+      return "found the server full";
     case Ending::kOtherVersion:
-      return "were of another release";
+      return "had another protocol version";
     case Ending::kServerEnds:
-      return "were there at the end";
+      return "were open when the server stopped";
   }
   return "";
 }

@@ -14,7 +14,7 @@ using testing::SizeIs;
 
 const Instant kNow = Instant{} + 1000s;
 
-TEST(ConnectionLog, SaysWhoCameAndWhoLeftAtOnce) {
+TEST(ConnectionLog, HasALineForEachViewer) {
   ConnectionLog log;
   log.joined("10.0.0.1:5000", 1, kNow);
   log.left("10.0.0.1:5000", Ending::kHungUp, 35s, 0, kNow + 35s);
@@ -27,7 +27,7 @@ TEST(ConnectionLog, SaysWhoCameAndWhoLeftAtOnce) {
   EXPECT_THAT(log.take(kNow + 35s), SizeIs(0)) << "each once";
 }
 
-TEST(ConnectionLog, SaysInOneLineWhatAnAttackerDoes) {
+TEST(ConnectionLog, SumsUpAnAttackInOneLine) {
   ConnectionLog log;
   for (int i = 0; i < 5000; ++i) log.ended_early("10.0.0.1", Ending::kNoHello, kNow);
   for (int i = 0; i < 10; ++i) log.ended_early("10.0.0.2", Ending::kMadeRoom, kNow + 5s);
@@ -36,9 +36,8 @@ TEST(ConnectionLog, SaysInOneLineWhatAnAttackerDoes) {
   ASSERT_THAT(lines, SizeIs(1));
   EXPECT_TRUE(lines[0].is_warning);
   EXPECT_EQ(lines[0].text,
-            "5010 connections in the last 10 s ended before the first frame was acknowledged: 5000 said no "
-            "hello, 10 had to "
-            "make room for others; 5000 came from 10.0.0.1");
+            "5010 connections in the last 10 s ended before the first frame was acknowledged: 5000 sent no "
+            "hello, 10 made room for others; 5000 came from 10.0.0.1");
   EXPECT_THAT(log.take(kNow + 20s), SizeIs(0)) << "nothing happened since";
 }
 

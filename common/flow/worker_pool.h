@@ -36,8 +36,9 @@ class WorkerPool : public Executor {
 
   std::mutex mutex_;
   std::condition_variable_any work_, idle_;
-  std::uint64_t round_ = 0;           // number of calls of run(); mutex_ guards it and the next three
-  const FunctionRef* job_ = nullptr;  // null between two calls of run()
+  // Guarded by mutex_. A round is a call of run(); job_ is null between two rounds.
+  std::uint64_t round_ = 0;
+  const FunctionRef* job_ = nullptr;
   int jobs_ = 0;
   int working_ = 0;  // the number of threads that run jobs now
 

@@ -17,7 +17,8 @@
 namespace copresence::scene {
 namespace {
 
-constexpr double kFarthestM = 10'000;  // of a pose from the origin along an axis; a stream has the same limit
+// Metres from the origin to a camera along each axis. A stream has the same limit.
+constexpr double kFarthestM = 10'000;
 // Bytes. The limit of a name is that of capture_server's --name.
 constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 1024;
 

@@ -36,10 +36,12 @@ class Session : public std::enable_shared_from_this<Session> {
   struct Stream {
     StreamDescription description;
     std::uint64_t clock_id = 0;
-    bool keyframe_requested = false;  ///< by a client's message since the last keyframe went out
-    std::uint64_t bytes_sent = 0;     ///< to all clients
-    std::string camera_status;        ///< what keeps the camera from sending frames; empty: nothing
-    /// A client joined, left, can take frames again, or requested a keyframe.
+    /// A client has sent a keyframe request since the last keyframe was sent.
+    bool keyframe_requested = false;
+    std::uint64_t bytes_sent = 0;  ///< to all clients
+    /// The reason why the camera sends no frames. Empty while it works.
+    std::string camera_status;
+    /// Called when a client joined, left, can take frames again, or requested a keyframe.
     std::function<void()> on_change;
     /// Returns true if a session may enter a stage. May close other sessions.
     std::function<bool(Session&, Stage)> admit;

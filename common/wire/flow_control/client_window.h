@@ -37,9 +37,10 @@ namespace copresence::wire {
 
 class ClientWindow {
  public:
-  static constexpr std::size_t kFrames = 64;          ///< in flight, on any path
-  static constexpr std::size_t kBytes = 1024 * 1024;  ///< in flight; the last frame may exceed it
-  static constexpr std::size_t kFramesOnUnknownPath = 6;
+  /// The largest number of frames in flight, on any path and on an unknown one.
+  static constexpr std::size_t kFrames = 64, kFramesOnUnknownPath = 6;
+  /// The largest number of bytes in flight. The last frame may exceed it.
+  static constexpr std::size_t kBytes = 1024 * 1024;
 
   explicit ClientWindow(Duration frame_period);
 

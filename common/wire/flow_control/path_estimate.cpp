@@ -6,7 +6,8 @@ namespace copresence::wire {
 namespace {
 
 constexpr std::chrono::seconds kRateWindow{2}, kBaseWindow{10};
-constexpr double kLargeFrame = 1.5;  // times the mean size: a keyframe
+// A frame of more than this many times the mean size is a keyframe.
+constexpr double kLargeFrame = 1.5;
 // Intervals of acknowledgements and rates that differ by less than this count as equal.
 constexpr double kSame = 1.1;
 

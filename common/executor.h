@@ -1,19 +1,19 @@
 #pragma once
 
-// How a room uses several cores without owning a thread: its caller lends it some. The threads themselves are
-// made in a pipeline (common/flow/worker_pool.h).
+// An interface through which a module runs jobs on several cores without owning threads. The
+// pipelines own the threads (common/flow/worker_pool.h).
 
 #include <memory>
 #include <type_traits>
 
 namespace copresence {
 
-/// A reference to something callable with a job's and a worker's number; valid while that lives. Costs no
-/// allocation.
+/// A reference to a function object that is called with the numbers of a job and a worker. It
+/// allocates nothing. The function object must outlive it.
 class FunctionRef {
  public:
   template <class Job, class = std::enable_if_t<!std::is_same_v<std::remove_cvref_t<Job>, FunctionRef>>>
-  FunctionRef(Job&& job)  // NOLINT(google-explicit-constructor): a lambda is passed as it is
+  FunctionRef(Job&& job)  // NOLINT(google-explicit-constructor): callers pass a lambda
       : object_(const_cast<void*>(static_cast<const void*>(std::addressof(job)))), call_(&call<Job>) {}
 
   void operator()(int number, int worker) const { call_(object_, number, worker); }
@@ -28,21 +28,23 @@ class FunctionRef {
   void (*call_)(void*, int, int);
 };
 
-/// Runs jobs side by side. Thread: run() from one thread at a time.
+/// Runs jobs in parallel. Thread: run() from one thread at a time.
 class Executor {
  public:
   virtual ~Executor() = default;
 
-  /// How many jobs may run at a time, the caller's own thread included; >= 1.
+  /// The largest number of jobs that run at the same time, at least 1. Includes the caller's
+  /// thread.
   virtual int count() const = 0;
 
-  /// Calls job(0, worker) to job(jobs - 1, worker), in any order and on any thread, and returns when all have
-  /// ended. Jobs that run at a time have different workers, 0 to count() - 1: scratch memory goes by worker,
-  /// results go by job. Requires that no job throws or calls run() itself.
+  /// Calls job(0, worker) to job(jobs - 1, worker) in any order on any threads, and returns when
+  /// all have returned. Jobs that run at the same time get different worker numbers, 0 to count() -
+  /// 1. Index scratch memory by worker and results by job. Requires that no job throws or calls
+  /// run().
   virtual void run(int jobs, FunctionRef job) = 0;
 };
 
-/// The caller's own thread does everything, in order.
+/// Runs all jobs on the calling thread, in order.
 class InlineExecutor : public Executor {
  public:
   int count() const override { return 1; }

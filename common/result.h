@@ -1,10 +1,10 @@
 #pragma once
 
-// How anything here fails: a Result<T> holds a value or an Error, and an Error is a code for the program and
-// one sentence for the person in front of it: what went wrong, where, and what to do about it.
+// Error handling. A Result<T> holds a value or an Error. An Error has a code for the program and
+// one sentence for its user: what happened, where, and what to do.
 //
-// Errors are for the world (files, sockets, devices, other people's bytes). A broken promise of the caller is
-// an assert. Out of memory ends the program.
+// Errors report faults outside the program: in files, sockets, devices and received bytes. A
+// violated precondition is an assert. Running out of memory ends the program.
 
 #include <string>
 #include <tl/expected.hpp>
@@ -13,13 +13,13 @@
 namespace copresence {
 
 enum class ErrorCode {
-  kInvalid,      ///< a value from a person or a file that makes no sense: a flag, a number, a name
-  kNotFound,     ///< a file, a device or a camera that is not there
-  kCorrupt,      ///< bytes that do not say what they claim to
-  kUnsupported,  ///< understood, but not something this build or this device can do
-  kUnavailable,  ///< busy or gone for now: a port in use, a peer that hung up
-  kRefused,      ///< the other side said no, for good
-  kTimeout,      ///< nothing came within the time given
+  kInvalid,      ///< a value from a user or a file is not allowed: a flag, a number, a name
+  kNotFound,     ///< a file, a device or a camera does not exist
+  kCorrupt,      ///< bytes violate their format
+  kUnsupported,  ///< valid, but this build or this device cannot do it
+  kUnavailable,  ///< busy or gone for now: a port in use, a peer that closed the connection
+  kRefused,      ///< the server rejects this client for good
+  kTimeout,      ///< nothing arrived in time
   kEndOfStream,  ///< the stream ended as it should
 };
 
@@ -39,7 +39,7 @@ class [[nodiscard]] Result : public tl::expected<T, Error> {
   return tl::unexpected<Error>(Error{code, std::move(what)});
 }
 
-/// Hands an error on: `if (!frame) return fail(frame.error());`
+/// Passes an error on: `if (!frame) return fail(frame.error());`
 [[nodiscard]] inline tl::unexpected<Error> fail(Error error) {
   return tl::unexpected<Error>(std::move(error));
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// What most sources of the libraries include, parsed once for all of them (see room.cmake): Eigen and fmt take most of the
-// time that a source takes to compile. A source names what it uses nevertheless.
+// Headers that most sources include, parsed once for all modules (cmake/module.cmake). Eigen and fmt take most of the time
+// that a source takes to compile. Each source also includes what it uses.
 
 #include <fmt/format.h>
 

@@ -15,9 +15,8 @@ Result<void> check_rate(const char* what, int kbps) {
 
 Result<void> check(const VideoSettings& settings) {
   if (settings.depth_qp < 0 || settings.depth_qp > kMaxDepthQp) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("a depth QP of {} cannot be used: give 0 (lossless) to {}",
-                            settings.depth_qp, kMaxDepthQp));
+    return fail(ErrorCode::kInvalid, fmt::format("a depth QP of {} cannot be used: give 0 (lossless) to {}",
+                                                 settings.depth_qp, kMaxDepthQp));
   }
   if (settings.depth_kbps) {
     if (auto checked = check_rate("a depth rate", *settings.depth_kbps); !checked) return checked;

@@ -10,8 +10,8 @@
 #include <optional>
 #include <string>
 
-#include "capture_server/drivers/contract/push_device.h"
 #include "capture_server/drivers/contract/periodic_thread.h"
+#include "capture_server/drivers/contract/push_device.h"
 
 namespace {
 

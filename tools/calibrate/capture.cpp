@@ -3,15 +3,93 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 
 #include "capture_server/sensor/source.h"
+#include "common/wire/frame_client.h"
 #include "common/wire/host_port.h"
-#include "tools/calibrate/stream_source.h"
+#include "render_client/decoding/frame_decoding.h"
+#include "render_client/stream/limited_log.h"
 
 namespace copresence::calibrate {
-
 namespace {
+
+constexpr std::chrono::milliseconds kConnectTimeout{2000};
+constexpr int kMostLost = 90;  // Frames in a row that may fail to decode.
+// A camera that is unplugged and plugged in again needs less.
+constexpr std::chrono::seconds kFrameTimeout{10};
+
+// A running capture_server as a source of frames.
+class StreamSource : public sensor::FrameSource {
+ public:
+  StreamSource(const std::string& address, wire::FrameClient client, decoding::FrameDecoding decoding)
+      : client_(std::move(client)), decoding_(std::move(decoding)) {
+    client_.on_camera_status([this, address](const std::string& notice) {
+      notice_ = notice;
+      if (notice.empty()) return;
+      log_.say(stream::LimitedLog::Topic::kNotice, stream::LimitedLog::Severity::kWarning,
+               fmt::format("{}: {}", address, notice), std::chrono::steady_clock::now());
+    });
+    const StreamDescription& stream = client_.description();
+    description_.name = stream.camera;
+    description_.depth = description_.color = stream.model;
+    description_.unit = stream.unit;
+    description_.noise = stream.noise;
+    description_.has_color = stream.has_color;
+    description_.registered = true;
+    description_.frames_per_second = stream.frames_per_second;
+    if (stream.has_pose) description_.world_from_camera = stream.world_from_camera;
+  }
+
+  const sensor::SensorDescription& description() const override { return description_; }
+  sensor::SourceCounters counters() const override { return counters_; }
+
+  Result<RgbdFrame> next(std::stop_token stop) override {
+    for (int lost = 0; lost < kMostLost; ++lost) {
+      const auto received = client_.receive(stop, std::chrono::steady_clock::now() + kFrameTimeout);
+      if (!received && received.error().code == ErrorCode::kTimeout) {
+        return fail(ErrorCode::kTimeout,
+                    notice_.empty() ? received.error().what : received.error().what + ": " + notice_);
+      }
+      if (!received) return fail(received.error());
+      decoding::FrameDecoding::Durations durations;
+      auto frame = decoding_.decode(received->frame, durations);
+      if (!frame) {
+        ++counters_.damaged;
+        client_.request_keyframe();
+        continue;
+      }
+      for (std::size_t i = 0; i < frame->depth.pixels().size(); ++i) {
+        if (frame->state.data()[i] != DepthState::kMeasured) frame->depth.data()[i] = 0;
+      }
+      ++counters_.frames;
+      return frame;
+    }
+    return fail(ErrorCode::kCorrupt,
+                fmt::format("camera \"{}\" sends frames that do not decode", description_.name));
+  }
+
+ private:
+  StreamSource(const StreamSource&) = delete;  // The client's callback refers to this object.
+  StreamSource& operator=(const StreamSource&) = delete;
+
+  wire::FrameClient client_;
+  stream::LimitedLog log_{
+      [](stream::LimitedLog::Severity, const std::string& line) { fmt::print(stderr, "{}\n", line); }};
+  std::string notice_;  // The server's message about a camera that sends nothing; may be empty.
+  decoding::FrameDecoding decoding_;
+  sensor::SensorDescription description_;
+  sensor::SourceCounters counters_;
+};
+
+Result<std::unique_ptr<sensor::FrameSource>> open_stream(const std::string& address) {
+  auto client = wire::FrameClient::connect(address, kConnectTimeout, {});
+  if (!client) return fail(client.error());
+  auto decoding = decoding::FrameDecoding::open(client->description());
+  if (!decoding) return fail(decoding.error());
+  return std::make_unique<StreamSource>(address, std::move(*client), std::move(*decoding));
+}
 
 CLI::Option* add_source_option(CLI::App& parser, std::vector<NamedSource>& sources, const std::string& flag,
                                const std::string& form, const std::string& help) {
@@ -32,7 +110,7 @@ CLI::Option* add_source_option(CLI::App& parser, std::vector<NamedSource>& sourc
               const bool twice = std::any_of(sources.begin(), sources.end(), [&](const NamedSource& other) {
                 return other.name == source.name;
               });
-              if (twice) throw CLI::ValidationError(flag, "two are called " + source.name);
+              if (twice) throw CLI::ValidationError(flag, "two sources are called " + source.name);
               sources.push_back(std::move(source));
             }
           },
@@ -59,33 +137,33 @@ SourceOptions add_source_options(CLI::App& parser, std::vector<NamedSource>& sou
   return options;
 }
 
-Result<Capture> Capture::open(const NamedSource& source, const scene::Camera* known, Form form) {
+Result<Capture> Capture::open(const NamedSource& source, const scene::Camera* known, Frames form) {
   sensor::SourceSettings settings;
   settings.pace = sensor::SourceSettings::Pace::kFast;
   auto frames = source.is_stream ? open_stream(source.from) : sensor::open_source(source.from, settings);
   if (!frames) return fail(frames.error());
-  sensor::SensorDescription told = (*frames)->description();
+  sensor::SensorDescription sensor = (*frames)->description();
   if (known) {
-    if (known->model.width != told.depth.width || known->model.height != told.depth.height) {
+    if (known->model.width != sensor.depth.width || known->model.height != sensor.depth.height) {
       return fail(ErrorCode::kInvalid,
                   fmt::format("the scene file says that camera \"{}\" gives {}x{} pixels, but {} has {}x{}",
                               known->name, known->model.width, known->model.height, source.from,
-                              told.depth.width, told.depth.height));
+                              sensor.depth.width, sensor.depth.height));
     }
-    told.depth = known->model;
+    sensor.depth = known->model;
     if (known->color && !source.is_stream) {
-      told.color = known->color->model;
-      told.color_from_depth = known->color->color_from_depth;
-      told.registered = false;
+      sensor.color = known->color->model;
+      sensor.color_from_depth = known->color->color_from_depth;
+      sensor.registered = false;
     }
-    if (known->world_from_camera) told.world_from_camera = known->world_from_camera;
+    if (known->world_from_camera) sensor.world_from_camera = known->world_from_camera;
   }
-  const bool passes_through = told.registered || form == Form::kAsDelivered;
-  auto registration =
-      registration::Registration::open({told.depth, told.has_color ? std::optional(told.color) : std::nullopt,
-                                        told.color_from_depth, told.unit, passes_through, told.noise});
+  const bool passes_through = sensor.registered || form == Frames::kAsDelivered;
+  auto registration = registration::Registration::open(
+      {sensor.depth, sensor.has_color ? std::optional(sensor.color) : std::nullopt, sensor.color_from_depth,
+       sensor.unit, passes_through, sensor.noise});
   if (!registration) return fail(registration.error());
-  return Capture(source.name, source.is_stream, std::move(*frames), std::move(told),
+  return Capture(source.name, source.is_stream, std::move(*frames), std::move(sensor),
                  std::move(*registration));
 }
 
@@ -103,7 +181,7 @@ Result<RgbdFrame> Capture::next() {
   return registration_.apply(std::move(*frame));
 }
 
-Result<void> try_all(std::span<const NamedSource> sources, const scene::Scene* scene) {
+Result<void> check_sources(std::span<const NamedSource> sources, const scene::Scene* scene) {
   for (const NamedSource& source : sources) {
     const auto capture = Capture::open(source, scene ? scene->find(source.name) : nullptr);
     if (!capture) return fail(capture.error());
@@ -111,38 +189,38 @@ Result<void> try_all(std::span<const NamedSource> sources, const scene::Scene* s
   return {};
 }
 
-std::size_t frames_to_look_at(const Capture& capture, std::size_t most) {
+std::size_t frames_to_read(const Capture& capture, std::size_t most) {
   const std::uint64_t all = capture.frames().value_or(most);
   return std::clamp<std::uint64_t>(most, 1, std::max<std::uint64_t>(all, 1));
 }
 
-bool is_among(std::size_t wanted, std::size_t number, std::size_t all) {
+bool is_sampled(std::size_t wanted, std::size_t number, std::size_t all) {
   return number == 0 || wanted >= all || number * wanted / all != (number - 1) * wanted / all;
 }
 
-Result<std::size_t> look_at_frames(Capture& capture, std::size_t most, Duration pause, const Look& look) {
+Result<std::size_t> for_each_frame(Capture& capture, std::size_t most, Duration pause, const Visit& visit) {
   const std::uint64_t all = capture.frames().value_or(most);
-  const std::uint64_t wanted = frames_to_look_at(capture, most);
-  std::size_t looked_at = 0;
+  const std::uint64_t wanted = frames_to_read(capture, most);
+  std::size_t visited = 0;
   Instant last{};
-  for (std::uint64_t number = 0; looked_at < wanted; ++number) {
+  for (std::uint64_t number = 0; visited < wanted; ++number) {
     auto frame = capture.next();
     if (!frame && frame.error().code == ErrorCode::kEndOfStream) break;
     if (!frame) return fail(frame.error());
-    const bool due = capture.is_stream() ? looked_at == 0 || frame->metadata.captured_at - last >= pause
-                                         : number >= looked_at * all / wanted;
+    const bool due = capture.is_stream() ? visited == 0 || frame->metadata.captured_at - last >= pause
+                                         : number >= visited * all / wanted;
     if (!due) continue;
     last = frame->metadata.captured_at;
-    ++looked_at;
-    const std::string said = look(std::move(*frame));
+    ++visited;
+    const std::string said = visit(std::move(*frame));
     if (!said.empty()) {
-      fmt::print(stderr, "{}: picture {} of {}: {}\n", capture.name(), looked_at, wanted, said);
+      fmt::print(stderr, "{}: picture {} of {}: {}\n", capture.name(), visited, wanted, said);
     }
   }
-  if (looked_at == 0) {
+  if (visited == 0) {
     return fail(ErrorCode::kCorrupt, fmt::format("camera \"{}\" has no frame", capture.name()));
   }
-  return looked_at;
+  return visited;
 }
 
 }  // namespace copresence::calibrate

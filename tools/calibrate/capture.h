@@ -1,7 +1,10 @@
 #pragma once
 
-// What calibration reads, one per camera: recordings, or the streams of running servers; as frames with colour and depth
-// in one camera model.
+// Input of all commands: recordings, or streams of running servers, one per camera. Both give
+// frames with colour and depth in one camera model.
+//
+// A stream has been through the server's codecs; a mean over frames removes most of their error.
+// Depth that hole filling made up is removed again.
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -19,46 +22,51 @@
 
 namespace copresence::calibrate {
 
-/// NAME=FILE.oni or NAME=HOST:PORT of the command line.
+/// NAME=FILE.oni or NAME=HOST:PORT on the command line.
 struct NamedSource {
-  std::string name;        ///< the camera's, as in the scene file
-  std::string from;        ///< a recording's path, or where a capture_server listens
-  bool is_stream = false;  ///< the latter
+  std::string name;        ///< The camera's name in the scene file.
+  std::string from;        ///< Path of a recording, or address of a capture_server.
+  bool is_stream = false;  ///< `from` is an address.
 };
 
-/// `--recording NAME=FILE.oni` and `--stream NAME=HOST:PORT`, in any mixture. A wrong one, one name twice, and fewer than
-/// `fewest` in all are a wrong command line. Both are returned.
+/// Adds `--recording NAME=FILE.oni` and `--stream NAME=HOST:PORT`, which may be mixed. The command
+/// line is rejected if a source has another form, if a name occurs twice, or if there are fewer
+/// than `fewest` or more than `most`. Returns both options.
 struct SourceOptions {
   CLI::Option *recording, *stream;
 };
 SourceOptions add_source_options(CLI::App& parser, std::vector<NamedSource>& sources, std::size_t fewest,
                                  std::size_t most);
 
-/// One camera's recording or stream, read frame by frame. Thread: one thread per object.
+/// Reads one camera's recording or stream frame by frame. Thread: one thread per object.
 class Capture {
  public:
-  enum class Form {
-    kRegistered,   ///< colour brought to depth's camera
-    kAsDelivered,  ///< each in its own camera, as the sensor gives them
+  enum class Frames {
+    kRegistered,   ///< Colour is mapped to the depth camera.
+    kAsDelivered,  ///< Colour and depth in their own cameras, as the sensor gives them.
   };
 
-  /// known   what the scene file says of this camera; nullptr where it says nothing. Its intrinsics win over the
-  ///         recording's own, its pose too.
-  /// A stream is registered by its server, in whichever form. Fails  as open_source() or open_stream(), and kInvalid where the scene's picture size is not the recording's.
+  /// known   the camera in the scene file; may be null. Its intrinsics and pose replace those of
+  ///         the source.
+  /// A stream is always registered: its server does that. Opening waits up to two seconds for a
+  /// server to answer.
+  /// Fails   as open_source() or wire::FrameClient::connect(); kUnsupported for an unknown codec;
+  ///         kInvalid if the scene file has another picture size.
   static Result<Capture> open(const NamedSource& source, const scene::Camera* known,
-                              Form form = Form::kRegistered);
+                              Frames frames = Frames::kRegistered);
 
   const std::string& name() const { return name_; }
   bool is_stream() const { return is_stream_; }
-  const CameraModel& model() const { return sensor_.depth; }  ///< of depth, and of registered colour
+  const CameraModel& model() const { return sensor_.depth; }  ///< Of depth, and of registered colour.
   DepthUnit unit() const { return sensor_.unit; }
   bool has_color() const { return sensor_.has_color; }
   const std::optional<Rigid3>& world_from_camera() const { return sensor_.world_from_camera; }
   std::optional<std::uint64_t> frames() const { return sensor_.frames; }
-  /// What the recording and the scene file say of the sensor, before registration.
+  /// The sensor before registration, as the source and the scene file describe it.
   const sensor::SensorDescription& sensor() const { return sensor_; }
 
-  /// Fails  kEndOfStream after the last frame, else as FrameSource::next().
+  /// Fails  kEndOfStream after the last frame; kTimeout if a server sends no frame for ten seconds,
+  ///        with the server's own message; otherwise as FrameSource::next().
   Result<RgbdFrame> next();
 
  private:
@@ -72,22 +80,23 @@ class Capture {
   registration::Registration registration_;
 };
 
-/// Opens each source and lets it go: what is not there shows before anything has been taken from the others.
+/// Opens and closes each source, so that a missing one is reported before frames are read from the
+/// others.
 /// Fails  as Capture::open().
-Result<void> try_all(std::span<const NamedSource> sources, const scene::Scene* scene);
+Result<void> check_sources(std::span<const NamedSource> sources, const scene::Scene* scene);
 
-/// How many frames look_at_frames() will look at, if the source does not end before: `most`, or all of a shorter recording.
-std::size_t frames_to_look_at(const Capture& capture, std::size_t most);
+/// Number of frames that for_each_frame() will read: `most`, or all frames of a shorter recording.
+std::size_t frames_to_read(const Capture& capture, std::size_t most);
 
-/// True for about `wanted` of the numbers 0 to `all` - 1, evenly spread; always for 0.
-bool is_among(std::size_t wanted, std::size_t number, std::size_t all);
+/// True for about `wanted` of the numbers from 0 to `all` - 1, evenly spread. Always true for 0.
+bool is_sampled(std::size_t wanted, std::size_t number, std::size_t all);
 
-/// Calls `look` with at most `most` frames, spread evenly over a recording, or `pause` apart in a stream; keeps none. What
-/// `look` returns is printed to standard error behind the picture's number, unless it is empty. Returns how many frames
-/// there were.
-/// Fails  as Capture::next(), but not at the recording's end; kCorrupt where there is no frame at all. `look` has been called
-///        for the frames before.
-using Look = std::function<std::string(RgbdFrame)>;
-Result<std::size_t> look_at_frames(Capture& capture, std::size_t most, Duration pause, const Look& look);
+/// Calls `visit` with at most `most` frames: evenly spread over a recording, or `pause` apart in a
+/// stream. Prints the text that `visit` returns to standard error, with the frame's number, unless
+/// it is empty. Returns the number of frames.
+/// Fails  as Capture::next(), except at the end of a recording; kCorrupt if there is no frame. The
+///        frames before an error have been visited.
+using Visit = std::function<std::string(RgbdFrame)>;
+Result<std::size_t> for_each_frame(Capture& capture, std::size_t most, Duration pause, const Visit& visit);
 
 }  // namespace copresence::calibrate

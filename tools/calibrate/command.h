@@ -1,19 +1,21 @@
 #pragma once
 
-// One verb of the program `calibrate`: its options hang on a subcommand of the command line, and `run` does what they
-// ask for once they have been parsed. Each verb is one source file; main.cpp lists them.
+// The commands of the program `calibrate`, and options that several of them share. Each command is
+// a subcommand of the command line and has one source file, in the folder of its subject.
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <initializer_list>
+#include <string>
 
 #include "common/result.h"
 
 namespace copresence::calibrate {
 
 struct Command {
-  const CLI::App* parser = nullptr;  ///< the program's own; tells whether this verb was called
-  /// Results go to standard output and files, progress to standard error.
-  /// Fails  with one sentence that says what to do; the program then leaves with 1.
+  const CLI::App* parser = nullptr;  ///< Its parsed() is true if this command was given.
+  /// Call after parsing. Writes results to standard output and files, progress to standard error.
+  /// Fails  with one sentence that says what to do; the program then exits with 1.
   std::function<Result<void>()> run;
 };
 
@@ -22,5 +24,19 @@ Command markers_command(CLI::App& program);
 Command refine_command(CLI::App& program);
 Command check_command(CLI::App& program);
 Command print_command(CLI::App& program);
+
+/// Adds `--overwrite`: replace output files that exist.
+CLI::Option* add_overwrite(CLI::App& parser, bool& overwrite);
+
+/// Fails  kInvalid, naming the file, if one of `files` exists and `overwrite` is false. Ignores
+///        empty names, and files that are not regular (/dev/stdout).
+Result<void> refuse_existing(std::initializer_list<std::string> files, bool overwrite);
+
+/// The same for a scene file. A scene file that exists is accepted, because it is updated.
+/// Fails  kInvalid if `file` exists, is no scene file, and `overwrite` is false.
+Result<void> refuse_other_than_scene(const std::string& file, bool overwrite);
+
+/// Adds `--dictionary`, in our spelling, OpenCV's or AprilTag's, and `--border-bits`.
+void add_dictionary(CLI::App& parser, std::string& dictionary, int& border_bits, const std::string& help);
 
 }  // namespace copresence::calibrate

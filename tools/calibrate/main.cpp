@@ -10,7 +10,7 @@
 int main(int argc, char** argv) {
   using namespace copresence::calibrate;
   CLI::App program{
-      "Finds out how cameras see and where they stand, and how good that is, in millimetres. The guide is "
+      "Finds the intrinsics and poses of cameras, and their errors in millimetres. The guide is "
       "docs/guide/calibration.md.",
       "calibrate"};
   program.set_version_flag("--version", std::string("calibrate ") + copresence::kVersion);
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   for (const Command& command : commands) {
     if (!command.parser->parsed()) continue;
     if (const auto done = command.run(); !done) {
-      std::fflush(stdout);  // in a log the sentence comes last
+      std::fflush(stdout);  // So that the error comes last in a log.
       fmt::print(stderr, "calibrate {}: {}\n", command.parser->get_name(), done.error().what);
       return 1;
     }

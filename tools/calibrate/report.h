@@ -1,34 +1,73 @@
 #pragma once
 
-// How agreements between cameras are told to people and to programs.
+// Reports of all commands: text for people, JSON for programs. Thread: pure functions.
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "common/result.h"
-#include "tools/calibrate/alignment/agreement.h"
+#include "tools/calibrate/geometry/world_fit.h"
+#include "tools/calibrate/intrinsics/intrinsics_fit.h"
+#include "tools/calibrate/markers/marker_observations.h"
+#include "tools/calibrate/refinement/refinement.h"
+#include "tools/calibrate/refinement/still_view.h"
 
 namespace copresence::calibrate {
 
+/// Fails  kUnavailable if the file cannot be written.
+Result<void> write_json(const nlohmann::json& json, const std::string& path);
+
+/// {"camera","distortion_fitted","rms_px","focal_sigma_px","center_sigma_px","covered","views":[{"picture","rms_px"}],
+/// "dropped":[{"picture","why"}],"model":{"width","height","fx","fy","cx","cy","distortion"}}
+nlohmann::json to_json(const IntrinsicsFit& fit, const std::string& camera);
+
+/// The result of `calibrate markers`.
+struct MarkerReport {
+  RigNames names;
+  std::size_t reference = 0;
+  Solver solver = Solver::kRigid;
+  bool of_board = false;  ///< The markers are the corners of a chessboard: the text does not list them.
+  WorldFit fit;
+  std::vector<std::vector<MarkerDepth>> depths;  ///< per camera
+  std::vector<Unused> unused;
+};
+
+/// Lines of text, the last one with a newline. Millimetres and degrees.
+std::string to_text(const MarkerReport& report);
+
+/// {"solver","reference","noise_ratio","cameras":[{"name","markers","rms_mm","worst_mm","worst_marker",
+/// "leave_one_out_mm","leave_one_out_worst_mm","expected_shift_mm","expected_turn_deg","world_from_camera",
+/// "depths":[{"marker","z_m","pixels","share","rms_steps"}]}],"markers":[{"name","cameras","world","rms_mm","worst_mm",
+/// "worst_camera"}],"pairs":[{"a","b","markers","in_tree","rigid_rms_mm","linear_rms_mm","linear_scale","no_linear"}],
+/// "unused":[{"camera","marker","why"}]}. Unknown values are null.
+nlohmann::json to_json(const MarkerReport& report);
+
 /// `37 % overlap, median 6.6 mm (0.9 sigma), 95 % within 30.8 mm (2.1 sigma), 0.4 % contradicted`
-std::string to_text(const alignment::Agreement& agreement);
+std::string to_text(const Agreement& agreement);
 
 /// {"overlap","contradicted","median_mm","p95_mm","median_sigmas","p95_sigmas","rms_mm","points"}
-nlohmann::json to_json(const alignment::Agreement& agreement);
+nlohmann::json to_json(const Agreement& agreement);
 
-/// Up to where a pair of cameras is called good.
+/// Largest values of a good pair of cameras.
 struct Limits {
   double most_median_sigmas = 2, most_median_mm = 15, most_contradicted_percent = 5;
 };
 
-/// A pair that shares less of its surfaces says nothing either way.
+/// A pair with less overlap is not judged.
 inline constexpr double kLeastJudged = 0.05;
-bool says_something(const alignment::Agreement& agreement);
+bool is_judged(const Agreement& agreement);
 
-/// What is wrong with a pair, in words; empty where nothing is, or where it says nothing.
-std::string complaint(const alignment::Agreement& agreement, const Limits& limits);
+/// The limit that a pair exceeds, in words. Empty if it exceeds none or is not judged.
+std::string problem_of(const Agreement& agreement, const Limits& limits);
 
-/// Fails  kUnavailable where the file cannot be written.
-Result<void> write_json(const nlohmann::json& json, const std::string& path);
+/// What happened to a camera, in words.
+std::string to_text(const CameraRefinement& camera);
+
+/// {"cameras":[{"name","unsteady","outcome","says","moved_mm","moved_deg","told_mm","surfaces_mm","error_mm",
+/// "contradicts_told","unsupported":[{"turn","shift","resistance"}],"world_from_camera"}],"pairs":[{"a","b","before",
+/// "after"}],"least_resistance"}
+nlohmann::json to_json(const Refinement& refinement, std::span<const StillView> views);
 
 }  // namespace copresence::calibrate

@@ -1,10 +1,11 @@
-// How good marker calibration is on 50 seeded layouts (counters: millimetres and degrees), and what a fit costs.
+// Accuracy of marker calibration on 50 random layouts (counters in millimetres and degrees), and
+// the time of a fit.
 
 #include <benchmark/benchmark.h>
 
 #include "tests/tools/calibrate/geometry/rig.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 namespace {
 
 void report(benchmark::State& state, const Errors& errors) {
@@ -44,12 +45,13 @@ BENCHMARK(rigid_with_depth_of_one_pixel)->Iterations(1);
 
 void fit_world_of_six_markers(benchmark::State& state) {
   const Rig rig = make_rig(1, static_cast<int>(state.range(0)));
-  const auto sightings = sightings_with_noise(rig, 0.3);
+  const auto observations = observations_with_noise(rig, 0.3);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(fit_world(sightings, rig.names(), {0, rig.world_from_camera[0], Form::kRigid}));
+    benchmark::DoNotOptimize(
+        fit_world(observations, rig.names(), {0, rig.world_from_camera[0], Solver::kRigid}));
   }
 }
 BENCHMARK(fit_world_of_six_markers)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

@@ -1,17 +1,18 @@
 #pragma once
 
-// A chessboard in many places before a lens that is known.
+// A chessboard in many poses in front of a camera with known intrinsics.
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <vector>
 
 #include "tests/tools/calibrate/painted_planes.h"
-#include "tools/calibrate/lens/board.h"
+#include "tools/calibrate/intrinsics/board.h"
 
 namespace copresence::calibrate {
 
-inline const CameraModel kLens{320, 240, 290, 291.5, 161.3, 118.2, {0.12, -0.2, 0.0012, -0.0009, 0, 0, 0, 0}};
+inline const CameraModel kIntrinsics{
+    320, 240, 290, 291.5, 161.3, 118.2, {0.12, -0.2, 0.0012, -0.0009, 0, 0, 0, 0}};
 inline const Board kBoard{Board::Kind::kChessboard, 7, 5, 0.03, 0, ""};
 
 // x right, y down from the first inner corner; a white rim of one square.

@@ -1,23 +1,24 @@
 #pragma once
 
-// Pictures and depth images of painted planes through any lens: boards and markers with a known answer.
+// Rendered pictures and depth images of planes, for any camera model: boards and markers at known
+// poses.
 
 #include <Eigen/Geometry>
 #include <array>
 #include <functional>
-#include <opencv2/aruco.hpp>
 #include <vector>
 
 #include "common/frame/camera_model.h"
 #include "common/frame/image.h"
 #include "common/frame/rigid3.h"
+#include "tools/calibrate/markers/dictionary.h"
 
 namespace copresence::calibrate {
 
 /// The plane z = 0 of its own frame.
 struct PaintedPlane {
   Rigid3 camera_from_plane;
-  std::function<int(double x, double y)> gray;  ///< 0 to 255, or -1 where the plane ends; metres
+  std::function<int(double x, double y)> gray;  ///< 0 to 255, or -1 outside of the plane; x and y in metres.
 };
 
 class PaintedCamera {
@@ -45,7 +46,7 @@ class PaintedCamera {
     return out;
   }
 
-  /// Millimetres; black returns no depth. A wall stands at 3 m.
+  /// Depth in millimetres. Black has no depth. There is a wall at 3 m.
   DepthImage depth(const std::vector<PaintedPlane>& planes) const {
     DepthImage out(model_.width, model_.height);
     for (std::size_t i = 0; i < out.pixels().size(); ++i) {
@@ -79,11 +80,9 @@ class PaintedCamera {
 };
 
 /// A marker of DICT_4X4_50 with a white rim of a cell.
-inline constexpr double kMarkerSize = 0.24;  // metres, of the black square
+inline constexpr double kMarkerSize = 0.24;  // metres, of the black square.
 inline PaintedPlane painted_marker(int id, const Rigid3& camera_from_marker) {
-  cv::Mat bits;
-  cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), id, 6, bits, 1);
-  return {camera_from_marker, [bits](double x, double y) {
+  return {camera_from_marker, [bits = marker_cells("4x4_50", id, 1)](double x, double y) {
             const double u = (x / kMarkerSize + 0.5) * 6, v = (y / kMarkerSize + 0.5) * 6;
             if (u < -1 || v < -1 || u > 7 || v > 7) return -1;
             if (u < 0 || v < 0 || u >= 6 || v >= 6) return 230;
@@ -91,7 +90,7 @@ inline PaintedPlane painted_marker(int id, const Rigid3& camera_from_marker) {
           }};
 }
 
-/// Five of them, some decimetres apart, 1.2 to 1.7 m before the camera, as another one sees them.
+/// Poses of five markers, some decimetres apart, 1.2 to 1.7 m in front of the camera.
 inline std::vector<Rigid3> marker_places() {
   const auto at = [](double x, double y, double z, double yaw, double pitch) {
     return Rigid3{(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) *

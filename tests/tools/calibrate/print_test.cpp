@@ -1,17 +1,17 @@
-// Boards and markers on paper: the PDF file is read back, painted, and what is on it is found and measured.
+// Tests of printed boards and markers: reads the PDF file back, draws it, and measures what it
+// shows.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
-#include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
 #include "tools/calibrate/markers/dictionary.h"
 #include "tools/calibrate/markers/marker_finder.h"
-#include "tools/calibrate/print/pdf.h"
+#include "tools/calibrate/print/sheet.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -69,7 +69,7 @@ std::vector<ReadPage> read_pdf(const std::string& pdf) {
   return pages;
 }
 
-// Every object lies where the table at the end says.
+// Checks that every object is at its offset in the cross-reference table.
 void expect_sound(const std::string& pdf) {
   EXPECT_TRUE(pdf.starts_with("%PDF-1.4\n"));
   EXPECT_TRUE(pdf.ends_with("%%EOF\n"));
@@ -146,7 +146,7 @@ TEST(Print, MakesOneMarkerPerPage) {
       const auto found = finder->found(straight);
       ASSERT_EQ(found.size(), 1u);
       EXPECT_EQ(found[0].name, std::to_string(numbers[i]));
-      const auto seen = seen_dictionary(pages[i].picture);
+      const auto seen = find_dictionary(pages[i].picture);
       ASSERT_TRUE(seen);
       EXPECT_EQ(seen->name, "apriltag_36h11");
       EXPECT_EQ(seen->border_bits, border_bits);
@@ -165,7 +165,7 @@ TEST(Dictionaries, AreKnownByTheNamesOfOpenCvAndAprilTag) {
   EXPECT_EQ(canonical_dictionary("AprilTag 25h9"), "apriltag_25h9");
   EXPECT_FALSE(canonical_dictionary("tagStandard41h12"));
   for (const std::string& name : marker_dictionaries()) EXPECT_EQ(canonical_dictionary(name), name);
-  EXPECT_FALSE(seen_dictionary(ColorImage(320, 240)));
+  EXPECT_FALSE(find_dictionary(ColorImage(320, 240)));
 }
 
 TEST(Print, SaysWhatFits) {

@@ -1,19 +1,17 @@
 #include "tools/calibrate/geometry/plane_depth.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <random>
+#include <string>
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 namespace {
 
-constexpr double kStep = kKinectV1Noise.inverse_step();  // 1/m
-// Two levels for a single frame's pixel; a mean of many errs less, but a Kinect's fixed pattern stays.
-constexpr double kAgrees = 1.5 * kStep;
-constexpr double kSameSurface = 4 * kStep;
+constexpr double kStep = kKinectV1Noise.inverse_step();  // One disparity step, in 1/z, 1/m.
+// A mean of many frames errs less than a single pixel's step, but a Kinect's fixed pattern stays in
+// it.
+constexpr double kOnPlane = 1.5 * kStep;
 
 struct Sample {
   Eigen::Vector3d ray;  // (x, y, 1)
@@ -49,22 +47,25 @@ std::vector<Sample> samples_in(const DepthAverage& depth, const CameraModel& mod
   return samples;
 }
 
-// Least squares over those that agree with `plane`; the sum of squares goes to `squares`.
+// Least squares over the samples that lie on `plane`. Returns their number, and the sum of their
+// squared errors before the fit in `squares`.
 int refit(std::span<const Sample> samples, Eigen::Vector3d& plane, double& squares) {
-  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  int count = 0;
+  PlaneLeastSquares<double> sums;
+  // Rays are taken relative to the first: in a small outline all are alike, and the equations would
+  // lose digits.
+  const Eigen::Vector3d origin = samples.front().ray;
   squares = 0;
   for (const Sample& sample : samples) {
     const double error = plane.dot(sample.ray) - sample.inverse_z;
-    if (std::abs(error) > kAgrees) continue;
-    a += sample.ray * sample.ray.transpose();
-    b += sample.ray * sample.inverse_z;
+    if (std::abs(error) > kOnPlane) continue;
+    sums.add(sample.ray.x() - origin.x(), sample.ray.y() - origin.y(), sample.inverse_z);
     squares += error * error;
-    ++count;
   }
-  if (count >= 3) plane = a.ldlt().solve(b);
-  return count;
+  Eigen::Vector3d fitted;
+  if (sums.solve(0, fitted)) {
+    plane = {fitted.x(), fitted.y(), fitted.z() - fitted.x() * origin.x() - fitted.y() * origin.y()};
+  }
+  return static_cast<int>(sums.count());
 }
 
 }  // namespace
@@ -72,25 +73,59 @@ int refit(std::span<const Sample> samples, Eigen::Vector3d& plane, double& squar
 void DepthAverage::add(const DepthImage& depth) {
   if (frames_ == 0) {
     inverse_sum_ = Image<float>(depth.width(), depth.height());
-    count_ = Image<std::uint16_t>(depth.width(), depth.height());
+    counts_ = Image<Counts>(depth.width(), depth.height());
   }
-  assert(same_shape(depth, inverse_sum_) && frames_ < 65535);
+  assert(same_shape(depth, inverse_sum_) && frames_ < kMostFrames);
   ++frames_;
   const double metres = metres_per_unit(unit_);
   for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
     if (depth.data()[i] == 0) continue;
     const double inverse_z = 1 / (depth.data()[i] * metres);
     float& sum = inverse_sum_.data()[i];
-    std::uint16_t& count = count_.data()[i];
-    if (count > 0 && std::abs(inverse_z - sum / count) > kSameSurface) continue;
-    sum += static_cast<float>(inverse_z);
-    ++count;
+    Counts& counts = counts_.data()[i];
+    ++counts.measured;
+    const bool agrees =
+        counts.agreeing == 0 || std::abs(inverse_z - sum / counts.agreeing) <= kSameSurface_steps * kStep;
+    if (agrees) {
+      sum += static_cast<float>(inverse_z);
+      ++counts.agreeing;
+    } else if (++counts.against >= counts.agreeing) {
+      sum = static_cast<float>(inverse_z);
+      counts.agreeing = 1;
+      counts.against = 0;
+    }
   }
 }
 
 double DepthAverage::inverse_depth(int x, int y) const {
-  const int count = count_(x, y);
-  return count > 0 && 4 * count >= frames_ ? static_cast<double>(inverse_sum_(x, y)) / count : 0;
+  const int agreeing = counts_(x, y).agreeing;
+  return agreeing > 0 && 4 * agreeing >= frames_ ? static_cast<double>(inverse_sum_(x, y)) / agreeing : 0;
+}
+
+Image<float> DepthAverage::still_depth() const {
+  Image<float> depth(width(), height());
+  for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
+    const Counts& counts = counts_.data()[i];
+    if (!is_measured(counts) || !is_still(counts)) continue;
+    depth.data()[i] = static_cast<float>(counts.agreeing) / inverse_sum_.data()[i];
+  }
+  return depth;
+}
+
+double DepthAverage::measured_share() const {
+  double measured = 0;
+  for (const Counts& counts : counts_.pixels()) measured += counts.measured;
+  return frames_ > 0 ? measured / (static_cast<double>(counts_.pixels().size()) * frames_) : 0;
+}
+
+double DepthAverage::unsteady_share() const {
+  int measured = 0, unsteady = 0;
+  for (const Counts& counts : counts_.pixels()) {
+    if (!is_measured(counts)) continue;
+    ++measured;
+    unsteady += !is_still(counts);
+  }
+  return measured > 0 ? static_cast<double>(unsteady) / measured : 0;
 }
 
 Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
@@ -100,27 +135,26 @@ Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
   const int total = static_cast<int>(samples.size());
   if (total < kFewestPixels) {
     return fail(ErrorCode::kNotFound, "only " + std::to_string(total) +
-                                          " of its pixels have depth, of at least " +
-                                          std::to_string(kFewestPixels) + " needed");
+                                          " of its pixels have depth; at least " +
+                                          std::to_string(kFewestPixels) + " are needed");
   }
-  // A random search for the plane on which most agree; the same samples give the same plane.
-  std::minstd_rand random(1);
+  std::minstd_rand random(1);  // The same samples give the same plane.
   std::uniform_int_distribution<std::size_t> any(0, samples.size() - 1);
-  constexpr int kDraws = 60;  // with half of the samples astray, one in eight draws is good
+  constexpr int kDraws = 60;  // If half of the samples are wrong, one draw in eight is good.
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   int most = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     const Sample &p = samples[any(random)], &q = samples[any(random)], &r = samples[any(random)];
     Eigen::Matrix3d rays;
     rays << p.ray.transpose(), q.ray.transpose(), r.ray.transpose();
-    if (std::abs(rays.determinant()) < 1e-6) continue;  // nearly on one line of the picture
+    if (std::abs(rays.determinant()) < 1e-6) continue;  // Nearly on one line of the picture.
     const Eigen::Vector3d plane = rays.inverse() * Eigen::Vector3d(p.inverse_z, q.inverse_z, r.inverse_z);
-    const auto agreeing =
+    const auto on_plane =
         static_cast<int>(std::count_if(samples.begin(), samples.end(), [&](const Sample& s) {
-          return std::abs(plane.dot(s.ray) - s.inverse_z) <= kAgrees;
+          return std::abs(plane.dot(s.ray) - s.inverse_z) <= kOnPlane;
         }));
-    if (agreeing > most) {
-      most = agreeing;
+    if (on_plane > most) {
+      most = on_plane;
       best = plane;
     }
   }
@@ -128,7 +162,7 @@ Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
   for (int round = 0; round < 4; ++round) most = refit(samples, best, squares);
   if (2 * most < total) {
     return fail(ErrorCode::kNotFound, "its depth is no plane: only " + std::to_string(100 * most / total) +
-                                          " % of its pixels agree on one");
+                                          " % of its pixels lie on one");
   }
   PlaneFit fit;
   fit.slope = best.head<2>();
@@ -139,4 +173,4 @@ Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
   return fit;
 }
 
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

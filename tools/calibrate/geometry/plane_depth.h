@@ -1,12 +1,17 @@
 #pragma once
 
-// Depth at a marker: not that of one pixel, but of the plane that fits the marker's whole neighbourhood over many frames.
-// Of a plane, 1/z is linear over the picture, and a Kinect's noise is the same everywhere in 1/z; so the fit is a line
-// of least squares there, on what a random search found to belong to one plane.
+// Mean depth of a still scene, and planes in it.
+//
+// Both work on 1/z. A Kinect's noise has the same standard deviation everywhere in 1/z, and 1/z of
+// a plane is linear over the picture. So a mean of 1/z and a linear least-squares fit to it are the
+// best estimates.
 //
 // Thread: one thread per object; the functions are pure.
 
 #include <Eigen/Core>
+#include <Eigen/LU>
+#include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -15,48 +20,115 @@
 #include "common/frame/image.h"
 #include "common/result.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 
-/// Depth of every pixel over a number of frames of a still scene. Sums of 1/z; values far from a pixel's first ones
-/// (somebody walked by, an edge that flickers) are left out.
+/// Mean depth of every pixel over the frames of a still scene. Keeps running sums, so its size does
+/// not depend on the number of frames.
+///
+/// A pixel's mean is over one surface. Values more than kSameSurface_steps from the mean belong to
+/// something else: a person who walked by, or a flickering edge. When they are as many as the
+/// values of the mean, the mean starts again with the latest one.
 class DepthAverage {
  public:
+  static constexpr double kSameSurface_steps = 3;
+  static constexpr int kMostFrames = 65535;
+
   explicit DepthAverage(DepthUnit unit) : unit_(unit) {}
 
-  /// Requires every image to be of the first one's size.
+  /// Requires every image to have the size of the first one, and at most kMostFrames of them.
   void add(const DepthImage& depth);
 
   int frames() const { return frames_; }
   int width() const { return inverse_sum_.width(); }
   int height() const { return inverse_sum_.height(); }
 
-  /// Mean of 1/z, 1/m; 0 where fewer than a quarter of the frames have depth.
+  /// Mean of 1/z, in 1/m; 0 if fewer than a quarter of the frames belong to it.
   double inverse_depth(int x, int y) const;
 
+  /// Depth of the pixels that kept still, metres along the optical axis; 0 for the others. A pixel
+  /// kept still if at least half of the frames measured it and four fifths of these values belong
+  /// to its mean.
+  Image<float> still_depth() const;
+
+  /// Share of all pixels in which depth was measured, mean over the frames.
+  double measured_share() const;
+
+  /// Share of the pixels measured in at least half of the frames that did not keep still: moving
+  /// objects, and edges at which the sensor flickers.
+  double unsteady_share() const;
+
  private:
+  struct Counts {
+    std::uint16_t measured = 0;  ///< frames with depth
+    std::uint16_t agreeing = 0;  ///< Values in the sum.
+    std::uint16_t against = 0;   ///< Values of other surfaces since the mean began.
+  };
+  bool is_measured(const Counts& counts) const {
+    return counts.measured > 0 && 2 * counts.measured >= frames_;
+  }
+  static bool is_still(const Counts& counts) { return 5 * counts.agreeing >= 4 * counts.measured; }
+
   DepthUnit unit_;
   int frames_ = 0;
   Image<float> inverse_sum_;
-  Image<std::uint16_t> count_;
+  Image<Counts> counts_;
+};
+
+/// Least-squares fit of value = x_slope x + y_slope y + offset to samples that are added one by
+/// one.
+template <class Scalar>
+class PlaneLeastSquares {
+ public:
+  using Coefficients = Eigen::Matrix<Scalar, 3, 1>;  ///< x slope, y slope, offset.
+
+  void add(Scalar x, Scalar y, Scalar value) {
+    n_ += 1;
+    x_ += x;
+    y_ += y;
+    xx_ += x * x;
+    xy_ += x * y;
+    yy_ += y * y;
+    v_ += value;
+    vx_ += value * x;
+    vy_ += value * y;
+  }
+
+  Scalar count() const { return n_; }
+
+  /// False if the samples lie on a line: if the determinant of the normal equations is below
+  /// `least` per sample.
+  bool solve(Scalar least, Coefficients& plane) const {
+    Eigen::Matrix<Scalar, 3, 3> normal;
+    normal << xx_, xy_, x_, xy_, yy_, y_, x_, y_, n_;
+    if (!(std::abs(normal.determinant()) > least * n_)) return false;
+    plane = normal.inverse() * Coefficients(vx_, vy_, v_);
+    return true;
+  }
+
+ private:
+  Scalar n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0, v_ = 0, vx_ = 0, vy_ = 0;
 };
 
 /// 1/z = slope . ray + offset, in 1/m, for rays (x, y, 1) of the camera.
 struct PlaneFit {
   Eigen::Vector2d slope{0, 0};
   double offset = 0;
-  int pixels = 0;        ///< that agree
-  double share = 0;      ///< of the neighbourhood's pixels with depth, 0 to 1
-  double rms_steps = 0;  ///< of those that agree, in sensor steps
+  int pixels = 0;        ///< Number of pixels on the plane.
+  double share = 0;      ///< Of the outline's pixels with depth that are on the plane, 0 to 1.
+  double rms_steps = 0;  ///< Root mean square distance of those pixels from the plane, in disparity steps.
 
-  /// Depth of the plane along a ray, metres. Requires that the plane lies in front of the camera there.
+  /// Depth of the plane along a ray, metres. Requires that the plane lies in front of the camera
+  /// there.
   double z_along(const Eigen::Vector2d& ray) const { return 1 / (slope.dot(ray) + offset); }
 };
 
-/// The plane through what a convex outline (pixels, in order) holds.
+/// Fits a plane to the pixels inside a convex outline (pixels, in order). A random search finds the
+/// plane that most pixels lie on; least squares over those refines it.
 ///
-/// Fails   kNotFound: fewer than `kFewestPixels` of its pixels have depth, or fewer than half of those agree on a plane.
+/// Fails   kNotFound: fewer than `kFewestPixels` of the pixels have depth, or fewer than half of
+///         those lie on one plane.
 inline constexpr int kFewestPixels = 30;
 Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
                            std::span<const Eigen::Vector2d> outline);
 
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

@@ -1,20 +1,21 @@
 #include "tools/calibrate/geometry/rigid_fit.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <cassert>
 #include <cmath>
 #include <vector>
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 namespace {
 
-struct Centres {
+struct Centroids {
   Eigen::Vector3d in_a = Eigen::Vector3d::Zero(), in_b = Eigen::Vector3d::Zero();
 };
 
-Centres centres_of(std::span<const PointPair> pairs) {
-  Centres sum;
+Centroids centroids_of(std::span<const PointPair> pairs) {
+  Centroids sum;
   double weight = 0;
   for (const PointPair& pair : pairs) {
     sum.in_a += pair.weight * pair.in_a;
@@ -24,7 +25,7 @@ Centres centres_of(std::span<const PointPair> pairs) {
   return {sum.in_a / weight, sum.in_b / weight};
 }
 
-// U diag(1, 1, det) V^T: the rotation nearest to m, never a reflection.
+// U diag(1, 1, det) V^T: the rotation nearest to m, and never a reflection.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
@@ -35,13 +36,13 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {
 
 Rigid3 fit_rigid(std::span<const PointPair> pairs) {
   assert(pairs.size() >= 3);
-  const Centres centres = centres_of(pairs);
+  const Centroids centroids = centroids_of(pairs);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const PointPair& pair : pairs) {
-    covariance += pair.weight * (pair.in_b - centres.in_b) * (pair.in_a - centres.in_a).transpose();
+    covariance += pair.weight * (pair.in_b - centroids.in_b) * (pair.in_a - centroids.in_a).transpose();
   }
   const Eigen::Matrix3d rotation = nearest_rotation(covariance);
-  return {rotation, centres.in_b - rotation * centres.in_a};
+  return {rotation, centroids.in_b - rotation * centroids.in_a};
 }
 
 LinearFit fit_linear(std::span<const PointPair> pairs) {
@@ -62,10 +63,25 @@ LinearFit fit_linear(std::span<const PointPair> pairs) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear);
   fit.most_scale = svd.singularValues()(0);
   fit.least_scale = svd.singularValues()(2);
-  const Centres centres = centres_of(unweighted);
+  const Centroids centroids = centroids_of(unweighted);
   fit.rigid.rotation = nearest_rotation(linear);
-  fit.rigid.translation = centres.in_b - fit.rigid.rotation * centres.in_a;
+  fit.rigid.translation = centroids.in_b - fit.rigid.rotation * centroids.in_a;
   return fit;
+}
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  return angle > 0 ? Eigen::AngleAxisd(angle, v / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+}
+
+Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& rotation) {
+  return Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
 }
 
 double rms_distance(const Rigid3& b_from_a, std::span<const PointPair> pairs) {
@@ -75,4 +91,4 @@ double rms_distance(const Rigid3& b_from_a, std::span<const PointPair> pairs) {
   return std::sqrt(sum / static_cast<double>(pairs.size()));
 }
 
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

@@ -1,7 +1,8 @@
 #pragma once
 
-// How one camera stands to another, from points that both have measured: the rigid least-squares form, and the thesis's
-// linear one with 12 unknowns, which lets scale and shear take up noise and needs points in all directions.
+// The pose of one camera relative to another, from points that both have measured. Two methods:
+// rigid least squares, and the thesis's linear equations for 12 unknowns. The linear form lets
+// scale and shear absorb noise, and needs points that are not in one plane.
 //
 // Thread: pure functions.
 
@@ -10,29 +11,40 @@
 
 #include "common/frame/rigid3.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 
 struct PointPair {
   Eigen::Vector3d in_a, in_b;  ///< metres
-  double weight = 1;           ///< inverse variance, in any unit
+  double weight = 1;           ///< Inverse variance, in any unit.
 };
 
-/// b_from_a with the least weighted sum of squared distances. Requires three pairs that are not on one line.
-/// Source   Umeyama 1991, without scale.
+/// b_from_a with the smallest weighted sum of squared distances. Requires three pairs that are not
+/// on one line.
+/// Source   Umeyama 1991, without scale and with weights, which Eigen::umeyama() does not have.
 Rigid3 fit_rigid(std::span<const PointPair> pairs);
 
-/// The affine map that takes points of a to b, and the rigid transform nearest to it.
+/// The affine map from points of a to points of b, and the rigid transform nearest to it.
 struct LinearFit {
-  Eigen::Matrix<double, 3, 4> b_from_a;    ///< as solved: metres
-  Rigid3 rigid;                            ///< nearest rotation; the points' centres of gravity meet
-  double least_scale = 1, most_scale = 1;  ///< singular values of its 3x3: 1 and 1 for a rotation
+  Eigen::Matrix<double, 3, 4> b_from_a;    ///< The solution of the linear equations, metres.
+  Rigid3 rigid;                            ///< With the nearest rotation; maps centroid to centroid.
+  double least_scale = 1, most_scale = 1;  ///< Singular values of its 3x3: 1 and 1 for a rotation.
 };
 
-/// The thesis's 12 unknowns by least squares, unweighted as there. Requires four pairs that are not in one plane.
-/// Source   thesis appendix A.2, eq. 3.4 and 3.5; its 3n x 12 system falls apart into three of n x 4.
+/// The thesis's 12 unknowns by unweighted least squares. Requires four pairs that are not in one
+/// plane.
+/// Source   thesis appendix A.2, eq. 3.4 and 3.5; its 3n x 12 system separates into three of n x 4.
 LinearFit fit_linear(std::span<const PointPair> pairs);
 
-/// Root mean square distance, metres, that `b_from_a` leaves between the pairs.
+/// Root mean square distance of the pairs after `b_from_a`, metres.
 double rms_distance(const Rigid3& b_from_a, std::span<const PointPair> pairs);
 
-}  // namespace copresence::calibration
+/// The matrix M with M x = v cross x.
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+
+/// The rotation about the axis `v` by the angle |v|, radians.
+Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& v);
+
+/// The nearest rotation to a product of rotations that rounding has made inexact.
+Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& rotation);
+
+}  // namespace copresence::calibrate

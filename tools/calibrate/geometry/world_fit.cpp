@@ -7,20 +7,20 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/calibrate/geometry/joint_fit.h"
+#include "tools/calibrate/geometry/bundle_adjustment.h"
 #include "tools/calibrate/geometry/rigid_fit.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 namespace {
 
-// A camera's measured point of every marker's middle, where it has one.
-using Seen = std::vector<std::vector<const Sighting*>>;
+// Each camera's observation of each marker's centre, by camera and marker; null if there is none.
+using Seen = std::vector<std::vector<const Observation*>>;
 
-Seen by_camera_and_marker(std::span<const Sighting> sightings, const Names& names) {
-  Seen seen(names.cameras.size(), std::vector<const Sighting*>(names.markers.size(), nullptr));
-  for (const Sighting& sighting : sightings) {
-    assert(sighting.camera < names.cameras.size() && sighting.marker < names.markers.size());
-    if (sighting.part == 0) seen[sighting.camera][sighting.marker] = &sighting;
+Seen by_camera_and_marker(std::span<const Observation> observations, const RigNames& names) {
+  Seen seen(names.cameras.size(), std::vector<const Observation*>(names.markers.size(), nullptr));
+  for (const Observation& observation : observations) {
+    assert(observation.camera < names.cameras.size() && observation.marker < names.markers.size());
+    if (observation.part == 0) seen[observation.camera][observation.marker] = &observation;
   }
   return seen;
 }
@@ -28,10 +28,10 @@ Seen by_camera_and_marker(std::span<const Sighting> sightings, const Names& name
 struct Link {
   PairFit report;
   Rigid3 a_from_b;
-  std::optional<Error> problem;  ///< why this pair cannot be used
+  std::optional<Error> problem;  ///< Why this pair cannot be used.
 };
 
-Link fit_pair(const Seen& seen, const Names& names, std::size_t a, std::size_t b,
+Link fit_pair(const Seen& seen, const RigNames& names, std::size_t a, std::size_t b,
               const WorldSettings& settings) {
   Link link;
   link.report.a = a;
@@ -39,7 +39,7 @@ Link fit_pair(const Seen& seen, const Names& names, std::size_t a, std::size_t b
   std::vector<NamedPoint> points;
   std::vector<PointPair> pairs;
   for (std::size_t m = 0; m < names.markers.size(); ++m) {
-    const Sighting *in_a = seen[a][m], *in_b = seen[b][m];
+    const Observation *in_a = seen[a][m], *in_b = seen[b][m];
     if (!in_a || !in_b) continue;
     points.push_back({names.markers[m], in_a->point_in_camera()});
     const double sigma_a = in_a->z_sigma_m(), sigma_b = in_b->z_sigma_m();
@@ -47,27 +47,27 @@ Link fit_pair(const Seen& seen, const Names& names, std::size_t a, std::size_t b
         {in_b->point_in_camera(), in_a->point_in_camera(), 1 / (sigma_a * sigma_a + sigma_b * sigma_b)});
   }
   link.report.markers = pairs.size();
-  const std::string who = names.cameras[a] + " and " + names.cameras[b];
+  const std::string cameras = names.cameras[a] + " and " + names.cameras[b];
   const bool is_board = settings.is_board && points.size() >= kFewestMarkers;
-  if (const auto usable = check_layout(points, settings.form, who); !usable && !is_board) {
+  if (const auto usable = check_layout(points, settings.solver, cameras); !usable && !is_board) {
     link.problem = usable.error();
     return link;
   }
   link.a_from_b = fit_rigid(pairs);
   link.report.rigid_rms_m = rms_distance(link.a_from_b, pairs);
-  if (const auto usable = check_layout(points, Form::kLinear, who); usable) {
+  if (const auto usable = check_layout(points, Solver::kLinear, cameras); usable) {
     const LinearFit linear = fit_linear(pairs);
     link.report.linear_rms_m = rms_distance(linear.rigid, pairs);
     link.report.least_scale = linear.least_scale;
     link.report.most_scale = linear.most_scale;
-    if (settings.form == Form::kLinear) link.a_from_b = linear.rigid;
+    if (settings.solver == Solver::kLinear) link.a_from_b = linear.rigid;
   } else {
     link.report.no_linear = usable.error().what;
   }
   return link;
 }
 
-std::vector<Link> fit_pairs(const Seen& seen, const Names& names, const WorldSettings& settings) {
+std::vector<Link> fit_pairs(const Seen& seen, const RigNames& names, const WorldSettings& settings) {
   std::vector<Link> links;
   for (std::size_t a = 0; a < names.cameras.size(); ++a) {
     for (std::size_t b = a + 1; b < names.cameras.size(); ++b)
@@ -76,8 +76,8 @@ std::vector<Link> fit_pairs(const Seen& seen, const Names& names, const WorldSet
   return links;
 }
 
-// Joins the cameras to the reference one, always by the pair that shares most markers.
-Result<std::vector<Rigid3>> poses_along_tree(std::vector<Link>& links, const Names& names,
+// Initial poses: adds one camera after the other, by the pair that shares most markers.
+Result<std::vector<Rigid3>> poses_along_tree(std::vector<Link>& links, const RigNames& names,
                                              const WorldSettings& settings) {
   std::vector<std::optional<Rigid3>> poses(names.cameras.size());
   poses[settings.reference] = settings.world_from_reference;
@@ -93,8 +93,8 @@ Result<std::vector<Rigid3>> poses_along_tree(std::vector<Link>& links, const Nam
     Link *best = nullptr, *nearly = nullptr;
     for (Link& link : links) {
       if (!joins(link)) continue;
-      Link*& place = link.problem ? nearly : best;
-      if (fewer(place, &link)) place = &link;
+      Link*& candidate = link.problem ? nearly : best;
+      if (fewer(candidate, &link)) candidate = &link;
     }
     if (!best) return fail(*nearly->problem);
     best->report.in_tree = true;
@@ -110,7 +110,7 @@ Result<std::vector<Rigid3>> poses_along_tree(std::vector<Link>& links, const Nam
 }
 
 void add(Spread& spread, double distance, std::size_t at) {
-  spread.rms += distance * distance;  // a sum until finish()
+  spread.rms += distance * distance;  // The sum of squares until finish().
   if (spread.count == 0 || distance > spread.worst) {
     spread.worst = distance;
     spread.worst_at = at;
@@ -122,7 +122,8 @@ void finish(Spread& spread) {
   if (spread.count > 0) spread.rms = std::sqrt(spread.rms / static_cast<double>(spread.count));
 }
 
-// Where the cameras but `without` put a marker, each weighed by its depth's worth.
+// Position of a marker as the mean over all cameras but `without`, weighted by their depths'
+// variances.
 std::optional<Eigen::Vector3d> mean_position(const Seen& seen, std::span<const Rigid3> poses,
                                              std::size_t marker, std::optional<std::size_t> without) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -138,31 +139,32 @@ std::optional<Eigen::Vector3d> mean_position(const Seen& seen, std::span<const R
 
 std::size_t markers_of(const Seen& seen, std::size_t camera) {
   return static_cast<std::size_t>(std::count_if(seen[camera].begin(), seen[camera].end(),
-                                                [](const Sighting* s) { return s != nullptr; }));
+                                                [](const Observation* s) { return s != nullptr; }));
 }
 
-// The poses that one gets without a marker; nothing where that leaves a camera with too few.
-std::optional<std::vector<Rigid3>> poses_without(std::span<const Sighting> sightings, const Seen& seen,
-                                                 const Names& names, std::size_t marker,
+// The poses fitted without a marker; nothing if a camera has too few markers then.
+std::optional<std::vector<Rigid3>> poses_without(std::span<const Observation> observations, const Seen& seen,
+                                                 const RigNames& names, std::size_t marker,
                                                  std::span<const Rigid3> start,
                                                  const WorldSettings& settings) {
   for (std::size_t c = 0; c < start.size(); ++c) {
     if (markers_of(seen, c) - (seen[c][marker] ? 1 : 0) < 3) return std::nullopt;
   }
-  std::vector<Sighting> others;
-  std::copy_if(sightings.begin(), sightings.end(), std::back_inserter(others),
-               [&](const Sighting& s) { return s.marker != marker; });
-  if (settings.form == Form::kRigid) return fit_jointly(others, start, settings.reference).world_from_camera;
+  std::vector<Observation> others;
+  std::copy_if(observations.begin(), observations.end(), std::back_inserter(others),
+               [&](const Observation& s) { return s.marker != marker; });
+  if (settings.solver == Solver::kRigid)
+    return adjust_bundle(others, start, settings.reference).world_from_camera;
   const Seen fewer = by_camera_and_marker(others, names);
   auto links = fit_pairs(fewer, names, settings);
   auto poses = poses_along_tree(links, names, settings);
   return poses ? std::optional(std::move(*poses)) : std::nullopt;
 }
 
-void leave_one_out(std::span<const Sighting> sightings, const Seen& seen, const Names& names,
+void leave_one_out(std::span<const Observation> observations, const Seen& seen, const RigNames& names,
                    const WorldSettings& settings, std::span<const Rigid3> poses, WorldFit& fit) {
   for (std::size_t m = 0; m < names.markers.size(); ++m) {
-    const auto without = poses_without(sightings, seen, names, m, poses, settings);
+    const auto without = poses_without(observations, seen, names, m, poses, settings);
     if (!without) continue;
     for (std::size_t c = 0; c < poses.size(); ++c) {
       const auto others = mean_position(seen, *without, m, c);
@@ -175,10 +177,10 @@ void leave_one_out(std::span<const Sighting> sightings, const Seen& seen, const 
 
 }  // namespace
 
-Result<WorldFit> fit_world(std::span<const Sighting> sightings, const Names& names,
+Result<WorldFit> fit_world(std::span<const Observation> observations, const RigNames& names,
                            const WorldSettings& settings) {
   assert(settings.reference < names.cameras.size());
-  const Seen seen = by_camera_and_marker(sightings, names);
+  const Seen seen = by_camera_and_marker(observations, names);
   std::vector<Link> links = fit_pairs(seen, names, settings);
   const auto tree = poses_along_tree(links, names, settings);
   if (!tree) return fail(tree.error());
@@ -189,8 +191,8 @@ Result<WorldFit> fit_world(std::span<const Sighting> sightings, const Names& nam
   }
   fit.cameras.resize(names.cameras.size());
   fit.markers.resize(names.markers.size());
-  const JointFit joint = fit_jointly(sightings, *tree, settings.reference);
-  const std::vector<Rigid3>& poses = settings.form == Form::kRigid ? joint.world_from_camera : *tree;
+  const BundleAdjustment joint = adjust_bundle(observations, *tree, settings.reference);
+  const std::vector<Rigid3>& poses = settings.solver == Solver::kRigid ? joint.world_from_camera : *tree;
   fit.noise_ratio = joint.noise_ratio;
 
   for (std::size_t m = 0; m < names.markers.size(); ++m) {
@@ -200,7 +202,7 @@ Result<WorldFit> fit_world(std::span<const Sighting> sightings, const Names& nam
       marker.in_world.setConstant(std::numeric_limits<double>::quiet_NaN());
       continue;
     }
-    marker.in_world = settings.form == Form::kRigid ? joint.marker_in_world[m] : *mean;
+    marker.in_world = settings.solver == Solver::kRigid ? joint.marker_in_world[m] : *mean;
     for (std::size_t c = 0; c < poses.size(); ++c) {
       if (!seen[c][m]) continue;
       const double distance = (poses[c] * seen[c][m]->point_in_camera() - marker.in_world).norm();
@@ -220,8 +222,8 @@ Result<WorldFit> fit_world(std::span<const Sighting> sightings, const Names& nam
     camera.expected_shift_m = std::sqrt(squares / static_cast<double>(markers_of(seen, c)));
     camera.expected_turn = joint.expected_turn(c);
   }
-  leave_one_out(sightings, seen, names, settings, poses, fit);
+  leave_one_out(observations, seen, names, settings, poses, fit);
   return fit;
 }
 
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

@@ -1,7 +1,9 @@
 #pragma once
 
-// From what every camera saw of the markers to one world: pairs of cameras that share enough markers, joined to a tree
-// from the reference camera, then everything fitted at once; and how good it is, said in four ways.
+// Finds the poses of all cameras from their observations of markers, and how good they are.
+//
+// Each pair of cameras that shares enough markers is solved alone. The pairs form a tree from the
+// reference camera, which gives initial poses. A bundle adjustment then fits everything together.
 //
 // Thread: pure functions.
 
@@ -13,64 +15,69 @@
 
 #include "common/frame/rigid3.h"
 #include "common/result.h"
-#include "tools/calibrate/geometry/layout.h"
-#include "tools/calibrate/geometry/sighting.h"
+#include "tools/calibrate/geometry/marker_layout.h"
+#include "tools/calibrate/geometry/observation.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 
 /// Root mean square and worst of some distances, metres.
 struct Spread {
   double rms = 0, worst = 0;
-  std::size_t worst_at = 0;  ///< which marker (of a camera) or camera (of a marker)
+  std::size_t worst_at = 0;  ///< Index of the worst marker (of a camera) or camera (of a marker).
   std::size_t count = 0;
 };
 
 struct CameraFit {
   Rigid3 world_from_camera;
-  Spread residual;       ///< where it puts the markers, against where all put them
-  Spread leave_one_out;  ///< each marker against where the others put it, fitted without that marker
-  double expected_shift_m =
-      0;  ///< standard deviation of a point among the markers, against the reference camera
-  double expected_turn = 0;  ///< and of directions, radians
+  Spread residual;  ///< Distances of its markers from their common positions.
+  /// Distance of each marker from where the other cameras put it, after a fit without that marker.
+  Spread leave_one_out;
+  /// Standard deviation of a point among the markers, relative to the reference camera.
+  double expected_shift_m = 0;
+  double expected_turn = 0;  ///< The same of the orientation, radians.
 };
 
 struct MarkerFit {
-  Eigen::Vector3d in_world{0, 0, 0};  ///< NaN where nobody saw it
-  Spread residual;                    ///< over the cameras that see it
+  Eigen::Vector3d in_world{0, 0, 0};  ///< NaN if no camera sees it.
+  Spread residual;                    ///< Over the cameras that see it.
 };
 
-/// Two cameras that share markers enough, each form fitted to this pair alone.
+/// Two cameras that share enough markers, and the fits to this pair alone.
 struct PairFit {
   std::size_t a = 0, b = 0, markers = 0;
   bool in_tree = false;
   double rigid_rms_m = 0;
-  std::optional<double> linear_rms_m;  ///< of the rigid transform nearest to the linear form; nothing where
-  std::string no_linear;               ///< the markers do not allow it, and why
-  double least_scale = 1, most_scale = 1;  ///< what the linear form did to lengths
+  /// Of the rigid transform nearest to the linear solution. Empty if the markers do not allow the
+  /// linear solver.
+  std::optional<double> linear_rms_m;
+  std::string no_linear;                   ///< Why the linear solver cannot be used; may be empty.
+  double least_scale = 1, most_scale = 1;  ///< Scales of the linear solution.
 };
 
 struct WorldFit {
   std::vector<CameraFit> cameras;
   std::vector<MarkerFit> markers;
   std::vector<PairFit> pairs;
-  double noise_ratio = 1;  ///< residuals as a multiple of the sensor's expected noise
+  double noise_ratio = 1;  ///< Size of the residuals relative to the sensor's expected noise.
 };
 
-struct Names {
+/// Names of all cameras and markers, by index.
+struct RigNames {
   std::vector<std::string> cameras, markers;
 };
 
 struct WorldSettings {
   std::size_t reference = 0;  ///< camera
   Rigid3 world_from_reference;
-  Form form = Form::kRigid;
-  /// The points are of one rigid board, whose size tells their depth far better than a sensor's noise allows: lay-outs
-  /// that check_layout() would call too close will do.
+  Solver solver = Solver::kRigid;
+  /// The points are corners of one rigid board. Its known size gives their depth better than a
+  /// sensor, so a layout may be smaller than check_layout() requires.
   bool is_board = false;
 };
 
-/// Fails  kInvalid: a camera shares too few markers with the others, or they lie badly; see check_layout().
-Result<WorldFit> fit_world(std::span<const Sighting> sightings, const Names& names,
+/// Fails  kInvalid: a camera shares too few markers with the others, or their layout is bad; see
+///        check_layout().
+Result<WorldFit> fit_world(std::span<const Observation> observations, const RigNames& names,
                            const WorldSettings& settings);
 
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

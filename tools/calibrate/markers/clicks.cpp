@@ -73,8 +73,8 @@ std::vector<FoundMarker> ClickList::markers() const {
 
 namespace {
 
-// Qt, which draws OpenCV's windows, ends the whole program where it finds no display: a child tries first. Before the
-// first window only: a child cannot share one that Qt has already.
+// OpenCV's window library, Qt, exits the program if there is no display. So a child process tries
+// first. It must run before the first window: a child cannot share a display that Qt uses already.
 bool try_a_window() {
   const pid_t child = fork();
   if (child < 0) return false;
@@ -100,9 +100,7 @@ bool can_open_windows() {
 
 Error no_window() {
   return {ErrorCode::kUnavailable,
-          "no window can be opened to click in (is there a display?); use markers that are found by "
-          "themselves, or "
-          "--points FILE"};
+          "no window can be opened to click in (is there a display?); use printed markers, or --points FILE"};
 }
 
 }  // namespace
@@ -121,13 +119,13 @@ Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const
     cv::setMouseCallback(
         title,
         [](int event, int x, int y, int, void* to) {
-          // Pixel centres lie at whole coordinates: the zoomed picture's lie half a pixel of its own further.
+          // Pixel centres are at whole coordinates, in both the picture and its enlarged copy.
           if (event == cv::EVENT_LBUTTONDOWN) {
             static_cast<ClickList*>(to)->click((x + 0.5) / kZoom - 0.5, (y + 0.5) / kZoom - 0.5);
           }
         },
         &list);
-    // The return that ended the camera before repeats in this window for as long as it is held.
+    // The return key that ended the previous window repeats here while it is held down.
     constexpr auto kReleased = std::chrono::milliseconds(300);
     auto last_key = std::chrono::steady_clock::now();
     bool released = false;

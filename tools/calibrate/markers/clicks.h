@@ -1,8 +1,8 @@
 #pragma once
 
-// Markers pointed at by a person, as in thesis 3.1: in a window, or in a file that an earlier session left.
+// Markers that a person clicks in a window, as in thesis 3.1, and files of such clicks.
 //
-// The file has one line per marker and camera, `camera marker x y`, pixels; # begins a comment.
+// A file has one line per marker and camera: `camera marker x y`, in pixels. # begins a comment.
 
 #include <filesystem>
 #include <map>
@@ -12,28 +12,30 @@
 
 #include "common/frame/image.h"
 #include "common/result.h"
-#include "tools/calibrate/markers/found_marker.h"
+#include "tools/calibrate/markers/marker_finder.h"
 
 namespace copresence::calibrate {
 
-/// Camera's name -> its markers.
+/// Markers by the name of the camera.
 using Clicks = std::map<std::string, std::vector<FoundMarker>>;
 
 /// Standard deviation of a click, pixels.
 inline constexpr double kClickSigma = 1.5;
 
-/// Fails  kNotFound, or kInvalid with `FILE:LINE: what`: a line of another form, one marker twice in one camera.
+/// Fails  kNotFound; kInvalid with `FILE:LINE: message` for a line of another form, or a marker
+///        that occurs twice in one camera.
 Result<Clicks> load_clicks(const std::filesystem::path& file);
 
-/// Fails  kUnavailable where the file cannot be written.
+/// Fails  kUnavailable if the file cannot be written.
 Result<void> save_clicks(const Clicks& clicks, const std::filesystem::path& file);
 
-/// Shows a camera's picture in a window and waits for clicks: the first is marker click1, the next click2, and so
-/// on, names that no printed marker has; the space bar leaves out a marker that this camera does not see, backspace takes the last one back, return ends.
-/// Fails  kUnavailable where no window can be opened, kRefused when it is closed.
+/// Shows a camera's picture in a window and waits for clicks. The markers are click1, click2 and so
+/// on; printed markers have other names. The space bar skips a marker that this camera does not
+/// see, backspace removes the last one, and return ends.
+/// Fails  kUnavailable if no window can be opened; kRefused if it is closed.
 Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const ColorImage& picture);
 
-/// The state behind that window, without the window.
+/// The clicks of one window.
 class ClickList {
  public:
   void click(double x, double y);
@@ -43,7 +45,7 @@ class ClickList {
   }
   int next() const {
     return static_cast<int>(places_.size()) + 1;
-  }  ///< number of the marker that is asked for
+  }  ///< Number of the marker that is asked for.
   std::vector<FoundMarker> markers() const;
 
  private:

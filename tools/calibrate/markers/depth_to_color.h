@@ -1,8 +1,8 @@
 #pragma once
 
-// Where a sensor's colour camera stands to its depth camera, for sensors whose driver does not register: from markers
-// that both see, since their dark cells are of a material (aluminium foil, thesis 3.1) that returns no depth. Pixels
-// without depth make a picture in which the markers can be found.
+// Finds the pose of a sensor's colour camera relative to its depth camera, for sensors that do not
+// register. The dark cells of the markers are of aluminium foil (thesis 3.1), which returns no
+// depth. So the markers are visible in a picture of the pixels without depth.
 //
 // Thread: pure functions.
 
@@ -21,34 +21,34 @@ namespace copresence::calibrate {
 
 struct DepthToColor {
   Rigid3 color_from_depth;  ///< metres
-  double rms_px = 0;        ///< of the markers' corners, measured in depth, shown in the colour picture
+  double rms_px = 0;        ///< Reprojection error of the corners from the depth into the colour picture.
   double worst_px = 0;
-  double expected_shift_m = 0;  ///< standard deviation of a point among the markers
+  double expected_shift_m = 0;  ///< Standard deviation of a point among the markers.
   int markers = 0;
 };
 
-/// Collects frames of a still scene, as delivered: depth and colour each in its own camera. Keeps sums, no frames.
-/// Thread: one thread per object.
+/// Collects frames of a still scene, with depth and colour each in its own camera. Keeps sums, no
+/// frames. Thread: one thread per object.
 class DepthToColorFinder {
  public:
-  /// Fails  kInvalid for a dictionary that there is not.
+  /// Fails  kInvalid for an unknown dictionary.
   static Result<DepthToColorFinder> open(DepthUnit unit, const std::string& dictionary, int border_bits);
 
   /// Requires images of the first one's size.
   void add_depth(const DepthImage& depth);
-  /// Looks for markers, which takes longer: about twenty pictures are enough.
+  /// Searches markers, which takes longer than add_depth(). About twenty pictures are enough.
   void add_color(const ColorImage& color) { in_color_.add(color); }
 
-  /// Fails  kInvalid: too few markers seen by both, or lying badly. Requires depth.
+  /// Fails  kInvalid: too few common markers, or a bad layout. Requires depth.
   Result<DepthToColor> fit(const CameraModel& depth, const CameraModel& color) const;
 
  private:
   DepthToColorFinder(DepthUnit unit, MarkerFinder finder)
       : average_(unit), in_color_(finder), in_depth_(std::move(finder)) {}
 
-  calibration::DepthAverage average_;
-  Image<std::uint16_t> measured_;     // number of frames with depth, by pixel
-  MarkerFinder in_color_, in_depth_;  // the latter still empty
+  DepthAverage average_;
+  Image<std::uint16_t> measured_;     // Number of frames with depth, by pixel.
+  MarkerFinder in_color_, in_depth_;  // in_depth_ stays empty until fit().
 };
 
 }  // namespace copresence::calibrate

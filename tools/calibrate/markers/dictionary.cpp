@@ -6,7 +6,6 @@
 #include <array>
 #include <cctype>
 #include <map>
-#include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
 
@@ -40,11 +39,12 @@ const std::map<std::string, int>& dictionaries() {
   return kAll;
 }
 
-// The dictionaries that hold all others: OpenCV's 4x4_50 are the first 50 markers of its 4x4_1000.
+// Dictionaries of increasing size that begin with the same markers: OpenCV's 4x4_50 are the first
+// 50 of its 4x4_1000.
 struct Family {
-  const char* prefix;        // of the names, before the number of markers
-  std::array<int, 4> sizes;  // numbers of markers; 0 where the prefix is the whole name
-  int fewest;                // markers that are no accident
+  const char* prefix;        // The names up to the number of markers.
+  std::array<int, 4> sizes;  // Numbers of markers; 0 if the prefix is the whole name.
+  int fewest;                // Number of markers that cannot be found by chance.
 };
 constexpr std::array<Family, 9> kFamilies{{{"4x4_", {50, 100, 250, 1000}, 2},
                                            {"5x5_", {50, 100, 250, 1000}, 2},
@@ -94,38 +94,55 @@ std::optional<std::string> canonical_dictionary(const std::string& name) {
   return dictionaries().contains(text) ? std::optional(text) : std::nullopt;
 }
 
-std::optional<int> dictionary_number(const std::string& name) {
-  const auto found = dictionaries().find(name);
-  return found == dictionaries().end() ? std::nullopt : std::optional(found->second);
+// OpenCV 4.7 changed dictionaries from pointers to values, and renamed the functions that draw
+// markers.
+cv::Ptr<cv::aruco::Dictionary> make_dictionary(const std::string& name) {
+  return cv::makePtr<cv::aruco::Dictionary>(cv::aruco::getPredefinedDictionary(dictionaries().at(name)));
 }
 
-std::string SeenDictionary::in_words() const {
+int markers_in(const std::string& dictionary) {
+  return make_dictionary(dictionary)->bytesList.rows;
+}
+
+cv::Mat marker_cells(const std::string& dictionary, int number, int border_bits) {
+  const auto codes = make_dictionary(dictionary);
+  const int cells = codes->markerSize + 2 * border_bits;
+  cv::Mat bits;
+#if CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR >= 407
+  cv::aruco::generateImageMarker(*codes, number, cells, bits, border_bits);
+#else
+  cv::aruco::drawMarker(codes, number, cells, bits, border_bits);
+#endif
+  return bits;
+}
+
+std::string FoundDictionary::in_words() const {
   const std::string many = fmt::format("{} marker{} of {}", markers, markers == 1 ? "" : "s", name);
   if (border_bits == 1) return fmt::format("{}: give --dictionary {}", many, name);
-  return fmt::format("{} whose black rim is {} cells wide: give --dictionary {} --border-bits {}", many,
+  return fmt::format("{} with a black border of {} cells: give --dictionary {} --border-bits {}", many,
                      border_bits, name, border_bits);
 }
 
-std::optional<SeenDictionary> seen_dictionary(const ColorImage& picture) {
+std::optional<FoundDictionary> find_dictionary(const ColorImage& picture) {
   constexpr int kLongerSide = 1280;  // bounds the time
   const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.data()));
   cv::Mat gray;
   cv::cvtColor(rgb, gray, cv::COLOR_RGB2GRAY);
   const double scale = static_cast<double>(kLongerSide) / std::max(gray.cols, gray.rows);
   if (scale < 1) cv::resize(gray, gray, {}, scale, scale, cv::INTER_AREA);
-  std::optional<SeenDictionary> best;
+  std::optional<FoundDictionary> best;
   for (const int border_bits : {1, 2}) {
-    const auto parameters = cv::aruco::DetectorParameters::create();
+    const auto parameters = cv::makePtr<cv::aruco::DetectorParameters>();
     parameters->markerBorderBits = border_bits;
     for (const Family& family : kFamilies) {
       const std::string whole = name_of(family, 999);
       std::vector<std::vector<cv::Point2f>> corners;
       std::vector<int> ids;
-      cv::aruco::detectMarkers(gray, cv::aruco::getPredefinedDictionary(*dictionary_number(whole)), corners,
-                               ids, parameters);
+      cv::aruco::detectMarkers(gray, make_dictionary(whole), corners, ids, parameters);
       const int markers = static_cast<int>(ids.size());
       if (markers < family.fewest || (best && markers <= best->markers)) continue;
-      best = SeenDictionary{name_of(family, *std::max_element(ids.begin(), ids.end())), border_bits, markers};
+      best =
+          FoundDictionary{name_of(family, *std::max_element(ids.begin(), ids.end())), border_bits, markers};
     }
   }
   return best;

@@ -1,7 +1,9 @@
 #pragma once
 
-// The sets of markers that can be looked for, by name, and which of them a picture shows. Thread: pure functions.
+// Dictionaries of ArUco and AprilTag markers, by name. Hides the differences between OpenCV 4.6 and
+// 4.10. Thread: pure functions.
 
+#include <opencv2/aruco.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,28 +12,35 @@
 
 namespace copresence::calibrate {
 
-/// 4x4_50, 5x5_100, 6x6_250, apriltag_36h11, ...: all that OpenCV knows.
+/// All dictionaries of OpenCV: 4x4_50, 5x5_100, 6x6_250, apriltag_36h11, ...
 std::vector<std::string> marker_dictionaries();
 
-/// The name among marker_dictionaries() that is meant by `name`, which may be in the spelling of OpenCV (DICT_4X4_50) or of
-/// AprilTag (tag36h11). Nothing for another name.
+/// The name in marker_dictionaries() for `name`, which may be in the spelling of OpenCV
+/// (DICT_4X4_50) or of AprilTag (tag36h11). Nothing if there is no such dictionary.
 std::optional<std::string> canonical_dictionary(const std::string& name);
 
-/// OpenCV's number of a dictionary; nothing for a name that is not among marker_dictionaries().
-std::optional<int> dictionary_number(const std::string& name);
+/// Requires a name in marker_dictionaries().
+cv::Ptr<cv::aruco::Dictionary> make_dictionary(const std::string& name);
+
+/// Number of markers in a dictionary. Requires a name in marker_dictionaries().
+int markers_in(const std::string& dictionary);
+
+/// The cells of a marker with its black border, one pixel per cell: 0 for black, 255 for white.
+/// Requires a name in marker_dictionaries() and a number below markers_in().
+cv::Mat marker_cells(const std::string& dictionary, int number, int border_bits);
 
 /// Markers of one dictionary in a picture.
-struct SeenDictionary {
+struct FoundDictionary {
   std::string name;
-  int border_bits = 1;  ///< width of the black rim, in cells; 2 in Kalibr's AprilTag boards
+  int border_bits = 1;  ///< Width of the black border, in cells; 2 for Kalibr's AprilTag boards.
   int markers = 0;
 
   /// "12 markers of apriltag_36h11: give --dictionary apriltag_36h11".
   std::string in_words() const;
 };
 
-/// The dictionary of which the picture shows most markers. Nothing where it shows none for certain. Takes about a second
-/// for a picture of 1280x960 pixels.
-std::optional<SeenDictionary> seen_dictionary(const ColorImage& picture);
+/// The dictionary with most markers in the picture. Nothing if there are too few to be certain.
+/// Takes about a second for a picture of 1280x960 pixels.
+std::optional<FoundDictionary> find_dictionary(const ColorImage& picture);
 
 }  // namespace copresence::calibrate

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,40 +12,57 @@
 #include "common/frame/camera_model.h"
 #include "common/frame/image.h"
 #include "common/result.h"
-#include "tools/calibrate/markers/found_marker.h"
 
 namespace copresence::calibrate {
 
+/// A marker in a picture, found by a MarkerFinder or clicked by a person.
+struct FoundMarker {
+  std::string name;
+  Eigen::Vector2d middle{0, 0};          ///< centre, pixels
+  std::vector<Eigen::Vector2d> corners;  ///< pixels, clockwise from the marker's top left; empty if clicked.
+  double sigma_px = 0.25;                ///< Expected standard deviation of each coordinate.
+};
+
 class MarkerFinder {
  public:
-  /// border_bits  width of the markers' black rim, in cells.
-  /// Fails  kInvalid for a name that is not among marker_dictionaries() (dictionary.h).
+  /// border_bits  width of the markers' black border, in cells.
+  /// Fails  kInvalid for a name that is not in marker_dictionaries() (dictionary.h).
   static Result<MarkerFinder> open(const std::string& dictionary, int border_bits = 1);
 
-  /// Looks for markers in one more picture; all must have the same size.
+  /// Searches one more picture. All pictures must have the same size.
   void add(const ColorImage& picture);
   void add_gray(const Image<std::uint8_t>& picture);
 
   int pictures() const { return pictures_; }
 
-  /// Markers seen in at least a third of the pictures, each corner where it lies in the median; those that lay within
-  /// `kStill` pixels all the time. The middle is where the diagonals cross without the lens's distortion.
+  /// Markers that were found in at least a third of the pictures and kept still: their corners lay
+  /// within `kStill` of their median. Corners are medians. The centre is where the diagonals cross
+  /// after undistortion.
   std::vector<FoundMarker> found(const CameraModel& model) const;
 
-  /// Those that moved.
+  /// Names of the markers that moved.
   std::vector<std::string> moved() const;
 
-  static constexpr double kStill = 2.5;  ///< pixels, from the median
+  static constexpr double kStill = 2.5;  ///< pixels, from the median.
 
  private:
   using Corners = std::array<Eigen::Vector2d, 4>;
 
-  MarkerFinder(int dictionary, int border_bits) : dictionary_(dictionary), border_bits_(border_bits) {}
-  bool is_still(const std::vector<Corners>& sightings) const;
+  MarkerFinder(std::string dictionary, int border_bits)
+      : dictionary_(std::move(dictionary)), border_bits_(border_bits) {}
+  bool is_still(const std::vector<Corners>& observations) const;
 
-  int dictionary_, border_bits_;
+  std::string dictionary_;
+  int border_bits_;
   int pictures_ = 0;
-  std::map<int, std::vector<Corners>> seen_;  // by id
+  std::map<int, std::vector<Corners>> seen_;  // by marker number
 };
+
+/// Refines the corners (pixels, in order) of a dark square on white to 0.1 to 0.2 pixels, also at
+/// grazing angles. A line is fitted to the edge of each side, and the corners are where these lines
+/// cross. Corners by their own neighbourhood, as detectors find them, have errors of several pixels
+/// at such angles. Returns false if four edges are not found near the corners, which are then
+/// invalid.
+bool refine_outline(const Image<std::uint8_t>& picture, std::array<Eigen::Vector2d, 4>& corners);
 
 }  // namespace copresence::calibrate

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/aruco.hpp>
+#include <vector>
 
 #include "tools/calibrate/markers/dictionary.h"
 
@@ -12,14 +12,14 @@ namespace copresence::calibrate {
 namespace {
 
 // Millimetres.
-constexpr double kMargin = 8;                   // at the top and the sides; printers leave 3 to 6 white
-constexpr double kFooter = 20;                  // at the bottom: ruler and text
-constexpr double kGap = 6;                      // white between a board and the rulers
-constexpr double kSideRuler = 7;                // width of the upright ruler
-constexpr double kAcross = 100, kUpright = 50;  // lengths of the rulers
+constexpr double kMargin = 8;                   // At the top and the sides; printers need 3 to 6.
+constexpr double kFooter = 20;                  // Space for ruler and text at the bottom.
+constexpr double kGap = 6;                      // Between board and rulers.
+constexpr double kSideRuler = 7;                // Width of the upright ruler.
+constexpr double kAcross = 100, kUpright = 50;  // Lengths of the rulers.
 constexpr double kTextHeight = 3;
 
-// A line of the length to measure, with a tick at every millimetre.
+// Adds two rulers, with a tick at every millimetre.
 void add_rulers(Page& page, double x, double y, double upright_x, double upright_y) {
   constexpr double kLine = 0.15;
   const auto tick = [](int mm) { return mm % 10 == 0 ? 4.0 : (mm % 5 == 0 ? 2.8 : 1.6); };
@@ -44,13 +44,11 @@ void add_text(Page& page, const Sheet& sheet, const std::string& content) {
   page.texts.push_back({kMargin, bottom - 5.5, kTextHeight, sheet.flags});
 }
 
-// Dark cells of a marker, runs of a row in one piece.
+// Adds the dark cells of a marker; adjacent cells of a row become one rectangle.
 void add_marker(Page& page, const std::string& dictionary, int border_bits, int number, double x, double y,
                 double side) {
-  const auto codes = cv::aruco::getPredefinedDictionary(*dictionary_number(dictionary));
-  const int cells = codes->markerSize + 2 * border_bits;
-  cv::Mat bits;
-  codes->drawMarker(number, cells, bits, border_bits);
+  const cv::Mat bits = marker_cells(dictionary, number, border_bits);
+  const int cells = bits.rows;
   const double cell = side / cells;
   for (int row = 0; row < cells; ++row) {
     for (int column = 0; column < cells;) {
@@ -61,10 +59,6 @@ void add_marker(Page& page, const std::string& dictionary, int border_bits, int 
       column = std::max(end, column + 1);
     }
   }
-}
-
-int size_of(const std::string& dictionary) {
-  return cv::aruco::getPredefinedDictionary(*dictionary_number(dictionary))->bytesList.rows;
 }
 
 }  // namespace
@@ -128,8 +122,7 @@ Result<Sheet> board_sheet(Board board, const Paper& paper) {
 
 Result<Sheet> marker_sheet(const std::string& dictionary, int border_bits, std::span<const int> numbers,
                            double side_m, const Paper& paper) {
-  const int cells =
-      cv::aruco::getPredefinedDictionary(*dictionary_number(dictionary))->markerSize + 2 * border_bits;
+  const int cells = make_dictionary(dictionary)->markerSize + 2 * border_bits;
   Sheet sheet;
   sheet.width_mm = paper.shorter_mm;
   sheet.height_mm = paper.longer_mm;
@@ -146,11 +139,11 @@ Result<Sheet> marker_sheet(const std::string& dictionary, int border_bits, std::
   sheet.content = fmt::format("Marker of {}, {:g} mm wide", dictionary, side);
   sheet.flags = fmt::format("calibrate markers --dictionary {}", dictionary);
   if (border_bits != 1) sheet.flags += fmt::format(" --border-bits {}", border_bits);
-  const double left = (sheet.width_mm - side) / 2;  // as white at the top as at the sides
+  const double left = (sheet.width_mm - side) / 2;  // Also the distance from the top.
   for (const int number : numbers) {
-    if (number < 0 || number >= size_of(dictionary)) {
+    if (number < 0 || number >= markers_in(dictionary)) {
       return fail(ErrorCode::kInvalid, fmt::format("{} has no marker {}: its numbers are 0 to {}", dictionary,
-                                                   number, size_of(dictionary) - 1));
+                                                   number, markers_in(dictionary) - 1));
     }
     Page page;
     add_marker(page, dictionary, border_bits, number, left, left, side);
@@ -160,6 +153,63 @@ Result<Sheet> marker_sheet(const std::string& dictionary, int border_bits, std::
     sheet.pages.push_back(std::move(page));
   }
   return sheet;
+}
+
+namespace {
+
+constexpr double kPointsPerMm = 72 / 25.4;
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '(' || c == ')' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+// Drawing operators in millimetres from the bottom left corner. All rectangles are one path, so
+// that viewers show no seams between adjacent ones.
+std::string content_of(const Page& page, double height_mm) {
+  std::string out = fmt::format("{0:.10f} 0 0 {0:.10f} 0 0 cm\n0 g\n", kPointsPerMm);
+  for (const Rectangle& r : page.black) {
+    out +=
+        fmt::format("{:.4f} {:.4f} {:.4f} {:.4f} re\n", r.x, height_mm - r.y - r.height, r.width, r.height);
+  }
+  out += "f\n";
+  for (const Text& t : page.texts) {
+    out += fmt::format("BT /F1 {:.3f} Tf {:.3f} {:.3f} Td ({}) Tj ET\n", t.height_mm, t.x, height_mm - t.y,
+                       escaped(t.text));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string to_pdf(const Sheet& sheet) {
+  std::vector<std::string> objects;  // numbered from 1
+  const std::size_t first_page = 4;  // catalog, page tree, font; then each page and its content.
+  std::string kids;
+  for (std::size_t i = 0; i < sheet.pages.size(); ++i) kids += fmt::format("{} 0 R ", first_page + 2 * i);
+  objects.push_back("<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>");
+  objects.push_back(fmt::format("<< /Type /Pages /Kids [ {}] /Count {} >>", kids, sheet.pages.size()));
+  objects.push_back("<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>");
+  for (std::size_t i = 0; i < sheet.pages.size(); ++i) {
+    objects.push_back(fmt::format(
+        "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {:.4f} {:.4f}] /Resources << /Font << /F1 3 0 R >> >> "
+        "/Contents {} 0 R >>",
+        sheet.width_mm * kPointsPerMm, sheet.height_mm * kPointsPerMm, first_page + 2 * i + 1));
+    const std::string content = content_of(sheet.pages[i], sheet.height_mm);
+    objects.push_back(fmt::format("<< /Length {} >>\nstream\n{}endstream", content.size(), content));
+  }
+  std::string pdf = "%PDF-1.4\n", places = "0000000000 65535 f \n";
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    places += fmt::format("{:010} 00000 n \n", pdf.size());
+    pdf += fmt::format("{} 0 obj\n{}\nendobj\n", i + 1, objects[i]);
+  }
+  const std::size_t table = pdf.size();
+  return pdf + fmt::format("xref\n0 {0}\n{1}trailer\n<< /Size {0} /Root 1 0 R >>\nstartxref\n{2}\n%%EOF\n",
+                           objects.size() + 1, places, table);
 }
 
 }  // namespace copresence::calibrate

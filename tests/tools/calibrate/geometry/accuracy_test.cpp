@@ -1,11 +1,11 @@
-// The figures that marker calibration has to reach, on 50 seeded layouts of two to four cameras with a Kinect's noise. The
-// benchmark of the same name prints them for all 50 together.
+// Required accuracy of marker calibration, on 50 random layouts of two to four cameras with a
+// Kinect's noise. The calibration benchmark prints the figures for all 50.
 
 #include <gtest/gtest.h>
 
 #include "tests/tools/calibrate/geometry/rig.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 namespace {
 
 class MarkerAccuracy : public testing::TestWithParam<std::pair<int, int>> {};
@@ -19,9 +19,9 @@ TEST_P(MarkerAccuracy, IsWithinTheFiguresOnSeededLayouts) {
   EXPECT_LE(Errors::at(rigid.angle_deg, 0.5), 0.15);
   EXPECT_LE(Errors::at(rigid.angle_deg, 0.95), 0.3);
   EXPECT_LT(Errors::at(rigid.shift_mm, 0.5), Errors::at(errors.linear.shift_mm, 0.5));
-  // The plane of a marker is worth about twice its middle pixel.
+  // Depth by a plane has about half the error of the pixel at the centre.
   EXPECT_LT(errors.plane_steps, 0.6 * errors.pixel_steps);
-  // What the fit says of itself is neither too proud nor too shy.
+  // The expected error is close to the true one.
   EXPECT_GT(rigid.expected_over_actual(), 0.6);
   EXPECT_LT(rigid.expected_over_actual(), 2.5);
 }
@@ -31,4 +31,4 @@ INSTANTIATE_TEST_SUITE_P(Layouts, MarkerAccuracy,
                                          std::pair(26, 34), std::pair(34, 42), std::pair(42, 50)));
 
 }  // namespace
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

@@ -7,13 +7,13 @@
 
 #include "simulation/sensor/simulated_kinect.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 namespace {
 
 const CameraModel kModel = simulation::kinect_model(640, 480);
 const std::vector<Eigen::Vector2d> kOutline{{300, 200}, {350, 205}, {345, 252}, {298, 248}};
 
-// A slanted plane, z = 2 m + x / 2, as levels of a Kinect with an error of `noise` levels.
+// A slanted plane, z = 2 m + x / 2, in disparity steps of a Kinect, with an error of `noise` steps.
 DepthImage slanted(std::uint32_t seed, double noise) {
   std::mt19937 random(seed);
   std::normal_distribution<double> error(0, 1);
@@ -91,4 +91,4 @@ TEST(PlaneDepth, SaysWhyThereIsNoPlane) {
 }
 
 }  // namespace
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

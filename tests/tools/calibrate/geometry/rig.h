@@ -1,6 +1,6 @@
 #pragma once
 
-// Cameras and markers made up from a seed, what a Kinect would measure of them, and how far an answer is from the truth.
+// Random cameras and markers, a Kinect's measurements of them, and the error of a result.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -14,24 +14,24 @@
 #include "common/frame/rigid3.h"
 #include "simulation/sensor/kinect_depth.h"
 #include "simulation/sensor/simulated_kinect.h"
-#include "tools/calibrate/geometry/layout.h"
+#include "tools/calibrate/geometry/marker_layout.h"
 #include "tools/calibrate/geometry/plane_depth.h"
 #include "tools/calibrate/geometry/world_fit.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 
 inline constexpr double kMarkerSize = 0.20;    // metres
-inline constexpr double kBoardSize = 0.26;     // with its white border
-inline constexpr double kCornerNoisePx = 0.1;  // what a corner detector leaves
+inline constexpr double kBoardSize = 0.26;     // With its white border.
+inline constexpr double kCornerNoisePx = 0.1;  // Error of a corner detector.
 
 struct Rig {
   CameraModel model = simulation::kinect_model(640, 480);
   std::vector<Rigid3> world_from_camera;
-  std::vector<Rigid3> world_from_marker;  // the marker lies in its own x, y plane
+  std::vector<Rigid3> world_from_marker;  // The marker lies in its own x, y plane.
   std::uint32_t seed = 0;
 
-  Names names() const {
-    Names names;
+  RigNames names() const {
+    RigNames names;
     for (std::size_t c = 0; c < world_from_camera.size(); ++c)
       names.cameras.push_back("camera" + std::to_string(c));
     for (std::size_t m = 0; m < world_from_marker.size(); ++m) names.markers.push_back(std::to_string(m));
@@ -39,14 +39,14 @@ struct Rig {
   }
 };
 
-/// The outline of marker and board in the marker's own plane.
+/// The corners of a square in the marker's own plane.
 inline std::vector<Eigen::Vector3d> square(double size) {
   const double h = size / 2;
   return {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
 }
 
-/// `cameras` of them 35 degrees or more apart around the front of a shared volume of 1.6 m; markers at 1 to 3 m from
-/// each, all in every picture, seen by each at 63 degrees or less from their normal.
+/// Cameras stand at least 35 degrees apart in front of a shared volume of 1.6 m. All markers are in
+/// every picture, 1 to 3 m away, at most 63 degrees from their normal.
 inline Rig make_rig(std::uint32_t seed, int cameras, int markers = 6) {
   std::mt19937 random(seed);
   const auto between = [&](double low, double high) {
@@ -72,12 +72,11 @@ inline Rig make_rig(std::uint32_t seed, int cameras, int markers = 6) {
       bool good = std::all_of(points.begin(), points.end(),
                               [&](const NamedPoint& p) { return (p.position - middle).norm() > 0.35; });
       for (const Rigid3& pose : rig.world_from_camera) {
-        const auto circle =
-            [&](const Eigen::Vector3d& in_world) {  // around the board, with room for its shadow
-              const Eigen::Vector3d p = pose.inverse() * in_world;
-              const Eigen::Vector2d at = p.z() > 0.5 ? project(rig.model, p) : Eigen::Vector2d(-1e9, -1e9);
-              return Eigen::Vector3d(at.x(), at.y(), 0.8 * kBoardSize * rig.model.fx / std::max(0.5, p.z()));
-            };
+        const auto circle = [&](const Eigen::Vector3d& in_world) {  // Circle around the board and its shadow.
+          const Eigen::Vector3d p = pose.inverse() * in_world;
+          const Eigen::Vector2d at = p.z() > 0.5 ? project(rig.model, p) : Eigen::Vector2d(-1e9, -1e9);
+          return Eigen::Vector3d(at.x(), at.y(), 0.8 * kBoardSize * rig.model.fx / std::max(0.5, p.z()));
+        };
         good = good && facing.rotation.col(2).dot((pose.translation - middle).normalized()) > 0.45;
         for (const NamedPoint& other : points) {
           const Eigen::Vector3d a = circle(middle), b = circle(other.position);
@@ -95,41 +94,42 @@ inline Rig make_rig(std::uint32_t seed, int cameras, int markers = 6) {
       rig.world_from_marker.push_back(facing);
       points.push_back({"", middle});
     }
-    if (int(points.size()) == markers && check_layout(points, Form::kLinear, "")) return rig;
+    if (int(points.size()) == markers && check_layout(points, Solver::kLinear, "")) return rig;
     seed += 1000003;
     random.seed(seed);
   }
 }
 
-/// What calibration knows of a marker in one camera: rays to middle and corners with a corner detector's noise.
-/// `depth_at` gives the depth that was measured along a ray, metres.
+/// Observations of one marker by one camera: rays to its centre and corners, with the noise of a
+/// corner detector. `depth_at` returns the measured depth along a ray, metres.
 template <class DepthAt>
 void sight(const Rig& rig, std::size_t camera, std::size_t marker, std::mt19937& random, DepthAt&& depth_at,
-           std::vector<Sighting>& sightings) {
+           std::vector<Observation>& observations) {
   std::normal_distribution<double> noise(0, kCornerNoisePx);
   std::vector<Eigen::Vector3d> points = square(kMarkerSize);
   points.insert(points.begin(), Eigen::Vector3d::Zero());
   for (std::size_t part = 0; part < points.size(); ++part) {
     Eigen::Vector2d pixel = project(
         rig.model, rig.world_from_camera[camera].inverse() * (rig.world_from_marker[marker] * points[part]));
-    const double share = part == 0 ? 0.5 : 1.0;  // the middle comes from four corners
+    const double share = part == 0 ? 0.5 : 1.0;  // The centre is computed from four corners.
     pixel += share * Eigen::Vector2d(noise(random), noise(random));
-    Sighting sighting;
-    sighting.camera = camera;
-    sighting.marker = marker;
-    sighting.part = static_cast<int>(part);
-    sighting.ray = unproject(rig.model, pixel, 1).head<2>();
-    sighting.z_m = depth_at(sighting.ray);
-    if (part > 0) sighting.inverse_z_sigma = kUnknownDepth;
-    sightings.push_back(sighting);
+    Observation observation;
+    observation.camera = camera;
+    observation.marker = marker;
+    observation.part = static_cast<int>(part);
+    observation.ray = unproject(rig.model, pixel, 1).head<2>();
+    observation.z_m = depth_at(observation.ray);
+    if (part > 0) observation.inverse_z_sigma = kUnknownDepth;
+    observations.push_back(observation);
   }
 }
 
-/// Every camera's every marker, depth wrong by a normal error of `levels` sensor steps, the same all over a marker.
-inline std::vector<Sighting> sightings_with_noise(const Rig& rig, double levels) {
+/// Observations of all markers by all cameras. The depth of a marker has a normal error of `levels`
+/// disparity steps.
+inline std::vector<Observation> observations_with_noise(const Rig& rig, double levels) {
   std::mt19937 random(rig.seed + 17);
   std::normal_distribution<double> error(0, levels / 351.3);
-  std::vector<Sighting> sightings;
+  std::vector<Observation> observations;
   for (std::size_t c = 0; c < rig.world_from_camera.size(); ++c) {
     for (std::size_t m = 0; m < rig.world_from_marker.size(); ++m) {
       const Rigid3 camera_from_marker = rig.world_from_camera[c].inverse() * rig.world_from_marker[m];
@@ -139,13 +139,13 @@ inline std::vector<Sighting> sightings_with_noise(const Rig& rig, double levels)
       sight(
           rig, c, m, random,
           [&](const Eigen::Vector2d& ray) { return 1 / (normal.dot(ray.homogeneous()) / on_plane + wrong); },
-          sightings);
+          observations);
     }
   }
-  return sightings;
+  return observations;
 }
 
-/// What a perfect camera sees: the markers' boards before a wall at 4 m.
+/// The view of a perfect camera: the boards of the markers in front of a wall at 4 m.
 inline simulation::TrueView view_of(const Rig& rig, std::size_t camera) {
   simulation::TrueView view;
   view.depth_m = Image<float>(rig.model.width, rig.model.height, 4.0f);
@@ -175,7 +175,7 @@ inline simulation::TrueView view_of(const Rig& rig, std::size_t camera) {
   return view;
 }
 
-/// Whether nothing covers a marker: what is not seen whole is not detected.
+/// Whether nothing covers a part of the marker. A partly covered marker is not detected.
 inline bool is_seen(const Rig& rig, std::size_t camera, std::size_t marker,
                     const simulation::TrueView& view) {
   for (double x = -0.5; x <= 0.51; x += 0.25) {
@@ -190,11 +190,11 @@ inline bool is_seen(const Rig& rig, std::size_t camera, std::size_t marker,
   return true;
 }
 
-/// The same through KinectNoise: depth from `frames` frames, by the plane of each marker's neighbourhood or, as a
-/// contrast, by the mean of the one pixel at its middle.
+/// Observations through KinectNoise over `frames` frames. Depth is that of a plane fitted to the
+/// marker or, for comparison, the mean of the pixel at its centre.
 struct Measured {
-  std::vector<Sighting> by_plane, by_pixel;
-  double plane_error_steps = 0, pixel_error_steps = 0;  // root mean square of depth at the middles
+  std::vector<Observation> by_plane, by_pixel;
+  double plane_error_steps = 0, pixel_error_steps = 0;  // Root mean square error of depth at the centres.
 };
 inline Measured measure(const Rig& rig, int frames) {
   Measured out;
@@ -222,7 +222,7 @@ inline Measured measure(const Rig& rig, int frames) {
       const Eigen::Vector2d middle = project(rig.model, camera_from_marker.translation);
       const double at_pixel = average.inverse_depth(int(middle.x() + 0.5), int(middle.y() + 0.5));
       const double z = camera_from_marker.translation.z();
-      if (!plane || at_pixel <= 0) continue;  // in another's shadow
+      if (!plane || at_pixel <= 0) continue;  // In the shadow of another marker.
       const std::mt19937 same_noise = random;
       sight(
           rig, c, m, random, [&](const Eigen::Vector2d& ray) { return plane->z_along(ray); }, out.by_plane);
@@ -240,9 +240,9 @@ inline Measured measure(const Rig& rig, int frames) {
   return out;
 }
 
-/// How far an answer is from the truth, as seen from the reference camera.
+/// Error of a pose, relative to the reference camera.
 struct PoseError {
-  double shift_mm = 0;  // mean over the shared volume
+  double shift_mm = 0;  // Mean over the shared volume.
   double angle_deg = 0;
 };
 inline PoseError pose_error(const Rig& rig, std::size_t camera, const Rigid3& world_from_camera) {
@@ -276,7 +276,7 @@ struct Errors {
       squared_expectation += std::pow(fit.cameras[c].expected_shift_m, 2);
     }
   }
-  /// What the fits said of themselves over what was so.
+  /// Expected errors relative to true errors.
   double expected_over_actual() const { return std::sqrt(squared_expectation / squared_shift); }
 
   static double at(std::vector<double> values, double share) {
@@ -285,12 +285,13 @@ struct Errors {
   }
 };
 
-/// Layouts number `first` to `last` of the 50: 18 of two cameras, 16 each of three and four, six markers each.
 struct LayoutErrors {
   Errors rigid, linear, of_one_pixel;
-  double plane_steps = 0, pixel_steps = 0;  // mean over the layouts
+  double plane_steps = 0, pixel_steps = 0;  // Mean over the layouts.
   int refused = 0, linear_refused = 0;
 };
+/// Runs the layouts from `first` up to `last` of 50: 18 with two cameras, 16 with three and 16 with
+/// four, all with six markers.
 inline LayoutErrors run_layouts(int first, int last, int frames) {
   LayoutErrors out;
   for (int layout = first; layout < last; ++layout) {
@@ -299,11 +300,11 @@ inline LayoutErrors run_layouts(int first, int last, int frames) {
     const Measured measured = measure(rig, frames);
     out.plane_steps += measured.plane_error_steps / (last - first);
     out.pixel_steps += measured.pixel_error_steps / (last - first);
-    const auto fit = [&](const std::vector<Sighting>& sightings, Form form) {
-      return fit_world(sightings, rig.names(), {0, rig.world_from_camera[0], form});
+    const auto fit = [&](const std::vector<Observation>& observations, Solver solver) {
+      return fit_world(observations, rig.names(), {0, rig.world_from_camera[0], solver});
     };
-    const auto rigid = fit(measured.by_plane, Form::kRigid), pixel = fit(measured.by_pixel, Form::kRigid);
-    const auto linear = fit(measured.by_plane, Form::kLinear);
+    const auto rigid = fit(measured.by_plane, Solver::kRigid), pixel = fit(measured.by_pixel, Solver::kRigid);
+    const auto linear = fit(measured.by_plane, Solver::kLinear);
     if (rigid) out.rigid.add(rig, *rigid);
     if (pixel) out.of_one_pixel.add(rig, *pixel);
     if (linear) out.linear.add(rig, *linear);
@@ -313,4 +314,4 @@ inline LayoutErrors run_layouts(int first, int last, int frames) {
   return out;
 }
 
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 namespace {
 
 const Rigid3 kTruth{Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix(),
@@ -31,7 +31,8 @@ double distance(const Rigid3& a, const Rigid3& b) {
 TEST(RigidFit, FindsThePoseOfExactPoints) {
   EXPECT_LT(distance(fit_rigid(pairs(3)), kTruth), 1e-12);
   EXPECT_LT(distance(fit_rigid(pairs(20)), kTruth), 1e-12);
-  EXPECT_LT(distance(fit_rigid(pairs(5, 0, 0)), kTruth), 1e-12);  // in one plane: never its mirror image
+  EXPECT_LT(distance(fit_rigid(pairs(5, 0, 0)), kTruth),
+            1e-12);  // Points in one plane must not give the mirror image.
 }
 
 TEST(RigidFit, LeavesOutPointsOfNoWeight) {
@@ -65,4 +66,4 @@ TEST(LinearFit, TakesNoiseForScaleAndShearWhereTheRigidFitDoesNot) {
 }
 
 }  // namespace
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

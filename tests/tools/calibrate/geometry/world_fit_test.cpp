@@ -5,34 +5,34 @@
 
 #include "tests/tools/calibrate/geometry/rig.h"
 
-namespace copresence::calibration {
+namespace copresence::calibrate {
 namespace {
 
 using testing::HasSubstr;
 
-std::vector<Sighting> without(std::vector<Sighting> sightings, std::size_t camera,
-                              std::initializer_list<std::size_t> markers) {
-  std::erase_if(sightings, [&](const Sighting& s) {
+std::vector<Observation> without(std::vector<Observation> observations, std::size_t camera,
+                                 std::initializer_list<std::size_t> markers) {
+  std::erase_if(observations, [&](const Observation& s) {
     return s.camera == camera && std::find(markers.begin(), markers.end(), s.marker) != markers.end();
   });
-  return sightings;
+  return observations;
 }
 
-Result<WorldFit> fit(const Rig& rig, const std::vector<Sighting>& sightings, Form form = Form::kRigid,
-                     std::size_t reference = 0) {
-  return fit_world(sightings, rig.names(), {reference, rig.world_from_camera[reference], form});
+Result<WorldFit> fit(const Rig& rig, const std::vector<Observation>& observations,
+                     Solver solver = Solver::kRigid, std::size_t reference = 0) {
+  return fit_world(observations, rig.names(), {reference, rig.world_from_camera[reference], solver});
 }
 
 TEST(WorldFit, FindsEveryCameraWithoutNoise) {
   const Rig rig = make_rig(1, 4);
-  std::vector<Sighting> exact;
-  for (Sighting s : sightings_with_noise(rig, 0)) exact.push_back(s);
-  for (const Form form : {Form::kRigid, Form::kLinear}) {
-    const auto world = fit(rig, exact, form, 2);
+  std::vector<Observation> exact;
+  for (Observation s : observations_with_noise(rig, 0)) exact.push_back(s);
+  for (const Solver solver : {Solver::kRigid, Solver::kLinear}) {
+    const auto world = fit(rig, exact, solver, 2);
     ASSERT_TRUE(world) << world.error().what;
     for (std::size_t c = 0; c < 4; ++c) {
       EXPECT_LT(pose_error(rig, c, world->cameras[c].world_from_camera).shift_mm, 2.5)
-          << c;  // a tenth of a pixel
+          << c;  // The rays have an error of a tenth of a pixel.
     }
     EXPECT_EQ(world->cameras[2].world_from_camera, rig.world_from_camera[2]);
     EXPECT_EQ(world->pairs.size(), 6u);
@@ -41,9 +41,11 @@ TEST(WorldFit, FindsEveryCameraWithoutNoise) {
 
 TEST(WorldFit, JoinsCamerasThatShareNoMarkerThroughOthers) {
   const Rig rig = make_rig(7, 3, 10);
-  // 0 sees the first six, 2 the last six but two: what they share is too little, but 1 sees all.
-  const auto sightings = without(without(sightings_with_noise(rig, 0.2), 0, {6, 7, 8, 9}), 2, {0, 1, 2, 3});
-  const auto world = fit(rig, sightings);
+  // Camera 0 sees markers 0 to 5, camera 2 sees 4 to 9, and camera 1 sees all. Cameras 0 and 2
+  // share too few.
+  const auto observations =
+      without(without(observations_with_noise(rig, 0.2), 0, {6, 7, 8, 9}), 2, {0, 1, 2, 3});
+  const auto world = fit(rig, observations);
   ASSERT_TRUE(world) << world.error().what;
   EXPECT_EQ(world->pairs.size(), 2u);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -55,8 +57,8 @@ TEST(WorldFit, ClosesLoopsBetterThanAChainOfPairs) {
   double jointly = 0, chained = 0;
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     const Rig rig = make_rig(seed, 4);
-    const auto sightings = sightings_with_noise(rig, 0.3);
-    const auto joint = fit(rig, sightings), chain = fit(rig, sightings, Form::kLinear);
+    const auto observations = observations_with_noise(rig, 0.3);
+    const auto joint = fit(rig, observations), chain = fit(rig, observations, Solver::kLinear);
     ASSERT_TRUE(joint && chain);
     for (std::size_t c = 1; c < 4; ++c) {
       jointly += pose_error(rig, c, joint->cameras[c].world_from_camera).shift_mm;
@@ -68,23 +70,23 @@ TEST(WorldFit, ClosesLoopsBetterThanAChainOfPairs) {
 
 TEST(WorldFit, NamesTheMarkerThatWasMoved) {
   const Rig rig = make_rig(11, 3);
-  auto sightings = sightings_with_noise(rig, 0.2);
-  for (Sighting& s : sightings) {
+  auto observations = observations_with_noise(rig, 0.2);
+  for (Observation& s : observations) {
     if (s.camera == 1 && s.marker == 4) s.z_m += 0.15;
   }
-  const auto world = fit(rig, sightings);
+  const auto world = fit(rig, observations);
   ASSERT_TRUE(world) << world.error().what;
   EXPECT_EQ(world->cameras[1].residual.worst_at, 4u);
   EXPECT_GT(world->cameras[1].residual.worst, 0.05);
   EXPECT_EQ(world->cameras[1].leave_one_out.worst_at, 4u);
   EXPECT_NEAR(world->cameras[1].leave_one_out.worst, 0.15, 0.04);
-  // and is not led astray by it
+  // and that marker hardly changes the pose
   EXPECT_LT(pose_error(rig, 1, world->cameras[1].world_from_camera).shift_mm, 8);
 }
 
 TEST(WorldFit, SaysWhichCamerasShareTooLittle) {
   const Rig rig = make_rig(3, 3);
-  const auto few = without(sightings_with_noise(rig, 0.2), 2, {0, 1, 5});
+  const auto few = without(observations_with_noise(rig, 0.2), 2, {0, 1, 5});
   const auto world = fit(rig, few);
   ASSERT_FALSE(world);
   EXPECT_THAT(world.error().what, HasSubstr("camera2 see only 3 markers (2, 3 and 4) in common"));
@@ -93,7 +95,7 @@ TEST(WorldFit, SaysWhichCamerasShareTooLittle) {
 
 TEST(WorldFit, TakesFourMarkersAndTheWorldsFrameFromTheReference) {
   const Rig rig = make_rig(5, 2, 4);
-  const auto world = fit(rig, sightings_with_noise(rig, 0.2), Form::kRigid, 1);
+  const auto world = fit(rig, observations_with_noise(rig, 0.2), Solver::kRigid, 1);
   ASSERT_TRUE(world) << world.error().what;
   EXPECT_EQ(world->cameras[1].world_from_camera, rig.world_from_camera[1]);
   EXPECT_EQ(world->cameras[1].expected_shift_m, 0);
@@ -106,4 +108,4 @@ TEST(WorldFit, TakesFourMarkersAndTheWorldsFrameFromTheReference) {
 }
 
 }  // namespace
-}  // namespace copresence::calibration
+}  // namespace copresence::calibrate

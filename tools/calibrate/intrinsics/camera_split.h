@@ -1,0 +1,41 @@
+#pragma once
+
+// Detects views of two cameras among views that should come from one. Thread: pure functions.
+//
+// The reprojection error does not show them. Wrong distances of the boards compensate for much of a
+// wrong focal length: views of fx 580 and fx 550 fit one camera to 0.17 px, and one camera's own views
+// to 0.14 px. But the views fall into two groups, and the views of each group agree with one another.
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tools/calibrate/intrinsics/intrinsics_fit.h"
+
+namespace copresence::calibrate {
+
+struct CameraSplit {
+  std::vector<std::size_t> first, second;  ///< indices of views
+  CameraModel first_model, second_model;
+};
+
+/// Splits the views into two groups that fit different cameras. Nothing if one camera fits as well.
+///
+/// The method fits a mixture of two cameras, linearised at the joint fit, with the boards' poses
+/// eliminated. From many starts it alternates between assigning views and solving for both cameras.
+/// Both groups of the best result are then fitted in full. A split must pass three tests:
+///
+/// 1. Schwarz's criterion prefers two cameras.
+/// 2. Their focal lengths or principal points differ by more than their uncertainty.
+/// 3. The distance between the cameras is large relative to the scatter of the views within a group.
+///    A bent board fails this test.
+///
+/// joint      the fit of all `views` by one camera, in the same order.
+/// fit_group  fits a camera with the same distortion coefficients to some of the views, beginning
+///            with `start`.
+using FitGroup = std::function<Result<IntrinsicsFit>(std::span<const BoardView>, const CameraModel& start)>;
+std::optional<CameraSplit> find_two_cameras(std::span<const BoardView> views, const IntrinsicsFit& joint,
+                                            const FitGroup& fit_group);
+
+}  // namespace copresence::calibrate

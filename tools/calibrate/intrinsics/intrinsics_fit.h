@@ -1,0 +1,57 @@
+#pragma once
+
+// Fits a camera's intrinsics to views of a board: focal lengths, principal point and OpenCV's
+// rational distortion (thesis 2.5.1, eq. 2.4). Also finds the pose of a board for known intrinsics.
+// Thread: pure functions.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/frame/camera_model.h"
+#include "common/frame/rigid3.h"
+#include "common/result.h"
+#include "tools/calibrate/intrinsics/board.h"
+
+namespace copresence::calibrate {
+
+struct ViewFit {
+  std::string picture;
+  double rms_px = 0;         ///< reprojection error
+  Rigid3 camera_from_board;  ///< metres
+};
+
+struct IntrinsicsFit {
+  CameraModel model;
+  std::string distortion;            ///< Names of the coefficients that were fitted; the others are 0.
+  int distortion_terms = 0;          ///< Number of coefficients that were fitted: 0, 4, 5 or 8.
+  double rms_px = 0;                 ///< Reprojection error over all views.
+  double focal_sigma_px = 0;         ///< OpenCV's standard deviation of fx or fy, whichever is larger.
+  double center_sigma_px = 0;        ///< The same of cx and cy.
+  double covered = 0;                ///< Share of the picture's 8 x 6 cells that have a corner.
+  std::vector<ViewFit> views;        ///< The views that were used.
+  std::vector<DroppedView> dropped;  ///< Views that fit three times worse than the median.
+};
+
+inline constexpr std::size_t kFewestViews = 6;
+
+/// Limits of the error of a good fit and of an accepted one. They are for pictures up to
+/// kUsualWidth wide, and grow in proportion for larger ones.
+inline constexpr double kGoodRmsPx = 0.3, kMostRmsPx = 1.0, kUsualWidth = 1280;
+/// Largest accepted standard deviations: of a focal length relative to itself, and of the principal
+/// point relative to the picture's longer side.
+inline constexpr double kMostFocalSigma = 0.01, kMostCenterSigma = 0.01;
+
+/// rms_px relative to kGoodRmsPx at the picture's size. Up to 1 is good.
+double times_good_rms(const IntrinsicsFit& fit);
+
+/// Fails  kInvalid: fewer than kFewestViews views, or an error or uncertainty above the limits. The
+///        message has the likely cause: views of two cameras, a board that is hardly tilted or
+///        small, a wrong board size, or a fisheye lens.
+Result<IntrinsicsFit> fit_intrinsics(std::span<const BoardView> views, int width, int height);
+
+/// Finds the pose of the board for known intrinsics. Fails kInvalid if the corners do not determine
+/// it.
+Result<ViewFit> locate_board(const BoardView& view, const CameraModel& model);
+
+}  // namespace copresence::calibrate

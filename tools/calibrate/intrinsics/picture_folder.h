@@ -1,0 +1,31 @@
+#pragma once
+
+// Reads photographs from a folder. The orientation in a JPEG file (EXIF) is not applied, because
+// intrinsics are those of the unrotated sensor.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/frame/image.h"
+#include "common/result.h"
+
+namespace copresence::calibrate {
+
+/// The PNG and JPEG pictures of one camera in a folder.
+struct PictureFolder {
+  std::vector<std::filesystem::path> files;  ///< Sorted by name, without hidden files.
+  int width = 0, height = 0;                 ///< Size that is used, pixels; even.
+  std::string remark;                        ///< Message for the user; may be empty.
+};
+
+/// Reads the headers of all pictures.
+/// Fails  kNotFound if there are none; kCorrupt for a file that is no picture; kInvalid if the
+///        sizes differ, or if no camera model can have the size.
+Result<PictureFolder> open_picture_folder(const std::filesystem::path& folder);
+
+/// Decodes one of the files, without the last column or row of an odd size.
+/// Fails  kCorrupt if the file is damaged.
+Result<ColorImage> load_picture(const PictureFolder& folder, const std::filesystem::path& file);
+
+}  // namespace copresence::calibrate

@@ -1,0 +1,36 @@
+#pragma once
+
+// Finds poses by a board that stands still in view of several cameras (thesis 2.5.2). Each camera
+// locates the board by its known size, and the board's corners serve as markers. Thread: pure
+// functions.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tools/calibrate/geometry/observation.h"
+#include "tools/calibrate/geometry/plane_depth.h"
+#include "tools/calibrate/intrinsics/intrinsics_fit.h"
+
+namespace copresence::calibrate {
+
+struct StillBoard {
+  BoardView view;  ///< With the mean corners over all pictures.
+  ViewFit pose;
+};
+
+/// Fails  kNotFound: no picture shows the whole board; kInvalid: it moved, or cannot be located.
+Result<StillBoard> find_still_board(const Board& board, std::span<const ColorImage> pictures,
+                                    const CameraModel& model);
+
+/// Distance of the board by its size, relative to its measured depth: 1 if the squares have the
+/// size in `board`. Nothing if the depth is no plane.
+std::optional<double> size_over_depth(const StillBoard& still, const Board& board, const DepthAverage& depth,
+                                      const CameraModel& model);
+
+/// The corners, in order, as observations of the markers 0, 1, 2, ...
+std::vector<Observation> observations_of(std::size_t camera, const StillBoard& board,
+                                         const CameraModel& model);
+
+}  // namespace copresence::calibrate

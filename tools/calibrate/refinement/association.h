@@ -1,0 +1,82 @@
+#pragma once
+
+// Projective association of two cameras' surfaces: which points of both are the same place in the
+// room, and how well the surfaces agree there.
+//
+// Each point of one camera is projected into the other camera's picture and compared with the
+// surface that it finds:
+//
+//   inlier       less than 50 mm from the other surface, with a similar normal: the same surface
+//   violation    nearer to the other camera than what it sees there: it would have to see through the point
+//   not seen     behind the other camera's surface, outside of its picture, or where it measured nothing
+//
+// Thread: pure.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/frame/image.h"
+#include "common/frame/rigid3.h"
+#include "tools/calibrate/refinement/surface.h"
+
+namespace copresence::calibrate {
+
+struct Match {
+  Eigen::Vector3d a, b;          ///< The two points, world, metres.
+  Eigen::Vector3d normal;        ///< Mean of both normals, world, length 1.
+  int pixel_a = 0, pixel_b = 0;  ///< The pixels of both points: y * width + x.
+  double sigma = 0;              ///< Expected error of the distance along the normal, metres.
+  double distance() const { return normal.dot(a - b); }
+};
+
+struct MatchRules {
+  int spacing = 4;        ///< Pixels between the points that are projected.
+  double reach_m = 0.05;  ///< Largest distance along the target's normal, in addition to three sigmas.
+};
+
+/// Appends the matches of points of `a` with the surface of `b`.
+void append_matches(const Surface& a, const Rigid3& world_from_a, const Surface& b,
+                    const Rigid3& world_from_b, const MatchRules& rules, std::vector<Match>& matches);
+
+inline constexpr double kSameSurface_m = 0.05;
+
+/// How well two cameras' surfaces agree.
+struct Agreement {
+  double overlap = 0;       ///< Share of one camera's points that are inliers; the larger of both directions.
+  double contradicted = 0;  ///< Violations as a share of violations and inliers.
+  double median_m = 0, p95_m = 0;            ///< Distance of the inliers along the normal.
+  double median_sigmas = 0, p95_sigmas = 0;  ///< The same in units of the sensors' expected noise.
+  double rms_m = 0;                          ///< Weighted by sigma; a violation counts as 50 mm.
+  /// Sum over inliers of 1 - (distance / 50 mm)^2, less the violations, as a share of both cameras'
+  /// points. The better pose has the higher score.
+  double score = 0;
+  int points = 0;  ///< inliers
+};
+
+/// spacing  pixels between the points that are projected.
+Agreement measure_agreement(const Surface& a, const Rigid3& world_from_a, const Surface& b,
+                            const Rigid3& world_from_b, int spacing = 2);
+
+enum class Association : std::uint8_t {
+  kNone,     ///< The pixel has no surface.
+  kNotSeen,  ///< see above
+  kInlier,
+  kViolation,
+};
+
+/// The association of every pixel of a camera, for pictures.
+struct AssociationImage {
+  Image<Association> association;
+  Image<float> distance_m;  ///< Of inliers, along the mean normal; positive in front of b's surface.
+};
+AssociationImage associate(const Surface& a, const Rigid3& world_from_a, const Surface& b,
+                           const Rigid3& world_from_b);
+
+/// Weight of a point's squared distance: one over its expected error (with a floor), not over the
+/// square of it. Noise averages out over thousands of pixels. Errors of intrinsics, registration
+/// and a sensor's depth remain, and they grow less with distance. With the squared error, near
+/// points would dominate and far ones could not hold the pose.
+double weight_of(double sigma_m);
+
+}  // namespace copresence::calibrate

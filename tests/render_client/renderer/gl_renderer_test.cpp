@@ -268,7 +268,9 @@ TEST_F(GlRenderer, DrawsEveryEyeIntoAPictureOfItsOwn) {
     ASSERT_TRUE(renderer_->render({&camera, 1}, eye_of(camera), kEverything, right).has_value());
     EXPECT_NE(left.texture, right.texture);
     EXPECT_EQ(right.color(32, 24), (Rgba8{10, 20, 30, 255}));
-    if (view > 0) EXPECT_EQ(left.texture, before) << "its target is used again";
+    if (view > 0) {
+      EXPECT_EQ(left.texture, before) << "its target is used again";
+    }
   }
 }
 

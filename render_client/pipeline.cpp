@@ -203,6 +203,7 @@ class Pipeline {
     ++views_drawn_;
     const bool complete = cameras_.are_complete() && cameras_.colors_are_settled(end);
     view_statistics_.rendered(begin, end, complete);
+    if (complete && pictures_.front().shares) view_statistics_.origins(*pictures_.front().shares);
     if (const auto skew = cameras_.skew(end)) note_skew(*skew, end);
     if (complete) ++view_index_;
     cameras_.displayed(begin, end);
@@ -322,6 +323,7 @@ Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop)
   if (!display) return fail(display.error());
   auto renderer = make_renderer(settings.renderer, (*display)->context(), workers);
   if (!renderer) return fail(renderer.error());
+  (*renderer)->set_unseen(settings.unseen);
   return Pipeline(settings, known, std::move(*servers), std::move(*display), std::move(*renderer),
                   std::move(*viewer), std::move(stop))
       .run();

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 
 #include "common/command_line/parse_errors.h"
 #include "common/command_line/values.h"
@@ -18,6 +19,20 @@ bool is_png_name(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   return name.ends_with(".png");
+}
+
+renderer::UnseenStyle::Show unseen_choice(const std::string& choice) {
+  using Show = renderer::UnseenStyle::Show;
+  if (choice == "extend") return Show::kExtend;
+  return choice == "dim" ? Show::kDim : Show::kBlack;
+}
+
+std::optional<Rgb8> parse_color(const std::string& text) {
+  unsigned value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (text.size() != 6 || problem != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return Rgb8{static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+              static_cast<std::uint8_t>(value)};
 }
 
 constexpr const char* kKeys = R"(In the window:
@@ -72,6 +87,16 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
                  "time on")
       ->capture_default_str()
       ->check(number(0.1, 86'400));
+  app.add_option_function<std::string>(
+         "--unseen", [&](const std::string& choice) { settings.unseen.show = unseen_choice(choice); },
+         "what no camera has seen: extend the farther surfaces around it, dim them, or leave it black "
+         "[extend]")
+      ->check(one_of({"extend", "dim", "black"}));
+  app.add_option_function<std::string>(
+         "--background", [&](const std::string& text) { settings.unseen.background = *parse_color(text); },
+         "colour where there is nothing to show, RRGGBB in hexadecimal digits [000000]")
+      ->check(must_be("six hexadecimal digits, RRGGBB",
+                      [](const std::string& text) { return parse_color(text).has_value(); }));
   std::optional<viewpoint::ViewChoice> view;
   app.add_option_function<std::string>(
          "--view", [&](const std::string& text) { view = viewpoint::parse_view(text); },

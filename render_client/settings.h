@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "render_client/renderer/renderer.h"
 #include "render_client/viewpoint/viewer.h"
 
 namespace copresence::client {
@@ -22,6 +23,7 @@ struct ClientSettings {
   double fps = 30;                 ///< greatest number of views per second, headless
   double fov_degrees = 50;         ///< vertical
   viewpoint::ViewChoice view;
+  renderer::UnseenStyle unseen{.show = renderer::UnseenStyle::Show::kExtend};
   bool match_colors = true;  ///< live colour matching
   std::optional<std::uint64_t> frames;
   double stale_s = 3;      ///< seconds without a new frame after which a camera has faded from the view

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -50,12 +51,37 @@ struct CameraView {
   float opacity = 1;
 };
 
+/// Where a pixel of a view comes from.
+enum class Origin : std::uint8_t {
+  kSeen,      ///< a fragment of a camera's newest frame
+  kExtended,  ///< no camera has seen it: the farther surfaces around it are continued (extension_rules.h)
+  kEmpty,     ///< outside all cameras' pictures, or there is nothing to continue
+};
+
+/// How pixels look that no camera has seen.
+struct UnseenStyle {
+  enum class Show {
+    kExtend,  ///< continued surfaces in their colours
+    kDim,     ///< at half of their brightness
+    kBlack,   ///< not at all: all of them are kEmpty
+  };
+  Show show = Show::kBlack;
+  Rgb8 background{0, 0, 0};  ///< colour of empty pixels
+
+  float brightness() const { return show == Show::kDim ? 0.5F : 1.0F; }
+};
+
+/// Which part of a view's pixels has which origin; 0 to 1, together 1.
+struct OriginShares {
+  float seen = 0, extended = 0, empty = 1;
+};
+
 inline constexpr std::uint8_t kNoCamera = 255;  ///< in MergedView::camera if nothing is shown
 
 /// Which images of a MergedView are filled.
 struct HostPixels {
   bool color = false;
-  bool depth = false;  ///< depth, camera and quality
+  bool depth = false;  ///< depth, camera, quality and origin
 };
 
 /// A view of the merged scene.
@@ -66,10 +92,12 @@ struct MergedView {
 
   int width = 0;
   int height = 0;
-  Image<Rgba8> color;          ///< black with a = 0 if nothing is shown; empty unless wanted
+  Image<Rgba8> color;          ///< the background with a = 0 if nothing is shown; empty unless wanted
   Image<float> depth_m;        ///< along the eye's axis; 0 if nothing is shown; empty unless wanted
   Image<std::uint8_t> camera;  ///< index of the camera that has the pixel; kNoCamera for none
   Image<float> quality;        ///< quality index of that camera, cos(theta) / z^2 (thesis eq. 2.5), 1/m^2
+  Image<Origin> origin;
+  std::optional<OriginShares> shares;  ///< if the renderer counts them, which costs the GL renderer a wait
   /// OpenGL name of an RGBA8 texture with the colours, rows from the top. It holds the view until
   /// the next render() to the same target. 0 for the CPU renderer.
   std::uint32_t texture = 0;
@@ -80,6 +108,10 @@ class Renderer {
   virtual ~Renderer() = default;
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --renderer and the statistics
+
+  /// How unseen pixels look from the next view on; kBlack on black before. Surfaces are continued only if the colour
+  /// is wanted.
+  virtual void set_unseen(const UnseenStyle& style) = 0;
 
   /// Makes meshes and textures of these cameras ahead. Call it while no view is due. The next
   /// render() may have newer frames or other cameras.

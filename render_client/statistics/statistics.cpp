@@ -190,6 +190,21 @@ void ViewStatistics::rendered(Instant begin, Instant end, bool complete) {
   render_time_.add(end - begin);
 }
 
+void ViewStatistics::origins(const renderer::OriginShares& shares) {
+  ++views_with_origins_;
+  seen_ += shares.seen;
+  extended_ += shares.extended;
+  empty_ += shares.empty;
+}
+
+std::optional<renderer::OriginShares> ViewStatistics::mean_origins() const {
+  if (views_with_origins_ == 0) return std::nullopt;
+  const auto mean = [this](double sum) {
+    return static_cast<float>(sum / static_cast<double>(views_with_origins_));
+  };
+  return renderer::OriginShares{mean(seen_), mean(extended_), mean(empty_)};
+}
+
 double ViewStatistics::fps() const {
   if (frames_ < 2) return 0;
   return static_cast<double>(frames_ - 1) / std::chrono::duration<double>(last_ - first_).count();
@@ -207,6 +222,10 @@ Result<void> write_statistics(const std::string& path, const std::vector<CameraR
                   {"skew_ms", percentiles(view.skew(), {50, 95, 99})},
                   {"renderer", renderer},
                   {"size", fmt::format("{}x{}", width, height)}};
+  if (const auto shares = view.mean_origins()) {
+    root["view"]["shares"] = {
+        {"seen", shares->seen}, {"remembered", 0}, {"extended", shares->extended}, {"empty", shares->empty}};
+  }
   if (const auto& tracker = view.head_tracker()) {
     root["view"]["head_tracker"] = {{"taken", tracker->taken},
                                     {"wrong_size", tracker->wrong_size},

@@ -18,6 +18,7 @@
 #include "common/frame/rgbd_frame.h"
 #include "common/result.h"
 #include "common/wire/message.h"
+#include "render_client/renderer/renderer.h"
 #include "render_client/viewpoint/opentrack_view.h"
 
 namespace copresence::statistics {
@@ -84,19 +85,25 @@ class ViewStatistics {
   /// Time between the earliest and the latest frame in a view of two cameras or more.
   void skew(Duration skew) { skew_.add(skew); }
 
+  /// Where the pixels of a view come from.
+  void origins(const renderer::OriginShares& shares);
+
   /// Datagrams of the head tracker; call it only if there is one.
   void head_tracker(const viewpoint::OpentrackView::Counters& counters) { head_tracker_ = counters; }
   const std::optional<viewpoint::OpentrackView::Counters>& head_tracker() const { return head_tracker_; }
 
   std::uint64_t frames() const { return frames_; }
   const flow::LatencyHistogram& skew() const { return skew_; }
-  double fps() const;  ///< 0 for fewer than two views
+  double fps() const;                                          ///< 0 for fewer than two views
+  std::optional<renderer::OriginShares> mean_origins() const;  ///< nothing if no view had any
   const flow::LatencyHistogram& render_time() const { return render_time_; }
 
  private:
   std::uint64_t frames_ = 0;
   Instant first_{}, last_{};
   flow::LatencyHistogram render_time_, skew_;
+  double seen_ = 0, extended_ = 0, empty_ = 0;  // sums of shares
+  std::uint64_t views_with_origins_ = 0;
   std::optional<viewpoint::OpentrackView::Counters> head_tracker_;
 };
 

@@ -52,7 +52,7 @@ MODULES = {
     "render_client/renderer": EDGE_TYPES | {"common/gl", "render_client/viewpoint"},
     "render_client/display": EDGE_TYPES | {"common/gl", "common/window", "render_client/renderer",
                                            "render_client/viewpoint"},
-    "render_client/statistics": EDGE_TYPES | {"common/flow", "common/wire", "render_client/stream",
+    "render_client/statistics": EDGE_TYPES | {"render_client/renderer", "common/flow", "common/wire", "render_client/stream",
                                               "render_client/viewpoint"},
 }
 # The programs put the modules together: pipeline, settings, main.

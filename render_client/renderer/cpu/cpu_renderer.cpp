@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "render_client/renderer/cpu/background_extension.h"
 #include "render_client/renderer/cpu/block_stitching.h"
 #include "render_client/renderer/cpu/camera_texture.h"
 #include "render_client/renderer/cpu/depth_mesh.h"
@@ -114,6 +115,8 @@ class CpuRenderer : public Renderer {
 
   std::string_view name() const override { return "cpu"; }
 
+  void set_unseen(const UnseenStyle& style) override { style_ = style; }
+
   void prepare(std::span<const CameraView> cameras) override {
     make_surfaces(cameras.size());
     workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
@@ -135,8 +138,13 @@ class CpuRenderer : public Renderer {
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       merge_cameras_.push_back(merge_camera(cameras[i], eye, surfaces_[i].texture));
     }
-    workers_.run((view.height + kTileRows - 1) / kTileRows,
-                 [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, wanted, view); });
+    const int tiles = (view.height + kTileRows - 1) / kTileRows;
+    seen_pixels_.assign(tiles, 0);
+    workers_.run(tiles, [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, wanted, view); });
+    std::size_t extended = 0;
+    if (inverse_.width() > 0) extended = extension_.apply(eye, cameras, inverse_, style_, workers_, view);
+    view.shares.reset();
+    if (wanted.color) view.shares = shares(extended, view.color.pixels().size());
     return {};
   }
 
@@ -148,7 +156,7 @@ class CpuRenderer : public Renderer {
     for (auto& tiles : scratch_) tiles.resize(cameras);
   }
 
-  static void shape_view(const ViewPose& eye, HostPixels wanted, MergedView& view) {
+  void shape_view(const ViewPose& eye, HostPixels wanted, MergedView& view) {
     view.width = eye.intrinsics.width;
     view.height = eye.intrinsics.height;
     view.texture = 0;
@@ -159,10 +167,12 @@ class CpuRenderer : public Renderer {
     shape(view.depth_m, wanted.depth);
     shape(view.camera, wanted.depth);
     shape(view.quality, wanted.depth);
+    shape(view.origin, wanted.depth);
+    shape(inverse_, wanted.color && style_.show != UnseenStyle::Show::kBlack);
   }
 
   void draw_tile(int number, std::vector<Tile>& tiles, const ViewPose& eye, HostPixels wanted,
-                 MergedView& view) const {
+                 MergedView& view) {
     const int top = number * kTileRows;
     const int rows = std::min(kTileRows, view.height - top);
     for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -177,9 +187,43 @@ class CpuRenderer : public Renderer {
     }
     let_stale_give_way(tiles);
     if (!tiles.empty()) {
-      return merge_tile(merge_cameras_, tiles, wanted, view);
+      merge_tile(merge_cameras_, tiles, wanted, view, inverse_);
+    } else {
+      show_nothing(top, rows, wanted, view);
     }
+    mark_unseen(number, top, rows, wanted, view);
+  }
+
+  // Finishes a tile: the background's colour, origins, and the number of pixels seen.
+  void mark_unseen(int tile, int top, int rows, HostPixels wanted, MergedView& view) {
+    const Rgba8 background{style_.background.r, style_.background.g, style_.background.b, 0};
     for (int y = top; y < top + rows; ++y) {
+      if (wanted.depth) {
+        for (int x = 0; x < view.width; ++x)
+          view.origin(x, y) = view.camera(x, y) == kNoCamera ? Origin::kEmpty : Origin::kSeen;
+      }
+      if (!wanted.color) continue;
+      std::size_t seen = 0;
+      for (Rgba8& pixel : view.color.row(y)) {
+        seen += pixel.a != 0;
+        if (pixel.a == 0) pixel = background;
+      }
+      seen_pixels_[tile] += seen;
+    }
+  }
+
+  OriginShares shares(std::size_t extended, std::size_t pixels) const {
+    std::size_t seen = 0;
+    for (const std::size_t count : seen_pixels_) seen += count;
+    const auto share = [pixels](std::size_t count) {
+      return static_cast<float>(count) / static_cast<float>(pixels);
+    };
+    return {share(seen), share(extended), share(pixels - seen - extended)};
+  }
+
+  void show_nothing(int top, int rows, HostPixels wanted, MergedView& view) {
+    for (int y = top; y < top + rows; ++y) {
+      if (inverse_.width() > 0) std::fill(inverse_.row(y).begin(), inverse_.row(y).end(), 0.0F);
       if (wanted.color) std::fill(view.color.row(y).begin(), view.color.row(y).end(), Rgba8{0, 0, 0, 0});
       if (wanted.depth) {
         std::fill(view.depth_m.row(y).begin(), view.depth_m.row(y).end(), 0.0F);
@@ -203,6 +247,10 @@ class CpuRenderer : public Renderer {
   std::vector<CameraSurface> surfaces_;
   std::vector<MergeCamera> merge_cameras_;
   std::vector<std::vector<Tile>> scratch_;  // by worker, by camera
+  UnseenStyle style_;
+  BackgroundExtension extension_;
+  InverseDepthView inverse_;              // of the nearest fragments; empty unless surfaces are extended
+  std::vector<std::size_t> seen_pixels_;  // by tile
 };
 
 }  // namespace

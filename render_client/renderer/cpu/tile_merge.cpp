@@ -43,11 +43,13 @@ struct Span {
 template <std::size_t kCount>
 class SpanMerge {
  public:
-  SpanMerge(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, MergedView& view)
+  SpanMerge(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, MergedView& view,
+            Image<float>& inverse)
       : cameras_(cameras),
         tiles_(tiles),
         empty_(tiles[0].empty()),
         view_(view),
+        inverse_(inverse),
         apart_(silhouette_step(cameras)),
         silhouettes_((view.width + kLanes - 1) / kLanes, tiles[0].rows()) {
     for (std::size_t i = 0; i < count(); ++i) noise_per_square_[i] = uncertainty_per_square(cameras[i].noise);
@@ -72,6 +74,7 @@ class SpanMerge {
       const int count = std::min(kLanes, view_.width - (x + at));
       if (wanted.color) write_colors(pixels + at, count, colors, load<Ints>(&span_.shown[at]));
       if (wanted.depth) write_depths(x, at, count, best);
+      if (inverse_.width() > 0) write_inverse(x + at, count, at);
     }
   }
 
@@ -252,6 +255,11 @@ class SpanMerge {
     std::memcpy(static_cast<void*>(to), &pixels, count == kLanes ? sizeof pixels : count * sizeof *to);
   }
 
+  void write_inverse(int x, int count, int at) const {
+    const Floats w = load<Ints>(&span_.shown[at]) != 0 ? load<Floats>(&span_.nearest[at]) : Floats{};
+    std::memcpy(inverse_.row(y_).data() + x, &w, static_cast<std::size_t>(count) * sizeof(float));
+  }
+
   // Writes depth, camera and quality of the pixels from x + at on.
   void write_depths(int x, int at, int count, const Ints& best) {
     for (int lane = 0; lane < count; ++lane) {
@@ -281,6 +289,7 @@ class SpanMerge {
   float depth_of_row_[kMostCameras];      // the part of MergeCamera::depth that is equal in a whole row
   float noise_per_square_[kMostCameras];  // uncertainty_per_square() of each camera
   MergedView& view_;
+  Image<float>& inverse_;
   float apart_;  // difference in inverse depth at a silhouette edge
   SilhouetteBits silhouettes_;
   Span span_;
@@ -307,8 +316,8 @@ namespace {
 
 template <std::size_t kCount>
 void merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
-                 MergedView& view) {
-  SpanMerge<kCount> merge(cameras, tiles, view);
+                 MergedView& view, Image<float>& inverse) {
+  SpanMerge<kCount> merge(cameras, tiles, view, inverse);
   // Each span goes from top to bottom, since its next row reads nearly the same texels.
   for (int x = 0; x < view.width; x += kSpan) {
     const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
@@ -320,15 +329,15 @@ void merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> til
 }  // namespace
 
 void merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
-                MergedView& view) {
+                MergedView& view, Image<float>& inverse) {
   assert(!cameras.empty() && cameras.size() <= kMostCameras && cameras.size() == tiles.size());
   switch (cameras.size()) {
     case 1:
-      return merge_spans<1>(cameras, tiles, wanted, view);
+      return merge_spans<1>(cameras, tiles, wanted, view, inverse);
     case 2:
-      return merge_spans<2>(cameras, tiles, wanted, view);
+      return merge_spans<2>(cameras, tiles, wanted, view, inverse);
     default:
-      return merge_spans<0>(cameras, tiles, wanted, view);
+      return merge_spans<0>(cameras, tiles, wanted, view, inverse);
   }
 }
 

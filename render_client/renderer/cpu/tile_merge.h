@@ -28,8 +28,9 @@ struct MergeCamera {
 MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture);
 
 /// Merges a tile. tiles[i] belongs to cameras[i], and all have the same rows. The images of `view`
-/// that are `wanted` have the view's size.
+/// that are `wanted` have the view's size. `inverse` gets the inverse depth of the nearest fragments, 1/m along the eye's
+/// axis, 0 without any; it has the view's size, or none if it is not wanted.
 void merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
-                MergedView& view);
+                MergedView& view, Image<float>& inverse);
 
 }  // namespace copresence::renderer

@@ -7,10 +7,15 @@
 #include <utility>
 
 #include "render_client/renderer/cpu/planar_blocks.h"
+#include "render_client/renderer/extension_rules.h"
 #include "render_client/renderer/merge_rules.h"
 #include "shaders/build_mesh.comp.h"
 #include "shaders/draw_mesh.frag.h"
 #include "shaders/draw_mesh.vert.h"
+#include "shaders/extend_blocks.comp.h"
+#include "shaders/extend_estimate.comp.h"
+#include "shaders/extend_smooth.comp.h"
+#include "shaders/extend_view.comp.h"
 #include "shaders/fade_layers.comp.h"
 #include "shaders/find_planar_blocks.comp.h"
 #include "shaders/make_camera_texture.comp.h"
@@ -220,6 +225,95 @@ Result<void> SoftenSilhouettes::run(std::span<const MergeLayers::Camera> cameras
   compiled->second.set("w_near_far", w_near_far);
   compiled->second.set("apart", kSilhouetteSteps * coarsest);
   compiled->second.dispatch_over(softened.width(), softened.height());
+  return {};
+}
+
+Result<void> ExtendBackground::compile(std::size_t cameras) {
+  const std::array defines = {
+      Define{"BLOCK", std::to_string(kExtensionBlock)}, Define{"SAME_SURFACE", literal(kSameSurface)},
+      Define{"OWN_SURFACE", literal(kOwnSurface)},      Define{"MOST_SLOPE", literal(kMostSlope)},
+      Define{"MOST_CHANGE", literal(kMostChange)},      Define{"FARTHEST_M", literal(kFarthestM)},
+      Define{"OWN_WEIGHT", literal(kOwnWeight)},        Define{"FADE_SHARE", literal(kFadeShare)},
+      Define{"LAYERS", std::to_string(cameras)}};
+  const auto make = [&](std::string_view shader, std::optional<gl::Program>& program) -> Result<void> {
+    if (program) return {};
+    auto made = gl::Program::compute(*context_, shader, defines);
+    if (!made) return fail(made.error());
+    program.emplace(std::move(*made));
+    return {};
+  };
+  if (auto made = make(shaders::extend_blocks_comp, summarise_); !made) return made;
+  if (auto made = make(shaders::extend_estimate_comp, estimate_); !made) return made;
+  if (auto made = make(shaders::extend_smooth_comp, smooth_); !made) return made;
+  if (fill_.contains(cameras)) return {};
+  auto made = gl::Program::compute(*context_, shaders::extend_view_comp, defines);
+  if (!made) return fail(made.error());
+  fill_.emplace(cameras, std::move(*made));
+  return {};
+}
+
+void ExtendBackground::estimate_blocks(const gl::Texture& color, const gl::Texture& depth) {
+  const int width = blocks_->gaps.width(), height = blocks_->gaps.height();
+  color.bind(0);
+  depth.bind(1);
+  blocks_->surfaces.bind_image(0, Access::kWrite);
+  blocks_->gaps.bind_image(1, Access::kWrite);
+  summarise_->dispatch_over(width, height);
+  context_->barrier(gl::Reader::kFetch);
+  blocks_->surfaces.bind(0);
+  blocks_->gaps.bind(1);
+  blocks_->estimates.bind_image(0, Access::kWrite);
+  estimate_->dispatch_over(width, height);
+  context_->barrier(gl::Reader::kFetch);
+  static_assert(kSmoothingRounds % 2 == 0, "the result is in `estimates`");
+  const gl::Texture *from = &blocks_->estimates, *to = &blocks_->surfaces;
+  for (int round = 0; round < kSmoothingRounds; ++round) {
+    from->bind(0);
+    to->bind_image(0, Access::kWrite);
+    smooth_->dispatch_over(width, height);
+    context_->barrier(gl::Reader::kFetch);
+    std::swap(from, to);
+  }
+}
+
+Result<void> ExtendBackground::run(std::span<const Camera> cameras, const ViewUniforms& view, float near_m,
+                                   const UnseenStyle& style, const gl::Texture& color,
+                                   const gl::Texture& depth, const gl::Texture& origin) {
+  if (auto compiled = compile(cameras.size()); !compiled) return compiled;
+  const int width = (color.width() + kExtensionBlock - 1) / kExtensionBlock;
+  const int height = (color.height() + kExtensionBlock - 1) / kExtensionBlock;
+  if (!blocks_ || blocks_->gaps.width() != width || blocks_->gaps.height() != height) {
+    blocks_.reset();
+    blocks_.emplace(Blocks{gl::Texture(*context_, gl::Format::kRgba32f, width, height),
+                           gl::Texture(*context_, gl::Format::kRgba32f, width, height),
+                           gl::Texture(*context_, gl::Format::kR8ui, width, height)});
+  }
+  const bool extends = style.show != UnseenStyle::Show::kBlack;
+  if (extends) estimate_blocks(color, depth);
+  gl::Program& fill = fill_.at(cameras.size());
+  blocks_->estimates.bind(0);
+  blocks_->gaps.bind(1);
+  color.bind_image(0, Access::kWrite);
+  depth.bind_image(1, Access::kReadWrite);
+  origin.bind_image(2, Access::kWrite);
+  fill.set("extends", extends ? 1 : 0);
+  fill.set("brightness", style.brightness());
+  fill.set(
+      "background",
+      Eigen::Vector3f(Eigen::Vector3f(style.background.r, style.background.g, style.background.b) / 255));
+  fill.set("ray_from_pixel", view.ray_from_pixel);
+  fill.set("near", near_m);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const CameraModel& model = cameras[i].model;
+    fill.set(element("camera_from_eye", i).c_str(), cameras[i].camera_from_eye);
+    fill.set(element("intrinsics", i).c_str(),
+             Eigen::Vector4f(Eigen::Vector4d(model.fx, model.fy, model.cx, model.cy).cast<float>()));
+    fill.set(element("picture", i).c_str(),
+             cameras[i].is_drawn ? Eigen::Vector2f(Eigen::Vector2i(model.width, model.height).cast<float>())
+                                 : Eigen::Vector2f(Eigen::Vector2f::Zero()));
+  }
+  fill.dispatch_over(color.width(), color.height());
+  context_->barrier(gl::Reader::kFetch | gl::Reader::kFramebuffer | gl::Reader::kHost);
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 
 #include "common/frame/camera_model.h"
@@ -19,6 +20,7 @@
 #include "common/gl/texture.h"
 #include "common/result.h"
 #include "render_client/renderer/merge_rules.h"
+#include "render_client/renderer/renderer.h"
 
 namespace copresence::renderer {
 
@@ -166,6 +168,37 @@ class SoftenSilhouettes {
  private:
   gl::Context* context_;
   std::map<std::size_t, gl::Program> programs_;
+};
+
+/// extend_blocks, extend_estimate, extend_smooth and extend_view.comp: fill the empty pixels of a view
+/// (extension_rules.h).
+class ExtendBackground {
+ public:
+  struct Camera {
+    Eigen::Matrix<float, 3, 4> camera_from_eye;
+    CameraModel model;
+    bool is_drawn;
+  };
+
+  explicit ExtendBackground(gl::Context& context) : context_(&context) {}
+
+  /// Changes colour (kRgba8), depth (kR32f, m) and origin (kR8ui) where depth is 0. A shader is compiled once for each
+  /// number of cameras.
+  Result<void> run(std::span<const Camera> cameras, const ViewUniforms& view, float near_m,
+                   const UnseenStyle& style, const gl::Texture& color, const gl::Texture& depth,
+                   const gl::Texture& origin);
+
+ private:
+  struct Blocks {
+    gl::Texture surfaces, estimates, gaps;
+  };
+  Result<void> compile(std::size_t cameras);
+  void estimate_blocks(const gl::Texture& color, const gl::Texture& depth);
+
+  gl::Context* context_;
+  std::optional<gl::Program> summarise_, estimate_, smooth_;
+  std::map<std::size_t, gl::Program> fill_;
+  std::optional<Blocks> blocks_;
 };
 
 }  // namespace copresence::renderer

@@ -36,14 +36,15 @@ struct Layers {
 
 // The pictures of one eye, made for one size of the view.
 struct Target {
-  gl::Texture merged, color, depth, camera, quality;  // `merged` is the colour before softening
+  gl::Texture merged, color, depth, camera, quality, origin;  // `merged` is the colour before softening
 
   Target(gl::Context& context, int width, int height)
       : merged(context, Format::kRgba8, width, height),
         color(context, Format::kRgba8, width, height),
         depth(context, Format::kR32f, width, height),
         camera(context, Format::kR8ui, width, height),
-        quality(context, Format::kR32f, width, height) {}
+        quality(context, Format::kR32f, width, height),
+        origin(context, Format::kR8ui, width, height) {}
 };
 
 // To clip coordinates in which pixel centres are whole numbers and rows run from the top. Depth is
@@ -88,9 +89,12 @@ class GlRenderer final : public Renderer {
         draw_(std::move(draw)),
         fade_(context),
         merge_(context),
-        soften_(context) {}
+        soften_(context),
+        extend_(context) {}
 
   std::string_view name() const override { return "gl"; }
+
+  void set_unseen(const UnseenStyle& style) override { style_ = style; }
 
   void prepare(std::span<const CameraView> cameras) override {
     assert(cameras.size() <= kMostCameras);
@@ -115,6 +119,9 @@ class GlRenderer final : public Renderer {
       draw_layers(cameras, eye);
       if (auto faded = fade_layers(cameras); !faded) return faded;
       if (auto merged = merge_layers(cameras, eye, wanted, target); !merged) return merged;
+      if (treats_unseen(wanted)) {
+        if (auto extended = extend(cameras, eye, target); !extended) return extended;
+      }
     }
     read_back(wanted, target, view);
     return context_.check("drawing the view");
@@ -183,7 +190,8 @@ class GlRenderer final : public Renderer {
     merge_cameras_.clear();
     for (const CameraView& camera : cameras) merge_cameras_.push_back(merge_camera(camera, eye));
     const ViewUniforms uniforms = view_uniforms(eye);
-    if (auto merged = merge_.run(merge_cameras_, uniforms, layers_->fragments, layers_->depths, wanted.depth,
+    if (auto merged = merge_.run(merge_cameras_, uniforms, layers_->fragments, layers_->depths,
+                                 wanted.depth || treats_unseen(wanted),
                                  {target.merged, target.depth, target.camera, target.quality});
         !merged) {
       return merged;
@@ -195,8 +203,27 @@ class GlRenderer final : public Renderer {
     return softened;
   }
 
-  static void show_nothing(Target& target) {
-    target.color.clear();
+  // Whether anything must be done to the pixels that no camera shows.
+  bool treats_unseen(HostPixels wanted) const {
+    return wanted.depth || style_.show != UnseenStyle::Show::kBlack || !(style_.background == Rgb8{});
+  }
+
+  Result<void> extend(std::span<const CameraView> cameras, const ViewPose& eye, const Target& target) {
+    extend_cameras_.clear();
+    for (const CameraView& camera : cameras) {
+      const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
+      extend_cameras_.push_back(
+          {camera_from_eye.matrix().topRows<3>().cast<float>(), camera.model, camera.opacity > 0});
+    }
+    return extend_.run(extend_cameras_, view_uniforms(eye), static_cast<float>(eye.near_m), style_,
+                       target.color, target.depth, target.origin);
+  }
+
+  void show_nothing(Target& target) const {
+    const Rgb8 background = style_.background;
+    target.color.upload(Image<Rgba8>(target.color.width(), target.color.height(),
+                                     {background.r, background.g, background.b, 0}));
+    target.origin.upload(Image<Origin>(target.origin.width(), target.origin.height(), Origin::kEmpty));
     target.depth.clear();
     target.quality.clear();
     target.camera.upload(Image<std::uint8_t>(target.camera.width(), target.camera.height(), kNoCamera));
@@ -217,6 +244,8 @@ class GlRenderer final : public Renderer {
     fetch(wanted.depth, target.depth, view.depth_m);
     fetch(wanted.depth, target.camera, view.camera);
     fetch(wanted.depth, target.quality, view.quality);
+    fetch(wanted.depth, target.origin, view.origin);
+    view.shares.reset();
   }
 
   gl::Context& context_;
@@ -226,9 +255,12 @@ class GlRenderer final : public Renderer {
   FadeLayers fade_;
   MergeLayers merge_;
   SoftenSilhouettes soften_;
+  ExtendBackground extend_;
+  UnseenStyle style_;
   std::vector<GlCamera> cameras_;  // by camera
   std::vector<float> opacities_;
   std::vector<MergeLayers::Camera> merge_cameras_;
+  std::vector<ExtendBackground::Camera> extend_cameras_;
   std::optional<Layers> layers_;
   std::vector<std::optional<Target>> targets_;  // by MergedView::target
 };

@@ -1,0 +1,58 @@
+#pragma once
+
+// Continues farther surfaces into the parts of a view that no camera has seen (extension_rules.h).
+//
+// Thread: one at a time. The result does not depend on the number of workers.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/executor.h"
+#include "common/frame/image.h"
+#include "render_client/renderer/renderer.h"
+
+namespace copresence::renderer {
+
+/// 1/m along the eye's axis; 0 where no camera shows anything.
+using InverseDepthView = Image<float>;
+
+class BackgroundExtension {
+ public:
+  /// Fills the empty pixels of `view`: its colour, and depth and origin if they have the view's size. `seen` and the
+  /// colour have the view's size. Only model and pose of the cameras count. Returns the number of pixels filled.
+  std::size_t apply(const ViewPose& eye, std::span<const CameraView> cameras, const InverseDepthView& seen,
+                    const UnseenStyle& style, Executor& workers, MergedView& view);
+
+ private:
+  struct Block {
+    float w = 0;  // 0: no surface
+    float r = 0, g = 0, b = 0;
+    float opacity = 1;
+    bool is_gap = false;
+  };
+  struct Source {
+    std::int32_t block = -1;    // none
+    std::int32_t distance = 0;  // in blocks along the direction
+    float slope = 0;            // of w, per block towards the gap
+  };
+
+  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
+  bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
+  Block summarise(const InverseDepthView& seen, const Image<Rgba8>& color, int block_x, int block_y) const;
+  void find_sources(int dx, int dy, std::vector<Source>& sources) const;
+  Source source_at(int x, int y, int dx, int dy) const;
+  Block estimate(std::size_t block) const;
+  void smooth_row(int y, const std::vector<Block>& from, std::vector<Block>& to) const;
+  float opacity_at(const ViewPose& eye, std::span<const CameraView> cameras, int x, int y, float w) const;
+  std::size_t fill_row(int y, const InverseDepthView& seen, const UnseenStyle& style, MergedView& view) const;
+
+  int width_ = 0, height_ = 0;  // in blocks
+  std::vector<Block> blocks_, estimates_, smoothed_;
+  std::array<std::vector<Source>, 8> sources_;  // by direction
+  std::vector<std::size_t> filled_;             // pixels, by row of blocks
+};
+
+}  // namespace copresence::renderer

@@ -1,0 +1,195 @@
+#include "tools/view_bench/view_error.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace copresence::view_bench {
+namespace {
+
+constexpr float kEdgeSteps = 8.0F;      // an edge in inverse depth, in disparity steps of a Kinect
+constexpr float kFlatSteps = 1.0F;      // most curvature of a flat surface
+constexpr double kFlatLuma = 6;         // most change of the true colour across a seam on a flat surface
+constexpr float kStep = 1.0F / 351.3F;  // 1/m, a Kinect v1's disparity step
+
+double luma(const Rgb8& p) {
+  return 0.299 * p.r + 0.587 * p.g + 0.114 * p.b;
+}
+double luma(const Rgba8& p) {
+  return 0.299 * p.r + 0.587 * p.g + 0.114 * p.b;
+}
+
+double squared_difference(const Rgb8& a, const Rgba8& b) {
+  const double r = a.r - b.r, g = a.g - b.g, blue = a.b - b.b;
+  return r * r + g * g + blue * blue;
+}
+
+float inverse(float depth_m) {
+  return depth_m > 0 ? 1 / depth_m : 0;
+}
+
+// Sets every pixel within `radius` of a set one, in a square neighbourhood.
+Image<std::uint8_t> dilate(const Image<std::uint8_t>& image, int radius) {
+  const int width = image.width(), height = image.height();
+  Image<std::uint8_t> rows(width, height), result(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      for (int i = std::max(0, x - radius); i <= std::min(width - 1, x + radius); ++i)
+        rows(x, y) |= image(i, y);
+    }
+  }
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      for (int i = std::max(0, y - radius); i <= std::min(height - 1, y + radius); ++i)
+        result(x, y) |= rows(x, i);
+    }
+  }
+  return result;
+}
+
+bool is_in(const ViewVolume& camera, const Eigen::Vector3d& world_point) {
+  const Eigen::Vector3d point = camera.world_from_camera.inverse() * world_point;
+  if (point.z() < camera.range.near_m || point.z() > camera.range.far_m) return false;
+  const Eigen::Vector2d pixel = project(camera.model, point);
+  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.model.width - 1 &&
+         pixel.y() <= camera.model.height - 1;
+}
+
+// The four neighbours' difference to the pixel: large at fine detail.
+template <class Pixels>
+double laplacian(const Pixels& image, int x, int y) {
+  return luma(image(x - 1, y)) + luma(image(x + 1, y)) + luma(image(x, y - 1)) + luma(image(x, y + 1)) -
+         4 * luma(image(x, y));
+}
+
+}  // namespace
+
+TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::ViewPose& eye,
+                           std::span<const ViewVolume> cameras) {
+  const int width = truth.color.width(), height = truth.color.height();
+  TrueEyeView result{
+      truth.color, truth.depth_m, Image<std::uint8_t>(width, height), {}, Image<std::uint8_t>(width, height)};
+  Image<std::uint8_t> edges(width, height);
+  const auto w = [&](int x, int y) { return inverse(truth.depth_m(x, y)); };
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double z = truth.depth_m(x, y);
+      if (z > 0) {
+        const Eigen::Vector3d ray((x - eye.intrinsics.cx) / eye.intrinsics.fx,
+                                  (y - eye.intrinsics.cy) / eye.intrinsics.fy, 1);
+        const Eigen::Vector3d point = eye.world_from_eye * Eigen::Vector3d(z * ray);
+        result.reachable(x, y) = std::any_of(cameras.begin(), cameras.end(),
+                                             [&](const ViewVolume& camera) { return is_in(camera, point); });
+      }
+      if (x > 0 && std::abs(w(x, y) - w(x - 1, y)) > kEdgeSteps * kStep) edges(x, y) = edges(x - 1, y) = 1;
+      if (y > 0 && std::abs(w(x, y) - w(x, y - 1)) > kEdgeSteps * kStep) edges(x, y) = edges(x, y - 1) = 1;
+      if (x >= kSeamPixels && x < width - kSeamPixels) {
+        const float curvature = w(x - kSeamPixels, y) - 2 * w(x, y) + w(x + kSeamPixels, y);
+        const double change = luma(truth.color(x + kSeamPixels, y)) - luma(truth.color(x - kSeamPixels, y));
+        result.is_flat(x, y) =
+            z > 0 && std::abs(curvature) < kFlatSteps * kStep && std::abs(change) < kFlatLuma;
+      }
+    }
+  }
+  result.at_silhouette = dilate(edges, kSilhouettePixels);
+  return result;
+}
+
+double ViewError::Squares::psnr() const {
+  if (samples == 0) return std::numeric_limits<double>::quiet_NaN();
+  return 10 * std::log10(255.0 * 255.0 * 3 * static_cast<double>(samples) / std::max(sum, 1e-9));
+}
+
+void ViewError::add(const TrueEyeView& truth, const renderer::MergedView& view, bool is_next) {
+  assert(truth.color.width() == view.color.width() && truth.color.height() == view.color.height());
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      if (!truth.reachable(x, y)) continue;
+      const double difference = squared_difference(truth.color(x, y), view.color(x, y));
+      const renderer::Origin origin = view.origin(x, y);
+      const auto add_to = [&](Squares& squares) {
+        squares.sum += difference;
+        ++squares.samples;
+      };
+      add_to(all_);
+      if (origin == renderer::Origin::kSeen) add_to(seen_);
+      if (origin == renderer::Origin::kExtended) add_to(extended_);
+      if (truth.at_silhouette(x, y)) add_to(silhouette_);
+    }
+  }
+  add_seams(truth, view);
+  add_sharpness(truth, view);
+  if (is_next && last_color_.width() == view.width) add_flicker(truth, view);
+  last_color_ = view.color;
+  last_truth_ = truth.color;
+  ++views_;
+}
+
+void ViewError::add_seams(const TrueEyeView& truth, const renderer::MergedView& view) {
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = kSeamPixels; x + kSeamPixels < view.width; ++x) {
+      const int left = view.camera(x, y), right = view.camera(x + 1, y);
+      if (left == right || left == renderer::kNoCamera || right == renderer::kNoCamera) continue;
+      if (!truth.is_flat(x, y) || !truth.reachable(x, y)) continue;
+      const int from = x - kSeamPixels, to = x + kSeamPixels;
+      if (view.camera(from, y) != left || view.camera(to, y) != right) continue;
+      const double step = luma(view.color(to, y)) - luma(view.color(from, y));
+      const double true_step = luma(truth.color(to, y)) - luma(truth.color(from, y));
+      seams_ += std::abs(step - true_step);
+      ++seam_pairs_;
+    }
+  }
+}
+
+void ViewError::add_flicker(const TrueEyeView& truth, const renderer::MergedView& view) {
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      if (!truth.reachable(x, y) || view.origin(x, y) == renderer::Origin::kEmpty) continue;
+      const Rgb8 now = truth.color(x, y), before = last_truth_(x, y);
+      if (now.r != before.r || now.g != before.g || now.b != before.b) continue;
+      flicker_ += std::abs(luma(view.color(x, y)) - luma(last_color_(x, y)));
+      ++flicker_pixels_;
+    }
+  }
+}
+
+void ViewError::add_sharpness(const TrueEyeView& truth, const renderer::MergedView& view) {
+  const auto is_shown = [&](int x, int y) {
+    return truth.reachable(x, y) && view.camera(x, y) != renderer::kNoCamera;
+  };
+  for (int y = 1; y + 1 < view.height; ++y) {
+    for (int x = 1; x + 1 < view.width; ++x) {
+      if (truth.at_silhouette(x, y) || !is_shown(x, y) || !is_shown(x - 1, y) || !is_shown(x + 1, y) ||
+          !is_shown(x, y - 1) || !is_shown(x, y + 1)) {
+        continue;
+      }
+      const double shown = laplacian(view.color, x, y), real = laplacian(truth.color, x, y);
+      laplacian_ += shown * shown;
+      true_laplacian_ += real * real;
+    }
+  }
+}
+
+ViewScore ViewError::score() const {
+  const auto share = [](double part, double whole) { return whole > 0 ? part / whole : 0; };
+  ViewScore score;
+  score.views = views_;
+  const auto percent = [&](const Squares& part) {
+    return 100 * share(double(part.samples), double(all_.samples));
+  };
+  score.seen_percent = percent(seen_);
+  score.extended_percent = percent(extended_);
+  score.empty_percent = 100 - score.seen_percent - score.extended_percent;
+  score.psnr = all_.psnr();
+  score.psnr_seen = seen_.psnr();
+  score.psnr_extended = extended_.psnr();
+  score.psnr_silhouette = silhouette_.psnr();
+  score.flicker = share(flicker_, double(flicker_pixels_));
+  score.seam_step = share(seams_, double(seam_pairs_));
+  score.sharpness = share(laplacian_, true_laplacian_);
+  return score;
+}
+
+}  // namespace copresence::view_bench

@@ -1,0 +1,86 @@
+#pragma once
+
+// How far rendered views are from the truth, over every pixel that some camera could have shown.
+//
+// A pixel counts as reachable if its true surface point lies in the image and in the depth range of at least one
+// camera, whether or not something hides it from that camera. Pixels that show nothing count as black.
+//
+// Thread: a value.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/frame/camera_model.h"
+#include "common/frame/depth_unit.h"
+#include "common/frame/image.h"
+#include "common/frame/rigid3.h"
+#include "render_client/renderer/renderer.h"
+#include "simulation/truth/true_camera.h"
+
+namespace copresence::view_bench {
+
+/// A camera's view volume.
+struct ViewVolume {
+  CameraModel model;
+  Rigid3 world_from_camera;
+  DepthRange range;
+};
+
+/// What a perfect camera at the eye sees, and what the metrics need to know of it.
+struct TrueEyeView {
+  ColorImage color;
+  Image<float> depth_m;
+  Image<std::uint8_t> reachable;      ///< 1 if some camera could have shown the pixel's surface
+  Image<std::uint8_t> at_silhouette;  ///< 1 within kSilhouettePixels of a depth edge
+  Image<std::uint8_t> is_flat;        ///< 1 where depth and colour are smooth within kSeamPixels
+};
+
+inline constexpr int kSilhouettePixels = 12;
+inline constexpr int kSeamPixels = 3;
+
+TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::ViewPose& eye,
+                           std::span<const ViewVolume> cameras);
+
+/// One scene's result. PSNR in dB, shares in percent of the reachable pixels, differences in 1/255.
+struct ViewScore {
+  double seen_percent = 0, extended_percent = 0, empty_percent = 0;
+  double psnr = 0;             ///< over all reachable pixels
+  double psnr_seen = 0;        ///< over those that show a camera's pixel
+  double psnr_extended = 0;    ///< over those that continue a surface; not a number without any
+  double psnr_silhouette = 0;  ///< over those near depth edges
+  double flicker = 0;          ///< mean change of shown pixels from view to view where the truth is still
+  double seam_step = 0;  ///< mean step across borders between cameras on flat surfaces, less the truth's
+  double sharpness = 0;  ///< variance of the Laplacian, as a share of the truth's
+  int views = 0;
+};
+
+/// Gathers the views of one scene.
+class ViewError {
+ public:
+  /// Adds a view with colour, depth and camera images. `is_next` says that the view before was of the same eye one
+  /// frame earlier, so that flicker can be measured. Requires equal sizes.
+  void add(const TrueEyeView& truth, const renderer::MergedView& view, bool is_next);
+
+  ViewScore score() const;
+
+ private:
+  struct Squares {
+    double sum = 0;
+    std::uint64_t samples = 0;
+    double psnr() const;
+  };
+
+  void add_seams(const TrueEyeView& truth, const renderer::MergedView& view);
+  void add_flicker(const TrueEyeView& truth, const renderer::MergedView& view);
+  void add_sharpness(const TrueEyeView& truth, const renderer::MergedView& view);
+
+  Squares all_, seen_, extended_, silhouette_;
+  double flicker_ = 0, seams_ = 0, laplacian_ = 0, true_laplacian_ = 0;
+  std::uint64_t flicker_pixels_ = 0, seam_pairs_ = 0;
+  int views_ = 0;
+  Image<Rgba8> last_color_;
+  ColorImage last_truth_;
+};
+
+}  // namespace copresence::view_bench

@@ -181,14 +181,14 @@ TEST_F(RefineSimulated, TellsAnErrorThatIsNoLessThanHalfOfWhatItIsWhereSomebodyM
   const double off_mm = 1000 * (found * (truth.inverse() * middle) - middle).norm();
   EXPECT_GT(2 * read_json(folder_ / "out.json")["cameras"][1]["error_mm"].get<double>(), off_mm);
   EXPECT_THAT(run("refine", {"--out", folder_ / "again.toml"}).words,
-              HasSubstr("did not keep still; what somebody who moves leaves behind"));
+              HasSubstr("of its pixels did not keep still; if a person moved"));
 }
 
 TEST_F(RefineSimulated, CamerasThatSeeNothingInCommonAreRefused) {
   scene_.cameras[1].world_from_camera->translation += Eigen::Vector3d(20, 0, 0);
   const Ended ended = run("refine", {"--out", folder_ / "out.toml"});
   EXPECT_EQ(ended.code, 1);
-  EXPECT_THAT(ended.words, HasSubstr("too little to refine on"));
+  EXPECT_THAT(ended.words, HasSubstr("of their surfaces, which is too little"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.toml"));
   EXPECT_EQ(run("check", {}).code, 1);
 }

@@ -13,7 +13,7 @@
 #include <X11/Xutil.h>
 #include <X11/keysym.h>
 
-namespace copresence::gl {
+namespace copresence::window {
 namespace {
 
 using XWindow = ::Window;
@@ -123,7 +123,7 @@ class WindowGl : public testing::Test {
       std::cerr << "*** SKIPPED, NOT TESTED: no Xvfb here, install xvfb ***\n";
       GTEST_SKIP() << "no Xvfb";
     }
-    auto opened = Window::open("the room", 320, 240, Debug::kOn);
+    auto opened = Window::open("the room", 320, 240, gl::Debug::kOn);
     ASSERT_TRUE(opened.has_value()) << opened.error().what;
     window_ = std::move(*opened);
     window_->set_vsync(false);
@@ -195,7 +195,7 @@ TEST_F(WindowGl, ShowsTheSamePixels) {
 
 TEST_F(WindowGl, ShowsATextureOfItsContext) {
   const Image<Rgba8> image = colorful(320, 240);
-  Texture texture(window().context(), Format::kRgba8, 320, 240);
+  gl::Texture texture(window().context(), gl::Format::kRgba8, 320, 240);
   texture.upload(image);
   EXPECT_TRUE(present_until(texture, image) == image);
 }
@@ -290,4 +290,4 @@ TEST_F(WindowGl, FillsTheScreenAndComesBack) {
 }
 
 }  // namespace
-}  // namespace copresence::gl
+}  // namespace copresence::window

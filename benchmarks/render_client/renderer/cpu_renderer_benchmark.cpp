@@ -158,6 +158,7 @@ void merge(benchmark::State& state) {
   std::vector<Tile> tiles(drawn.size());
   for (auto _ : state) {
     std::chrono::duration<double> merging{};
+    Image<float> unwanted;
     for (int top = 0; top < view.height; top += kRows) {
       for (std::size_t i = 0; i < drawn.size(); ++i) {
         const Drawn& d = drawn[i];
@@ -169,7 +170,7 @@ void merge(benchmark::State& state) {
         }
       }
       const auto begin = std::chrono::steady_clock::now();
-      merge_tile(sources, tiles, {.color = true}, view);
+      merge_tile(sources, tiles, {.color = true}, view, unwanted);
       merging += std::chrono::steady_clock::now() - begin;
     }
     state.SetIterationTime(merging.count());

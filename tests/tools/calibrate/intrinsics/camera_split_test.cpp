@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <ostream>
 #include <random>
 #include <string>
 
@@ -90,6 +91,10 @@ struct Mixture {
   int least;     ///< Required number of noticed sets, of 4.
 };
 
+std::ostream& operator<<(std::ostream& out, const Mixture& mixture) {
+  return out << mixture.ratio;
+}
+
 class TwoCameras : public testing::TestWithParam<Mixture> {};
 
 TEST_P(TwoCameras, AreNoticedByTheirFocalLengths) {
@@ -115,6 +120,10 @@ struct Honest {
   int views;
   Setting setting;
 };
+
+std::ostream& operator<<(std::ostream& out, const Honest& honest) {
+  return out << honest.name;
+}
 
 class OneCamera : public testing::TestWithParam<Honest> {};
 

@@ -52,8 +52,8 @@ class Fidelity : public ::testing::Test {
       listeners.emplace_back(listen, room_.address(i), std::ref(sent[i]));
     }
     const Rigid3 world_from_eye = beside(*scene.cameras[0].world_from_camera, scene.up);
-    const auto stats = room_.view({"--scene", scene_file, "--color-matching", "off", "--view",
-                                   "path:" + path_file(world_from_eye), "--frames", "60", "--size",
+    const auto stats = room_.view({"--scene", scene_file, "--color-matching", "off", "--unseen", "black",
+                                   "--view", "path:" + path_file(world_from_eye), "--frames", "60", "--size",
                                    fmt::format("{}x{}", kWidth, kHeight)});
     listeners.clear();
     if (stats.is_null()) return {};

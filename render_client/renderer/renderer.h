@@ -97,7 +97,8 @@ struct MergedView {
   Image<std::uint8_t> camera;  ///< index of the camera that has the pixel; kNoCamera for none
   Image<float> quality;        ///< quality index of that camera, cos(theta) / z^2 (thesis eq. 2.5), 1/m^2
   Image<Origin> origin;
-  std::optional<OriginShares> shares;  ///< if the renderer counts them, which costs the GL renderer a wait
+  /// Of the CPU renderer only: the GL renderer would have to wait for its pictures.
+  std::optional<OriginShares> shares;
   /// OpenGL name of an RGBA8 texture with the colours, rows from the top. It holds the view until
   /// the next render() to the same target. 0 for the CPU renderer.
   std::uint32_t texture = 0;

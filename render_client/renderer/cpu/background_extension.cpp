@@ -116,7 +116,7 @@ BackgroundExtension::Block BackgroundExtension::summarise(const InverseDepthView
   return block;
 }
 
-// For each block: where one comes to from there against the direction (dx, dy).
+// Finds the source of each block against the direction (dx, dy).
 void BackgroundExtension::find_sources(int dx, int dy, std::vector<Source>& sources) const {
   sources.resize(blocks_.size());
   const int step_x = dx >= 0 ? 1 : -1, step_y = dy >= 0 ? 1 : -1;
@@ -134,7 +134,7 @@ void BackgroundExtension::find_sources(int dx, int dy, std::vector<Source>& sour
   }
 }
 
-// The source that a gap beyond block (x, y) has there.
+// The source at block (x, y) for a gap that follows it in the direction (dx, dy).
 BackgroundExtension::Source BackgroundExtension::source_at(int x, int y, int dx, int dy) const {
   const auto surface = [&](int behind) -> const Block* {
     const int at_x = x - behind * dx, at_y = y - behind * dy;

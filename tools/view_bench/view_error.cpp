@@ -181,7 +181,7 @@ ViewScore ViewError::score() const {
   };
   score.seen_percent = percent(seen_);
   score.extended_percent = percent(extended_);
-  score.empty_percent = 100 - score.seen_percent - score.extended_percent;
+  score.empty_percent = std::max(0.0, 100 - score.seen_percent - score.extended_percent);
   score.psnr = all_.psnr();
   score.psnr_seen = seen_.psnr();
   score.psnr_extended = extended_.psnr();

@@ -25,7 +25,7 @@
 
 namespace copresence::renderer {
 
-inline constexpr int kExtensionBlock = 4;      ///< pixels
+inline constexpr int kExtensionBlock = 8;      ///< pixels
 inline constexpr float kSameSurface = 0.045F;  ///< 1/m; 16 disparity steps of a Kinect v1
 inline constexpr float kOwnSurface = 0.0228F;  ///< 1/m; within one block: 8 such steps
 inline constexpr float kMostSlope = 0.02F;     ///< 1/m per block; steeper ones are depth edges

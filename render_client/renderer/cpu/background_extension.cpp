@@ -53,6 +53,7 @@ std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const Came
   width_ = (view.width + kExtensionBlock - 1) / kExtensionBlock;
   height_ = (view.height + kExtensionBlock - 1) / kExtensionBlock;
   const std::size_t count = static_cast<std::size_t>(width_) * height_;
+  list_pictures(eye, cameras);
   blocks_.resize(count);
   estimates_.resize(count);
   smoothed_.resize(count);
@@ -72,7 +73,7 @@ std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const Came
   workers.run(height_, [&](int y, int) {
     for (int x = 0; x < width_; ++x) {
       Block& block = estimates_[index(x, y)];
-      if (block.is_gap && block.w > 0) block.opacity = opacity_at(eye, cameras, x, y, block.w);
+      if (block.is_gap) block.opacity = block.w > 0 ? opacity_at(eye, x, y, block.w) : 0;
     }
   });
   filled_.assign(height_, 0);
@@ -231,26 +232,37 @@ void BackgroundExtension::smooth_row(int y, const std::vector<Block>& from, std:
   }
 }
 
-float BackgroundExtension::opacity_at(const ViewPose& eye, std::span<const CameraView> cameras, int x, int y,
-                                      float w) const {
-  const double z = 1 / w, half = 0.5 * (kExtensionBlock - 1);
-  const Eigen::Vector3d point =
-      eye.world_from_eye *
-      Eigen::Vector3d(z * (x * kExtensionBlock + half - eye.intrinsics.cx) / eye.intrinsics.fx,
-                      z * (y * kExtensionBlock + half - eye.intrinsics.cy) / eye.intrinsics.fy, z);
-  double opacity = 0;
+void BackgroundExtension::list_pictures(const ViewPose& eye, std::span<const CameraView> cameras) {
+  pictures_.clear();
   for (const CameraView& camera : cameras) {
     if (!(camera.opacity > 0)) continue;
-    const Eigen::Vector3d in_camera = camera.world_from_camera.inverse() * point;
-    if (in_camera.z() < eye.near_m) continue;
-    // Without lens distortion: the picture's border need not be exact.
+    const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
     const CameraModel& model = camera.model;
-    const double u = model.fx * in_camera.x() / in_camera.z() + model.cx;
-    const double v = model.fy * in_camera.y() / in_camera.z() + model.cy;
-    const double outside = std::max({0.0, -u, -v, u - (model.width - 1), v - (model.height - 1)});
-    opacity = std::max(opacity, 1 - outside / (double{kFadeShare} * model.width));
+    pictures_.push_back({camera_from_eye.rotation.cast<float>(), camera_from_eye.translation.cast<float>(),
+                         float(model.fx), float(model.fy), float(model.cx), float(model.cy),
+                         float(model.width - 1), float(model.height - 1),
+                         1 / (kFadeShare * float(model.width))});
   }
-  return static_cast<float>(opacity);
+}
+
+float BackgroundExtension::opacity_at(const ViewPose& eye, int x, int y, float w) const {
+  constexpr float kHalf = 0.5F * (kExtensionBlock - 1);
+  const CameraModel& lens = eye.intrinsics;
+  const Eigen::Vector3f point =
+      Eigen::Vector3f((float(x * kExtensionBlock) + kHalf - float(lens.cx)) / float(lens.fx),
+                      (float(y * kExtensionBlock) + kHalf - float(lens.cy)) / float(lens.fy), 1) /
+      w;
+  float opacity = 0;
+  for (const Picture& picture : pictures_) {
+    const Eigen::Vector3f in_camera = picture.rotation * point + picture.translation;
+    if (in_camera.z() < float(eye.near_m)) continue;
+    // Without lens distortion: the picture's border need not be exact.
+    const float u = picture.fx * in_camera.x() / in_camera.z() + picture.cx;
+    const float v = picture.fy * in_camera.y() / in_camera.z() + picture.cy;
+    const float outside = std::max({0.0F, -u, -v, u - picture.right, v - picture.bottom});
+    opacity = std::max(opacity, 1 - outside * picture.per_fade);
+  }
+  return opacity;
 }
 
 std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, const UnseenStyle& style,
@@ -269,6 +281,10 @@ std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, c
     const int next_x = std::min(left + 1, width_ - 1), next_y = std::min(top + 1, height_ - 1);
     const std::array blocks{&estimates_[index(left, top)], &estimates_[index(next_x, top)],
                             &estimates_[index(left, next_y)], &estimates_[index(next_x, next_y)]};
+    Rgba8& pixel = view.color(x, y);
+    const Rgb8 background = style.background;
+    pixel = {background.r, background.g, background.b, 0};
+    if (blocks[0]->opacity + blocks[1]->opacity + blocks[2]->opacity + blocks[3]->opacity == 0) continue;
     constexpr float kLeastShare = 1e-4F;
     const std::array shares{(1 - right) * (1 - down) + kLeastShare, right * (1 - down) + kLeastShare,
                             (1 - right) * down + kLeastShare, right * down + kLeastShare};
@@ -283,9 +299,6 @@ std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, c
       mean.add(*blocks[i], shares[i]);
       opacity += shares[i] * blocks[i]->opacity;
     }
-    Rgba8& pixel = view.color(x, y);
-    const Rgb8 background = style.background;
-    pixel = {background.r, background.g, background.b, 0};
     if (mean.weight == 0 || opacity < kLeastOpacity * mean.weight) continue;
     Block surface;
     mean.store(surface);

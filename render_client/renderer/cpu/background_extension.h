@@ -4,6 +4,7 @@
 //
 // Thread: one at a time. The result does not depend on the number of workers.
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -46,10 +47,18 @@ class BackgroundExtension {
   Source source_at(int x, int y, int dx, int dy) const;
   Block estimate(std::size_t block) const;
   void smooth_row(int y, const std::vector<Block>& from, std::vector<Block>& to) const;
-  float opacity_at(const ViewPose& eye, std::span<const CameraView> cameras, int x, int y, float w) const;
+  /// A camera's picture, to find out whether a point of the view lies in it.
+  struct Picture {
+    Eigen::Matrix3f rotation;  // camera from eye
+    Eigen::Vector3f translation;
+    float fx, fy, cx, cy, right, bottom, per_fade;
+  };
+  void list_pictures(const ViewPose& eye, std::span<const CameraView> cameras);
+  float opacity_at(const ViewPose& eye, int x, int y, float w) const;
   std::size_t fill_row(int y, const InverseDepthView& seen, const UnseenStyle& style, MergedView& view) const;
 
   int width_ = 0, height_ = 0;  // in blocks
+  std::vector<Picture> pictures_;
   std::vector<Block> blocks_, estimates_, smoothed_;
   std::array<std::vector<Source>, 8> sources_;  // by direction
   std::vector<std::size_t> filled_;             // pixels, by row of blocks

@@ -272,44 +272,52 @@ std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, c
   const float block_y = (static_cast<float>(y) + 0.5F) * kScale - 0.5F;
   const int top = std::clamp(static_cast<int>(std::floor(block_y)), 0, std::max(0, height_ - 2));
   const float down = std::clamp(block_y - static_cast<float>(top), 0.0F, 1.0F);
+  const int next_y = std::min(top + 1, height_ - 1);
+  const Rgb8 background = style.background;
+  constexpr float kLeastShare = 1e-4F;
   std::size_t filled = 0;
+  int column = -1;                       // of blocks, for which the following holds
+  std::array<Mean, 2> sides;             // of its left and right blocks that lie on the farthest surface
+  std::array<float, 2> opacities{0, 0};  // summed with the same weights
   for (int x = 0; x < view.width; ++x) {
     if (seen(x, y) > 0) continue;
     const float block_x = (static_cast<float>(x) + 0.5F) * kScale - 0.5F;
     const int left = std::clamp(static_cast<int>(std::floor(block_x)), 0, std::max(0, width_ - 2));
     const float right = std::clamp(block_x - static_cast<float>(left), 0.0F, 1.0F);
-    const int next_x = std::min(left + 1, width_ - 1), next_y = std::min(top + 1, height_ - 1);
-    const std::array blocks{&estimates_[index(left, top)], &estimates_[index(next_x, top)],
-                            &estimates_[index(left, next_y)], &estimates_[index(next_x, next_y)]};
+    if (left != column) {
+      column = left;
+      const int next_x = std::min(left + 1, width_ - 1);
+      const std::array blocks{&estimates_[index(left, top)], &estimates_[index(left, next_y)],
+                              &estimates_[index(next_x, top)], &estimates_[index(next_x, next_y)]};
+      float farthest = 1e9F;
+      for (const Block* const block : blocks) {
+        if (block->w > 0) farthest = std::min(farthest, block->w);
+      }
+      sides = {};
+      opacities = {0, 0};
+      for (std::size_t i = 0; i < blocks.size(); ++i) {
+        if (blocks[i]->w == 0 || !is_same_surface(blocks[i]->w, farthest)) continue;
+        const float share = i % 2 == 0 ? 1 - down : down;
+        sides[i / 2].add(*blocks[i], share + kLeastShare);
+        opacities[i / 2] += (share + kLeastShare) * blocks[i]->opacity;
+      }
+    }
+    const float one = 1 - right + kLeastShare, other = right + kLeastShare;
+    const auto between = [&](float a, float b) { return one * a + other * b; };
+    const float weight = between(sides[0].weight, sides[1].weight);
+    const float opacity_sum = between(opacities[0], opacities[1]);
     Rgba8& pixel = view.color(x, y);
-    const Rgb8 background = style.background;
     pixel = {background.r, background.g, background.b, 0};
-    if (blocks[0]->opacity + blocks[1]->opacity + blocks[2]->opacity + blocks[3]->opacity == 0) continue;
-    constexpr float kLeastShare = 1e-4F;
-    const std::array shares{(1 - right) * (1 - down) + kLeastShare, right * (1 - down) + kLeastShare,
-                            (1 - right) * down + kLeastShare, right * down + kLeastShare};
-    float farthest = 1e9F;
-    for (const Block* const block : blocks) {
-      if (block->w > 0) farthest = std::min(farthest, block->w);
-    }
-    Mean mean;
-    float opacity = 0;
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      if (blocks[i]->w == 0 || !is_same_surface(blocks[i]->w, farthest)) continue;
-      mean.add(*blocks[i], shares[i]);
-      opacity += shares[i] * blocks[i]->opacity;
-    }
-    if (mean.weight == 0 || opacity < kLeastOpacity * mean.weight) continue;
-    Block surface;
-    mean.store(surface);
-    opacity /= mean.weight;
-    const auto blend = [&](float value, std::uint8_t behind) {
-      return static_cast<std::uint8_t>(opacity * style.brightness() * value + (1 - opacity) * behind + 0.5F);
+    if (weight == 0 || opacity_sum < kLeastOpacity * weight) continue;
+    const float scale = 1 / weight, opacity = opacity_sum * scale,
+                surface = opacity * style.brightness() * scale;
+    const auto blend = [&](float a, float b, std::uint8_t behind) {
+      return static_cast<std::uint8_t>(surface * between(a, b) + (1 - opacity) * behind + 0.5F);
     };
-    pixel = {blend(surface.r, background.r), blend(surface.g, background.g), blend(surface.b, background.b),
-             255};
+    pixel = {blend(sides[0].r, sides[1].r, background.r), blend(sides[0].g, sides[1].g, background.g),
+             blend(sides[0].b, sides[1].b, background.b), 255};
     if (has_depth) {
-      view.depth_m(x, y) = 1 / surface.w;
+      view.depth_m(x, y) = weight / between(sides[0].w, sides[1].w);
       view.origin(x, y) = Origin::kExtended;
     }
     ++filled;

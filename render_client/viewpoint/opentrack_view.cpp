@@ -63,6 +63,7 @@ OpentrackView::OpentrackView(OpentrackView&& other) noexcept
       socket_(std::exchange(other.socket_, -1)),
       port_(other.port_),
       world_from_reset_(std::move(other.world_from_reset_)),
+      has_reset_pose_(other.has_reset_pose_),
       head_(other.head_),
       counters_(other.counters_),
       report_(std::move(other.report_)) {}
@@ -72,6 +73,7 @@ OpentrackView& OpentrackView::operator=(OpentrackView&& other) noexcept {
   std::swap(socket_, other.socket_);
   port_ = other.port_;
   world_from_reset_ = other.world_from_reset_;
+  has_reset_pose_ = other.has_reset_pose_;
   head_ = other.head_;
   counters_ = other.counters_;
   report_ = std::move(other.report_);
@@ -80,6 +82,12 @@ OpentrackView& OpentrackView::operator=(OpentrackView&& other) noexcept {
 
 OpentrackView::~OpentrackView() {
   if (socket_ >= 0) ::close(socket_);
+}
+
+void OpentrackView::set_reset_pose(const Rigid3& world_from_eye) {
+  if (has_reset_pose_ && counters_.taken > 0) return;
+  world_from_reset_ = world_from_eye;
+  has_reset_pose_ = true;
 }
 
 ViewPose OpentrackView::at(std::uint64_t, Instant display_time) {

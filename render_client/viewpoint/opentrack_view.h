@@ -46,7 +46,8 @@ class OpentrackView final : public Viewpoint {
 
   /// The pose of the newest valid datagram. It is not extrapolated to `display_time`. Never waits.
   ViewPose at(std::uint64_t view_index, Instant display_time) override;
-  void set_reset_pose(const Rigid3& world_from_eye) override { world_from_reset_ = world_from_eye; }
+  /// After a head pose has come, the first reset pose stays: the view must not jump under a person who moves it.
+  void set_reset_pose(const Rigid3& world_from_eye) override;
   std::optional<News> news(Instant now) override;
 
   const Counters& counters() const { return counters_; }
@@ -61,6 +62,7 @@ class OpentrackView final : public Viewpoint {
   int socket_ = -1;
   std::uint16_t port_ = 0;
   Rigid3 world_from_reset_;
+  bool has_reset_pose_ = false;
   HeadPose head_;
   Counters counters_;
   TrackerReport report_;

@@ -74,6 +74,14 @@ TEST_F(Opentrack, TurnsRightNodsUpAndTiltsRight) {
   EXPECT_GT(eye().rotation.col(0).y(), 0.49);  // right has become down
 }
 
+TEST_F(Opentrack, StaysWhereTheHeadIsWhenAnEarlierListedCameraAppears) {
+  view.set_reset_pose(look_at({5, 0, 0}, {0, 0, 0}, {0, -1, 0}));
+  send(datagram({0, 0, 100, 0, 0, 0}));
+  const Rigid3 before = view.at(0, {}).world_from_eye;
+  view.set_reset_pose(look_at({0, 0, 7}, {0, 0, 0}, {0, -1, 0}));
+  EXPECT_EQ(view.at(1, {}).world_from_eye, before);
+}
+
 TEST_F(Opentrack, AppliesTheHeadInTheFrameOfHome) {
   view.set_reset_pose(look_at({5, 0, 0}, {0, 0, 0}, {0, -1, 0}));
   send(datagram({0, 0, 100, 0, 0, 0}));

@@ -15,8 +15,9 @@ namespace {
 constexpr std::chrono::milliseconds kBetweenTries = sensor::ReconnectingSource::kBetweenTries;
 constexpr std::chrono::seconds kBetweenWarnings{10};
 
-/// After a crash the camera was there before: "not found" then means unplugged, and "unavailable"
-/// that its driver still holds it. Any other error is final, and so is every error of a recording.
+/// True if it helps to open the source again. After a crash, "not found" means that the camera was
+/// unplugged, and "unavailable" that its driver still holds it. Any other error is final, and so is
+/// every error of a recording.
 bool may_come_back(const Error& error, const ServerSettings& settings, const Heartbeat& heartbeat) {
   return heartbeat.predecessor().existed && !sensor::is_recording(settings.source) &&
          (error.code == ErrorCode::kNotFound || error.code == ErrorCode::kUnavailable);
@@ -36,7 +37,7 @@ Result<std::unique_ptr<sensor::FrameSource>> open_source(const ServerSettings& s
                                                          const std::stop_token& stop, Heartbeat& heartbeat,
                                                          CaptureThread& capture) {
   heartbeat.enter(Stage::kOpening);
-  // A camera's thread keeps its priority: it has to keep up with the camera.
+  // A camera's thread keeps its priority, because it has to keep up with the camera.
   if (sensor::is_recording(settings.source)) capture.run([] { flow::lower_priority(kStepsBelowRendering); });
   const sensor::SourceSettings of_source{
       .pace = settings.pace, .loop = settings.loop, .begin = begin, .controls = settings.controls};
@@ -90,7 +91,7 @@ Result<void> CaptureStage::run(flow::Mailbox<CapturedFrame>& captured, const std
     has_begun_ = true;
     const std::uint64_t sequence = frame->metadata.sequence;
     heartbeat_.captured(sequence);
-    if (keeps_every_frame) pulse.rest();  // the disk and the encoder set the pace
+    if (keeps_every_frame) pulse.rest();  // The disk and the encoder set the pace.
     if (recording_) recording_->offer(*frame, keeps_every_frame, stop);
     if (keeps_every_frame) captured.wait_until_taken(stop);
     captured.put({std::move(*frame), source_.counters()});
@@ -102,12 +103,12 @@ Result<void> CaptureStage::run(flow::Mailbox<CapturedFrame>& captured, const std
   return {};
 }
 
-// Whether the source's next() may take as long as opening a camera.
+// True if the next call of the source's next() may take as long as opening a camera.
 bool CaptureStage::may_open_again() const {
   return !sensor::is_recording(settings_.source) && (!has_begun_ || interrupted_by_);
 }
 
-// Waits until shortly before the first frame is due: the source itself waits for the exact instant.
+// Waits until shortly before the first frame is due. The source waits for the exact instant.
 void CaptureStage::wait_for_begin(const std::stop_token& stop, Pulse& pulse) const {
   constexpr std::chrono::milliseconds kShortly{200};
   if (!begin_) return;
@@ -137,8 +138,8 @@ void CaptureStage::log_missing_pictures() const {
   }
 }
 
-// A camera may be plugged in again, and a damaged recording may have intact parts. Any other error
-// is final.
+// True if the source may deliver frames after this error. A camera may be plugged in again, and a
+// damaged recording may have intact parts. Any other error is final.
 bool CaptureStage::may_continue(const Error& error) const {
   if (sensor::is_recording(settings_.source))
     return error.code == ErrorCode::kCorrupt || error.code == ErrorCode::kUnavailable;
@@ -148,7 +149,7 @@ bool CaptureStage::may_continue(const Error& error) const {
 void CaptureStage::log_interruption(const Error& why) {
   if (std::exchange(interrupted_by_, why.code)) return;
   const bool is_damaged = why.code == ErrorCode::kCorrupt;
-  // Once only: in a loop the same damage comes again and again.
+  // Damage is logged once only, because a replay with --loop meets it again and again.
   if (!is_damaged || !std::exchange(damage_is_logged_, true))
     spdlog::warn("{}; {}", why.what, is_damaged ? "playing on" : "waiting for it");
   server_.set_camera_status(why.what);

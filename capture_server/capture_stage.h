@@ -1,9 +1,9 @@
 #pragma once
 
-// The first stage of the pipeline: opens the source, reads its frames, records them and passes them
-// to the encode stage.
+// The first stage of the pipeline. It opens the source, reads its frames, records them and passes
+// them to the encode stage.
 //
-// Thread: everything runs on the capture thread, but the functions may be called from any other.
+// Thread: all work runs on the capture thread. Any other thread may call the functions.
 
 #include <memory>
 #include <optional>
@@ -21,8 +21,8 @@
 
 namespace copresence::server {
 
-/// Encoding and the decoding of recordings run at this many steps of nice, so that a render_client
-/// on the same machine does not stutter. One frame more of latency is the better choice.
+/// Added to the nice value of the threads that encode and that decode recordings, so that a
+/// render_client on the same machine does not stutter. The price is one frame of latency at most.
 inline constexpr int kStepsBelowRendering = 5;
 
 /// A frame on its way to the encode stage, with the source's counters at the time of its capture.
@@ -31,12 +31,12 @@ struct CapturedFrame {
   sensor::SourceCounters pictures;
 };
 
-/// The instant of --start-at on the steady clock.
+/// The time of --start-at, converted to the steady clock. Nothing without --start-at.
 std::optional<Instant> first_frame_due(const ServerSettings& settings);
 
-/// Opens the source on the capture thread. After a crash of the child before this one it waits for
-/// a camera that is missing or still held by its driver, and says so in the log.
-/// Fails  as sensor::open_source(), and with kEndOfStream on a stop request.
+/// Opens the source on the capture thread. After a crash of the previous child process it waits for
+/// a camera that is missing or still held by its driver, and logs that it waits.
+/// Fails as sensor::open_source() does, and with kEndOfStream on a stop request.
 Result<std::unique_ptr<sensor::FrameSource>> open_source(const ServerSettings& settings,
                                                          std::optional<Instant> begin,
                                                          const std::stop_token& stop, Heartbeat& heartbeat,
@@ -47,18 +47,18 @@ void close_source(CaptureThread& capture, std::unique_ptr<sensor::FrameSource> s
 
 class CaptureStage {
  public:
-  /// `recording` may be null. Everything outlives this.
+  /// `recording` may be null. All arguments outlive this object.
   CaptureStage(const ServerSettings& settings, std::optional<Instant> begin, sensor::FrameSource& source,
                RecordingThread* recording, wire::FrameServer& server, Heartbeat& heartbeat);
 
-  /// Puts frames into `captured` until the source ends, --frames are captured or a stop is
-  /// requested.
+  /// Puts frames into `captured` until the source ends, a stop is requested, or as many frames as
+  /// --frames asks for are captured.
   Result<void> run(flow::Mailbox<CapturedFrame>& captured, const std::stop_token& stop, Pulse& pulse);
 
-  /// After run(): whether --frames were captured.
+  /// True if run() captured as many frames as --frames asks for.
   bool has_all_frames() const { return has_all_frames_; }
 
-  /// After run(): writes to the log how many pictures are in no frame, and why.
+  /// Logs how many pictures run() received without making them part of a frame, and why.
   void log_missing_pictures() const;
 
  private:
@@ -74,7 +74,7 @@ class CaptureStage {
   RecordingThread* const recording_;
   wire::FrameServer& server_;
   Heartbeat& heartbeat_;
-  std::optional<ErrorCode> interrupted_by_;  ///< while no frames come: the reason
+  std::optional<ErrorCode> interrupted_by_;  ///< Set while no frames come: the reason.
   bool damage_is_logged_ = false, has_begun_ = false, has_all_frames_ = false;
 };
 

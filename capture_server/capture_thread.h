@@ -1,11 +1,11 @@
 #pragma once
 
-// The only thread of a process that opens, reads and closes the source, and so the only one that
-// calls OpenNI2. OpenNI2 (2.2.0.33) stores the ids of the threads that have called it and later
-// probes them with pthread_kill(). That crashes if such a thread has ended. So this thread is
+// The only thread of a process that opens, reads and closes the source. So it is the only thread
+// that calls OpenNI2. OpenNI2 (2.2.0.33) stores the ids of the threads that have called it and
+// later probes them with pthread_kill(). That crashes if such a thread has ended. So this thread is
 // created once and lives until the process ends.
 //
-// Thread: begin() and run() may be called from any other thread.
+// Thread: any other thread may call begin() and run().
 
 #include <pthread.h>
 
@@ -26,7 +26,7 @@ class CaptureThread {
   CaptureThread(const CaptureThread&) = delete;
   CaptureThread& operator=(const CaptureThread&) = delete;
 
-  /// Runs `work` after all earlier work; the future becomes ready when it is done.
+  /// Queues `work` to run after all earlier work. The future becomes ready when it is done.
   std::future<void> begin(std::function<void()> work) {
     std::packaged_task<void()> task(std::move(work));
     auto done = task.get_future();
@@ -34,7 +34,7 @@ class CaptureThread {
     return done;
   }
 
-  /// The same, and waits for it.
+  /// Runs `work` after all earlier work and waits until it is done.
   void run(std::function<void()> work) { begin(std::move(work)).get(); }
 
  private:

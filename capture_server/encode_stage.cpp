@@ -23,7 +23,7 @@ Result<void> EncodeStage::run(flow::Mailbox<CapturedFrame>& captured, Pulse puls
   flow::WorkerPool workers(std::thread::hardware_concurrency() > 1 ? 2 : 1, "encode");
   const Duration period = std::chrono::duration_cast<Duration>(
       std::chrono::duration<double>(1 / encoding_.description().frames_per_second));
-  std::uint64_t last = 0;  // sequence number
+  std::uint64_t last = 0;  // Sequence number of the last frame.
   for (Instant free = steady_clock::now(); auto next = captured.take({});
        free = steady_clock::now(), pulse.rest()) {
     pulse.beat();

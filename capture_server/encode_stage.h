@@ -1,8 +1,9 @@
 #pragma once
 
-// The second stage of the pipeline: encodes captured frames and hands them to the wire.
+// The second stage of the pipeline. It encodes captured frames and passes them to the frame server.
 //
-// Thread: run() on the thread that opened the encoding, since a graphics context may belong to it.
+// Thread: call run() on the thread that opened the encoding, since a graphics context may belong to
+// it.
 
 #include <cstdint>
 #include <optional>
@@ -19,7 +20,8 @@ namespace copresence::server {
 
 class EncodeStage {
  public:
-  /// `changes` has encoder settings that take effect at the next frame. Everything outlives this.
+  /// `changes` holds encoder settings that take effect at the next frame. All arguments outlive
+  /// this object.
   EncodeStage(const ServerSettings& settings, FrameEncoding& encoding, wire::FrameServer& server,
               flow::Mailbox<EncoderSettings>& changes)
       : settings_(settings),
@@ -28,7 +30,8 @@ class EncodeStage {
         changes_(changes),
         current_(settings.encoder) {}
 
-  /// Encodes until `captured` is closed and empty. Fails if no later frame can be encoded either.
+  /// Encodes until `captured` is closed and empty. Fails only if no later frame can be encoded
+  /// either.
   Result<void> run(flow::Mailbox<CapturedFrame>& captured, Pulse pulse);
 
  private:
@@ -40,10 +43,10 @@ class EncodeStage {
   wire::FrameServer& server_;
   flow::Mailbox<EncoderSettings>& changes_;
   EncoderSettings current_;
-  std::optional<EncoderSettings> previous_;  ///< before the last change, to go back to if encoding fails
-  bool keyframe_owed_ = false;               ///< a frame that was to be a keyframe failed
-  std::uint64_t without_room_ = 0;           ///< frames dropped because no viewer was there or had room
-  std::uint64_t encoder_busy_ = 0;           ///< frames replaced by newer ones, dropped as stale, or failed
+  std::optional<EncoderSettings> previous_;  ///< The settings before the last change, a fallback.
+  bool keyframe_owed_ = false;               ///< The next frame must be a keyframe.
+  std::uint64_t without_room_ = 0;           ///< Frames dropped because no viewer could take them.
+  std::uint64_t encoder_busy_ = 0;           ///< Frames replaced, dropped as stale, or failed.
 };
 
 /// "qp 20" or "4000 kbit/s".

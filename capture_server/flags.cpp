@@ -14,10 +14,10 @@
 namespace copresence::server {
 namespace {
 
-constexpr double kLatestStart =
-    32'503'680'000;  // the year 3000: a larger number is in milliseconds by mistake
+// Unix time in seconds: the year 3000. A larger number is probably in milliseconds.
+constexpr double kLatestStart = 32'503'680'000;
 
-/// "K/N" or "K/N:MS": time slot K (from 1) of N, MS milliseconds each.
+/// Parses "K/N" or "K/N:MS": time slot K (from 1) of N slots of MS milliseconds each.
 std::string parse_slot(const std::string& text, sensor::ProjectorSlot& slot) {
   const auto slash = text.find('/'), colon = std::min(text.find(':'), text.size());
   int index = 0, count = 0, ms = static_cast<int>(slot.length.count());
@@ -38,7 +38,7 @@ std::string parse_slot(const std::string& text, sensor::ProjectorSlot& slot) {
   return {};
 }
 
-/// Checks the codec and its parameters for a typical camera.
+/// Checks the codec's name and parameters for a typical camera.
 std::string check_codec(const std::string& name) {
   const auto opened = depth::Encoder::open(name, {640, 480, DepthUnit::kMillimetre, {}});
   return opened ? std::string() : opened.error().what;

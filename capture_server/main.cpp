@@ -1,7 +1,7 @@
 // capture_server: streams one RGB-D camera or recording. See settings.cpp for its command line.
 //
-// The parent owns the listening socket and supervises; the child does all the work. So after a
-// crash in a driver a new child continues on the same port.
+// The parent process owns the listening socket and supervises the child process, which does all the
+// work. After a crash in a driver, a new child continues on the same port.
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -50,8 +50,8 @@ int list_devices() {
   return 0;
 }
 
-// Reads the settings file again if the child before this one may have done so. If reading it
-// crashed that child, it is not read: the server keeps the settings of its start.
+// Reads the settings file again, because the previous child may have read a changed one. If that
+// reading crashed the previous child, the server keeps the settings of its start.
 void catch_up(RunningSettings& settings, const Heartbeat& heartbeat) {
   const Predecessor& predecessor = heartbeat.predecessor();
   if (!predecessor.existed || settings.now().config.empty()) return;
@@ -77,9 +77,8 @@ int stream(RunningSettings& settings, const wire::ListeningSocket& listening, He
   }
   const bool has_file = !settings.now().config.empty();
   flow::StopOnSignal signals(has_file ? read_again : std::function<void()>());
-  std::signal(
-      SIGXFSZ,
-      SIG_IGN);  // a recording beyond the file size limit then fails with an error instead of a signal
+  // A recording beyond the file size limit then fails with an error instead of a signal.
+  std::signal(SIGXFSZ, SIG_IGN);
   CaptureThread capture;
   const ServerSettings now = settings.now();
   const auto ran =

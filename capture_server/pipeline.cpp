@@ -21,7 +21,7 @@
 namespace copresence::server {
 namespace {
 
-// A stop must be over within a second.
+// Time for the disk to write the frames in the queue. A stop must be complete within a second.
 constexpr std::chrono::milliseconds kDrainWhenStopped{400}, kDrainAtTheEnd{3000};
 
 Result<std::optional<scene::Camera>> camera_in_scene(const ServerSettings& settings) {
@@ -37,7 +37,7 @@ Result<std::optional<scene::Camera>> camera_in_scene(const ServerSettings& setti
   return std::optional(*camera);
 }
 
-/// Null without --record.
+/// Returns null without --record.
 Result<std::unique_ptr<RecordingThread>> begin_recording(const ServerSettings& settings,
                                                          const sensor::SensorDescription& sensor) {
   if (settings.record.empty()) return nullptr;
@@ -48,7 +48,7 @@ Result<std::unique_ptr<RecordingThread>> begin_recording(const ServerSettings& s
 
 /// The open parts of the pipeline.
 struct Parts {
-  std::unique_ptr<RecordingThread> recording;  // null without --record
+  std::unique_ptr<RecordingThread> recording;  // Null without --record.
   std::optional<FrameEncoding> encoding;
   std::unique_ptr<wire::FrameServer> server;
 };
@@ -82,7 +82,7 @@ Result<Parts> open_parts(const ServerSettings& settings, const scene::Camera* ca
   return Parts{std::move(*recording), std::move(*encoding), std::move(*server)};
 }
 
-/// The clients' message at the end. Two of the reasons tell a client not to wait for this server.
+/// The last message to the clients. Two of the reasons tell a client not to wait for this server.
 std::string farewell(const Result<void>& result, const std::stop_token& stop, bool has_all_frames) {
   if (!result) return result.error().what;
   if (stop.stop_requested()) return "the server was stopped";
@@ -99,7 +99,7 @@ Result<void> stream_frames(Parts& parts, sensor::FrameSource& source, const Serv
   EncodeStage encode_stage(settings, *parts.encoding, server, encoder_changes);
 
   heartbeat.enter(Stage::kRunning);
-  heartbeat.main().rest();  // this thread runs the encode stage, with a pulse of its own
+  heartbeat.main().rest();  // This thread now runs the encode stage, which has its own pulse.
   std::jthread wire([&server, pulse = heartbeat.pulse("wire")](const std::stop_token& end) mutable {
     pthread_setname_np(pthread_self(), "wire");
     server.run(end, [&] { pulse.beat(); });
@@ -118,7 +118,7 @@ Result<void> stream_frames(Parts& parts, sensor::FrameSource& source, const Serv
   capture_ended.get();
   heartbeat.enter(Stage::kEnding);
   capture_stage.log_missing_pictures();
-  // The disk writes while the viewers get the end of the stream.
+  // The disk writes while the viewers receive the last frames.
   if (parts.recording) parts.recording->end(stop.stop_requested() ? kDrainWhenStopped : kDrainAtTheEnd);
 
   const Result<void>& result = encodes ? captures : encodes;
@@ -150,7 +150,7 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
     if (parts->recording) {
       const auto activity =
           heartbeat.doing(fmt::format("writing the last frames of {}", parts->recording->path()), "");
-      parts->recording.reset();  // waits until all frames are written
+      parts->recording.reset();  // Waits until all frames are written.
     }
   } else {
     result = fail(parts.error());

@@ -1,6 +1,6 @@
 #pragma once
 
-// The running server: the stages, their threads and the queues between them. See
+// The running server: its stages, their threads and the queues between them. See
 // docs/internals/architecture.md.
 
 #include <stop_token>
@@ -14,10 +14,12 @@
 
 namespace copresence::server {
 
-/// Opens the source and streams it to all clients until the recording ends, `settings.frames` were
-/// captured or a stop is requested; all of these are success. New settings in `encoder_changes`
-/// take effect at the next frame. Blocks. It creates its own threads, except `capture`, which
-/// opens, reads and closes the source. Each working thread reports to `heartbeat`.
+/// Opens the source and streams it to all clients. It ends with success when the recording ends,
+/// when `settings.frames` frames are captured, or when a stop is requested. New settings in
+/// `encoder_changes` take effect at the next frame.
+///
+/// Thread: blocks the calling thread. `capture` opens, reads and closes the source; the function
+/// creates all other threads. Each working thread reports to `heartbeat`.
 Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
                           flow::Mailbox<EncoderSettings>& encoder_changes, const std::stop_token& stop,
                           Heartbeat& heartbeat, CaptureThread& capture);

@@ -1,9 +1,9 @@
 #pragma once
 
-// The settings of a running server. Its settings file can be read again; settings that need no
+// The settings of a running server. It can read its settings file again. Settings that need no
 // restart then take effect.
 //
-// Thread: read_again() on the thread of signals, everything else on any.
+// Thread: call read_again() on the thread that handles signals, and everything else on any thread.
 
 #include <mutex>
 #include <string>
@@ -17,30 +17,31 @@ namespace copresence::server {
 /// The difference between running and new settings. Only encoder settings take effect without a
 /// restart.
 struct SettingsChange {
-  ServerSettings settings;                   ///< the running settings with the new encoder settings
-  std::vector<std::string> at_once;          ///< changes that take effect: "depth-kbps 4000 -> 1500"
-  std::vector<std::string> after_a_restart;  ///< changes that do not
+  ServerSettings settings;                   ///< The running settings with the new encoder settings.
+  std::vector<std::string> at_once;          ///< Changes that take effect, such as "depth-kbps 4000 -> 1500".
+  std::vector<std::string> after_a_restart;  ///< Changes that need a restart.
 };
 
-/// Pure.
+/// Compares the running settings with the wanted ones. Changes nothing.
 SettingsChange change(const ServerSettings& running, const ServerSettings& wanted);
 
 class RunningSettings {
  public:
-  /// The activity of read_again(), for Heartbeat::doing().
+  /// The activity that Heartbeat::doing() reports during read_again().
   static constexpr const char* kReading = "reading the settings file of --config again";
 
-  /// `argc` and `argv` are a command line that read_command_line() accepted; they outlive this.
-  /// `begun_with` is its result.
+  /// `argc` and `argv` are a command line that read_command_line() accepted. They outlive this
+  /// object. `begun_with` is the result of read_command_line().
   RunningSettings(int argc, const char* const* argv, ServerSettings begun_with);
 
   /// Reads the settings file again, applies the changes and logs them. An invalid file is logged
-  /// and changes nothing. While the file is still being written, it waits, at most 0.2 s.
+  /// and changes nothing. If the file is just being written, the function waits for it, at most 0.2
+  /// s.
   void read_again();
 
   ServerSettings now() const;
 
-  /// New encoder settings for the encode stage.
+  /// The encode stage takes new encoder settings from here.
   flow::Mailbox<EncoderSettings>& encoder_changes() { return encoder_changes_; }
 
  private:

@@ -31,8 +31,8 @@ std::string key_of(const CLI::Option& option) {
   return option.get_lnames().empty() ? std::string() : option.get_lnames().front();
 }
 
-/// A setting's value. A relative path of a file is resolved against the folder that it is relative
-/// to.
+/// Returns a setting's value. If it is the relative path of a file, it is resolved against
+/// `folder`.
 std::string from_folder(const std::filesystem::path& folder, const Setting& setting) {
   const bool is_path = setting.key == "scene" || setting.key == "record" ||
                        (setting.key == "source" && sensor::is_recording(setting.value));
@@ -43,7 +43,7 @@ bool is_given(const CLI::Option& option) {
   return option.count() > 0;
 }
 
-/// Why the server cannot start, and with which exit code.
+/// The reason why the server cannot start, and its exit code.
 struct Reject {
   std::string what;
   int exit_code = 2;
@@ -79,8 +79,8 @@ tl::expected<const scene::Camera*, Reject> camera_in(const scene::Scene& scene, 
   return camera;
 }
 
-/// Takes source and listening address from the scene file, unless the command line or the settings
-///        file has them.
+/// Takes the source and the listening address from the scene file, unless the command line or the
+/// settings file has them.
 tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) {
   CLI::Option& source = *app.get_option("--source");
   CLI::Option& listen = *app.get_option("--listen");
@@ -101,8 +101,9 @@ tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) 
   return {};
 }
 
-/// Applies a file's settings, except those that the command line has, or whose opposites it has.
-/// Fails with FILE:LINE.
+/// Applies the settings of a file. The command line has priority over the file, also where it has
+/// the opposite flag.
+/// Fails with a message that starts with FILE:LINE.
 Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
   const auto settings = load_settings(path);
   if (!settings) return fail(settings.error());
@@ -150,7 +151,8 @@ std::map<std::string, std::string> texts_of(const CLI::App& app) {
   return texts;
 }
 
-/// Reads all settings. A mistake in a file is a Reject, one on the command line a CLI::ParseError.
+/// Reads all settings. A mistake in a file gives a Reject, a mistake on the command line throws a
+/// CLI::ParseError.
 tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* const* argv) {
   ServerSettings settings;
   add_flags(app, settings);

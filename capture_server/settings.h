@@ -1,6 +1,6 @@
 #pragma once
 
-// The settings of capture_server, from its command line and files, checked.
+// The checked settings of capture_server, from its command line and its files.
 
 #include <cstdint>
 #include <map>
@@ -17,43 +17,45 @@ class App;
 
 namespace copresence::server {
 
-/// `name` defaults to the recording's file name without its ending, or to a name for the camera.
+/// `name` defaults to the recording's file name without its extension, or to a name for the camera.
 struct ServerSettings : EncodingSettings {
-  std::string source;  ///< as sensor::open_source()
+  std::string source;  ///< The argument of sensor::open_source().
   std::string listen = "127.0.0.1:7001";
   bool loop = false;
   sensor::CameraControls controls;
   sensor::SourceSettings::Pace pace = sensor::SourceSettings::Pace::kReal;
-  std::optional<double> start_at;  ///< Unix time in seconds at which a recording begins; at once by default
-  std::optional<std::uint64_t> frames;  ///< end after this many captured frames
+  /// Unix time in seconds at which a recording begins. It begins at once by default.
+  std::optional<double> start_at;
+  std::optional<std::uint64_t> frames;  ///< The server ends after this many captured frames.
   bool insecure = false;
-  std::string scene;   ///< scene file; empty for none
-  std::string record;  ///< .oni file to record to; empty for none
-  std::string config;  ///< settings file; empty for none
+  std::string scene;   ///< Path of the scene file, or empty.
+  std::string record;  ///< Path of the .oni file to record to, or empty.
+  std::string config;  ///< Path of the settings file, or empty.
   bool list = false;
 
-  /// The text of every setting, given or default, by its flag's name without the dashes; empty if
-  /// it is not set. For messages about what changed.
+  /// The text of every setting, given or default, by its flag's name without the dashes. The text
+  /// is empty if the setting is not set. Messages about changed settings use it.
   std::map<std::string, std::string> texts;
 
-  /// Whether a recording is played as fast as frames can be encoded and sent, so that none is
+  /// True if a recording is played as fast as frames can be encoded and sent, so that no frame is
   /// dropped.
   bool keeps_every_frame() const;
 };
 
-/// Declares the flags on `app`; they write into `settings`, which outlives `app`.
+/// Declares the flags on `app`. Parsing them writes into `settings`, which outlives `app`.
 void add_flags(CLI::App& app, ServerSettings& settings);
 
-/// Reads the command line, the file of --config and the scene file. Of these the first that has a
-/// setting wins; the scene file has only source and listening address. The file of --config has the
-/// flags' names as keys (settings_file.h); a relative path in it is relative to its
+/// Reads the command line, the file of --config and the scene file, in this order of priority. The
+/// scene file contributes only the source and the listening address. The keys in the file of
+/// --config are the flags' names (settings_file.h). A relative path in that file is relative to its
 /// folder.
-/// Returns the settings, or an exit code after --help, --version or a mistake (0, 1 or 2, already
-/// explained on the terminal).
+/// Returns the settings. After --help, --version or a mistake, it prints the text or the reason and
+/// returns the exit code: 0, 1 or 2.
 tl::expected<ServerSettings, int> read_command_line(int argc, const char* const* argv);
 
-/// The same with the present content of the files. Fails (kInvalid) with a sentence if they are no
-/// longer valid. Requires a command line that read_command_line() accepted.
+/// Reads the settings again, with the present content of the files. Requires a command line that
+/// read_command_line() accepted.
+/// Fails with kInvalid and a sentence if a file is no longer valid.
 Result<ServerSettings> read_again(int argc, const char* const* argv);
 
 }  // namespace copresence::server

@@ -1,9 +1,10 @@
 #pragma once
 
-// A file with settings of the server: one TOML table of keys with plain values, such as `depth-kbps = 1500`.
-// This part reads keys and values with their lines. settings.h knows which keys there are.
+// Reads a file with settings of the server. The file is one TOML table of keys with plain values,
+// such as `depth-kbps = 1500`. This file reads keys and values with their lines; settings.h checks
+// the keys.
 //
-// Thread: pure functions.
+// Thread: pure functions, safe anywhere.
 
 #include <filesystem>
 #include <string>
@@ -16,17 +17,19 @@ namespace copresence::server {
 
 struct Setting {
   std::string key;
-  std::string value;  ///< as on a command line: texts without quotes, true or false
-  int line = 0;       ///< in the file, from 1
+  std::string value;  ///< As on a command line: texts without quotes; true or false.
+  int line = 0;       ///< Line in the file, from 1.
 
   friend bool operator==(const Setting&, const Setting&) = default;
 };
 
-/// The settings in the order of their lines. Fails with kInvalid and FILE:LINE if the text is no TOML, a key
-/// comes twice or a value is neither a text, a number, true nor false.
+/// Returns the settings in the order of their lines.
+/// Fails with kInvalid and FILE:LINE if the text is no TOML, a key occurs twice, or a value is
+/// neither a text, a number, true nor false.
 Result<std::vector<Setting>> parse_settings(std::string_view text, const std::filesystem::path& path);
 
-/// The same on a file. Fails with kNotFound if there is no such file, and as parse_settings() does.
+/// Parses the file at `path`. Fails with kNotFound if it does not exist, and as parse_settings()
+/// does.
 Result<std::vector<Setting>> load_settings(const std::filesystem::path& path);
 
 }  // namespace copresence::server

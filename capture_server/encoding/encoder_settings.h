@@ -1,6 +1,6 @@
 #pragma once
 
-// The settings of the encoding module. Thread: values.
+// The settings of the encoding module.
 
 #include <optional>
 #include <string>
@@ -10,19 +10,19 @@
 
 namespace copresence::server {
 
-/// Quality and bitrates. All of it can change while the server runs.
+/// Quality and bitrates. All of these settings can change while the server runs.
 struct EncoderSettings {
-  int depth_qp = 20;              ///< 0 (lossless) to 51
-  std::optional<int> depth_kbps;  ///< bitrate of all that depth costs, instead of depth_qp
+  int depth_qp = 20;              ///< 0 (lossless) to 51.
+  std::optional<int> depth_kbps;  ///< Bitrate of depth with all its side data. If set, it replaces depth_qp.
   int color_kbps = 2500;
 
   bool is_lossless() const { return depth_qp == 0 && !depth_kbps; }
   friend bool operator==(const EncoderSettings&, const EncoderSettings&) = default;
 };
 
-/// What stays the same for the whole stream, and the encoder settings that it begins with.
+/// Settings that stay the same for the whole stream, and the encoder settings that it starts with.
 struct EncodingSettings {
-  std::string name;  ///< the camera's
+  std::string name;  ///< The camera's name.
   std::string codec = "adaptive";
   EncoderSettings encoder;
   hole_filling::Method hole_filling = hole_filling::Method::kJoint;

@@ -63,7 +63,7 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   auto depth = depth::Encoder::open(settings.codec,
                                     {model.width, model.height, sensor.unit, settings.range, sensor.noise});
   if (!depth) return fail(depth.error());
-  depth->set_sensor_levels(sensor.levels);  // registration does not change depth
+  depth->set_sensor_levels(sensor.levels);  // Registration does not change depth.
   depth->set_lossless(settings.encoder.is_lossless());
 
   StreamDescription stream;

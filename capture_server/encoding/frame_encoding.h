@@ -1,7 +1,7 @@
 #pragma once
 
-// The server's stages of a frame in order: registration, hole filling, depth encoding, colour
-// conversion, video encoding. The client's stages are in render_client/decoding/frame_decoding.h.
+// Encodes a frame on the server: registration, hole filling, depth encoding, colour conversion,
+// video encoding. The client's counterpart is render_client/decoding/frame_decoding.h.
 //
 // Thread: one thread at a time.
 
@@ -20,27 +20,26 @@
 
 namespace copresence::server {
 
-/// Turns depth outside `range` into holes, so that neither filling nor coding treats it as a
-/// surface.
+/// Turns depth outside `range` into holes, so that it is neither filled nor encoded.
 void clip_to_range(RgbdFrame& frame, const DepthRangeUnits& range);
 
 class FrameEncoding {
  public:
-  /// `camera`: this camera's entry in the scene file, or nullptr. Its intrinsics and pose replace
+  /// `camera` is this camera's entry in the scene file, or nullptr. Its intrinsics and pose replace
   /// the sensor's.
-  /// Fails if sizes, range and codec do not fit together, with a sentence for the user.
+  /// Fails with a sentence for the user if sizes, range and codec do not fit together.
   static Result<FrameEncoding> open(const sensor::SensorDescription& sensor, const scene::Camera* camera,
                                     const EncodingSettings& settings);
 
   const StreamDescription& description() const { return description_; }
 
-  /// Takes effect at the next frame. Changing the depth QP, or switching between QP and bitrate,
-  /// forces a keyframe.
-  /// Fails if libx264 refuses; the settings are then as before.
+  /// Changes the settings from the next frame on. Changing the depth QP, or switching between QP
+  /// and bitrate, forces a keyframe.
+  /// Fails if libx264 rejects them; the old settings then stay in force.
   Result<void> change_settings(const EncoderSettings& settings);
 
-  /// Encodes one frame. `keyframe`: it must not depend on earlier frames. With `workers`, colour is
-  /// encoded in parallel to the filling and coding of depth.
+  /// Encodes one frame. If `keyframe` is true, the coded frame does not depend on earlier ones.
+  /// With `workers`, colour is encoded in parallel to the filling and coding of depth.
   Result<EncodedFrame> encode(RgbdFrame frame, bool keyframe, Executor* workers = nullptr);
 
  private:

@@ -1,8 +1,9 @@
 #pragma once
 
-// Fills holes with the mean of the depth around them, weighted by pixel distance alone (thesis 3.2,
-// second version). It smears foreground into background. It is kept for comparison. Thread: one
-// thread at a time per object.
+// Fills holes with the mean of the depth around them, weighted by pixel distance alone (thesis
+// section 3.2, second version). It smears foreground into background and is kept for comparison.
+//
+// Thread: one thread at a time per object.
 
 #include <vector>
 
@@ -16,15 +17,16 @@ class BilateralFilling final : public HoleFiller {
 
   std::string_view name() const override { return "cpu"; }
 
-  /// d(p) = sum over measured q of G(|p - q|) d(q), divided by the sum of G(|p - q|): a normalised
-  /// convolution, first along columns, then along rows.
-  /// Source   thesis A.1 without the range kernel: a hole has no depth to compare.
+  /// Sets each hole p to the sum of G(|p - q|) d(q) over the measured pixels q around it, divided
+  /// by the sum of G(|p - q|). G is a Gaussian and d is depth. The sums run first along columns,
+  /// then along rows.
+  /// Source: thesis appendix A.1 without the range kernel, since a hole has no depth to compare.
   Result<void> fill(RgbdFrame& frame) override;
 
  private:
   DepthRangeUnits range_;
-  std::vector<float> kernel_;                      // the centre and one half
-  std::vector<float> column_sum_, column_weight_;  // of one row, with margins of the kernel's radius
+  std::vector<float> kernel_;                      // Weights of the centre and one half.
+  std::vector<float> column_sum_, column_weight_;  // Sums of one row, with margins of the kernel's radius.
 };
 
 }  // namespace copresence::hole_filling

@@ -12,11 +12,11 @@ static_assert(copresence::hole_filling::Cells::kMarginPx >= 4, "rows end within 
 namespace copresence::hole_filling {
 namespace {
 
-constexpr float kNoSurface = -1e6f;  // further from every depth than any slope reaches
+constexpr float kNoSurface = -1e6f;  // Differs from every depth by more than any slope allows.
 constexpr float kNothingYet = 1e6f;
-constexpr std::uint8_t kNowhereNear = 200;  // cells; twelve more still fit into a byte
+constexpr std::uint8_t kNowhereNear = 200;  // In cells. Adding twelve still fits into a byte.
 
-// Eight pixels in one vector.
+// Eight pixels in one vector register.
 constexpr int kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 constexpr Lanes kNowhere{};
@@ -73,7 +73,8 @@ void Cells::add_row(std::span<const std::uint16_t> depth, std::span<const std::u
   const std::uint16_t* __restrict in = depth.data();
   float* __restrict out = &steps_[pixel_at(0, y)];
   for (int x = 0; x < width; ++x) out[x] = static_cast<float>(in[x]);
-  for (int x = 0; x < width; x += kLanes) {  // may run into the margin, which is always 0
+  // The last vector may reach into the margin, which is always 0.
+  for (int x = 0; x < width; x += kLanes) {
     Lanes units, sum, nearest, farthest;
     load(out + x, units);
     load(&strip_.sum[x], sum);
@@ -100,7 +101,7 @@ void Cells::add_row(std::span<const std::uint16_t> depth, std::span<const std::u
   }
 }
 
-// Adds up the sixteen pixels of each cell. One loop per kind of number, so that compilers vectorise
+// Adds up the sixteen pixels of each cell. Each sum has its own loop, so that compilers vectorise
 // over cells.
 void Cells::add_up_cells(std::size_t first) {
   static_assert(kCellPx == 4);
@@ -120,7 +121,7 @@ void Cells::add_up_cells(std::size_t first) {
                                      std::max(near_px[4 * i + 2], near_px[4 * i + 3]));
       const float farthest = std::min(std::min(far_px[4 * i], far_px[4 * i + 1]),
                                       std::min(far_px[4 * i + 2], far_px[4 * i + 3]));
-      spread[i] = nearest - farthest;  // far below 0 if there is no depth
+      spread[i] = nearest - farthest;  // Far below 0 if the cell has no depth.
     }
   }
   {
@@ -174,7 +175,6 @@ void Cells::close_strip(int row) {
   }
 }
 
-/// Splits the pixels of a cell into two surfaces.
 void Cells::split(int cell, int column, int row) {
   const float* corner = steps(column * kCellPx, row * kCellPx);
   float nearest = 0, farthest = kNothingYet;
@@ -199,8 +199,8 @@ void Cells::split(int cell, int column, int row) {
   near_count[cell] = static_cast<std::uint8_t>(near_pixels);
 }
 
-/// Slopes from the differences to the neighbouring cells on both sides, if they lie on the same
-/// surface.
+/// Computes slopes from the differences to the neighbouring cells on both sides, if these lie on
+/// the same surface.
 void Cells::find_slopes() {
   constexpr int kApart = 2;
   constexpr float kMostApart = kSteepest * kApart * kCellPx;
@@ -224,8 +224,7 @@ void Cells::find_slopes() {
   }
 }
 
-/// Until here a cell's depth is the mean of its pixels. This converts it to the depth at the cell's
-/// middle.
+/// Converts each cell's depth from the mean of its pixels to the depth at the cell's middle.
 void Cells::move_to_middles() {
   for (int row = 0; row < rows_; ++row) {
     const int first = at(0, row);
@@ -236,11 +235,11 @@ void Cells::move_to_middles() {
 }
 
 void Cells::find_reach() {
-  const int columns =
-      columns_;  // a local copy: the compiler must assume that stores through uint8_t change members
+  // A local copy, since the compiler must assume that stores through uint8_t change members.
+  const int columns = columns_;
   for (std::size_t d = 0; d < kDirections.size(); ++d) {
     const int towards = offset(kDirections[d]);
-    const bool upward = towards > 0;  // the neighbour's distance must be known first
+    const bool upward = towards > 0;  // Rows run so that the neighbour's distance is known first.
     std::uint8_t* reaches = reach[d].data();
     for (int i = 0; i < rows_; ++i) {
       const int first = at(0, upward ? rows_ - 1 - i : i);
@@ -262,8 +261,8 @@ void Cells::find_reach() {
   }
 }
 
-// A loop over cells would have to wait for each neighbour. Instead it takes the nearest among the
-// next 1, 2, 4, 8 and 12 cells, for the whole row at once.
+// Finds the nearest cell with depth among the next 1, 2, 4, 8 and 12 cells, for the whole row at
+// once. A loop over cells would have to wait for each neighbour.
 void Cells::find_reach_along(const std::uint8_t* has, int dx, std::uint8_t* out) {
   static_assert(kReachCells == 12 && kLineMargin >= 4);
   const auto columns = static_cast<std::size_t>(columns_);
@@ -271,7 +270,7 @@ void Cells::find_reach_along(const std::uint8_t* has, int dx, std::uint8_t* out)
   for (std::size_t x = 0; x < columns; ++x) from[x] = has[x] != 0 ? std::uint8_t{1} : kNowhereNear;
   for (const int step : {1, 2, 4, 4}) {
     const std::uint8_t* __restrict const here = from;
-    const std::uint8_t* __restrict const there = from + dx * step;  // the margins are empty
+    const std::uint8_t* __restrict const there = from + dx * step;  // The margins are empty.
     std::uint8_t* __restrict const nearest = to;
     for (std::size_t x = 0; x < columns; ++x)
       nearest[x] = std::min(here[x], static_cast<std::uint8_t>(there[x] + step));

@@ -1,8 +1,9 @@
 #pragma once
 
 // Depth in cells of 4x4 pixels: the surfaces in each cell, and their slopes. Wide holes are filled
-// from cells: there are sixteen times fewer of them than pixels, and they are four times less
-// noisy. Thread: one thread at a time per object.
+// from cells, because cells are sixteen times fewer than pixels and four times less noisy.
+//
+// Thread: one thread at a time per object.
 
 #include <array>
 #include <vector>
@@ -13,7 +14,8 @@ namespace copresence::hole_filling {
 
 class Cells {
  public:
-  static constexpr int kMargin = 2;  ///< empty cells around the image, so that neighbours need no check
+  static constexpr int kMargin =
+      2;  ///< Width of the border of empty cells, so that neighbours need no check.
   struct Direction {
     int dx, dy;
   };
@@ -24,36 +26,36 @@ class Cells {
                                                          {1, 1},
                                                          {-1, -1},
                                                          {1, -1},
-                                                         {-1, 1}}};  // opposite directions are neighbours
+                                                         {-1, 1}}};  // Opposite directions are adjacent here.
 
   Cells(int width_px, int height_px);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  /// Index of a cell in the arrays below. Requires -kMargin <= column < columns() + kMargin, and
-  /// the same of rows.
+  /// Index of a cell in the arrays below. Requires column from -kMargin to columns() + kMargin - 1,
+  /// and row likewise.
   int at(int column, int row) const { return (row + kMargin) * stride_ + column + kMargin; }
   int offset(Direction direction) const { return direction.dy * stride_ + direction.dx; }
 
-  /// Replaces the content by a new picture. Requires images of this size.
+  /// Replaces the content by a new picture. Requires images of the size given to the constructor.
   void see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units);
 
-  /// Depth of a pixel in disparity steps; 0 if it has none or is outside the image. Rows are
-  /// pixel_stride() apart. Requires a pixel at most kMarginPx outside the cells.
+  /// Depths from pixel (x, y) on, in disparity steps. A depth is 0 in a hole or outside the image.
+  /// Rows are pixel_stride() apart. Requires a pixel at most kMarginPx outside the cells.
   const float* steps(int x, int y) const { return &steps_[pixel_at(x, y)]; }
   int pixel_stride() const { return pixel_stride_; }
   static constexpr int kMarginPx = 4;
 
-  // Per cell. A cell whose depths differ by more than kOneSurface holds two surfaces, split at the
-  // middle of its range.
-  std::vector<float> far,
-      near;  ///< steps of the surfaces at the cell's middle; meaningless without such a surface
-  std::vector<std::uint8_t> far_count,
-      near_count;                       ///< measured pixels on them; near_count is 0 if there is one surface
-  std::vector<float> slope_x, slope_y;  ///< steps per pixel; 0 if unknown
-  std::vector<std::uint8_t> wanted;     ///< whether the cell has fillable holes
+  // The following arrays have one element per cell. A cell whose depths differ by more than
+  // kOneSurface holds two surfaces, split at the middle of its depth range.
+  /// Depths of the two surfaces at the cell's middle, in steps. Meaningless without such a surface.
+  std::vector<float> far, near;
+  /// Number of measured pixels on each surface. `near_count` is 0 if there is one surface.
+  std::vector<std::uint8_t> far_count, near_count;
+  std::vector<float> slope_x, slope_y;  ///< In steps per pixel; 0 if unknown.
+  std::vector<std::uint8_t> wanted;     ///< 1 if the cell has fillable holes.
 
-  /// Per direction and cell: distance in cells to the next one with depth, 0 if there is none
+  /// Per direction and cell: distance in cells to the next cell with depth, or 0 if there is none
   /// within kReachCells.
   std::array<std::vector<std::uint8_t>, 8> reach;
 
@@ -62,7 +64,7 @@ class Cells {
     std::vector<float> sum, nearest, farthest;
     std::vector<std::uint8_t> count, row_sum, wanted;
   };
-  struct CellRow {  // sums over a cell's pixels, made from those of Strip
+  struct CellRow {  // Sums over each cell's pixels, made from the sums of Strip.
     std::vector<float> sum, spread;
     std::vector<std::uint8_t> column_sum, row_sum;
   };
@@ -84,10 +86,11 @@ class Cells {
   std::vector<float> steps_;
   Strip strip_;
   CellRow cells_;
-  std::array<std::vector<std::uint8_t>, 2> lines_;  // a row of cells with empty margins
+  std::array<std::vector<std::uint8_t>, 2> lines_;  // A row of cells with empty margins.
 
-  std::vector<float> middle_x_, middle_y_;  // centroid of a cell's measured pixels, pixels from its middle
-  std::vector<float> smooth_;               // a cell's depth if it holds one surface, else kNoSurface
+  // Centroid of each cell's measured pixels, in pixels from the window's centre.
+  std::vector<float> middle_x_, middle_y_;
+  std::vector<float> smooth_;  // Depth of each cell with one surface, else kNoSurface.
   std::vector<std::uint8_t> has_depth_;
 };
 

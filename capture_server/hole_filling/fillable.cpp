@@ -7,16 +7,16 @@
 namespace copresence::hole_filling {
 namespace {
 
-constexpr std::uint8_t kLongest = 255;  // this length or longer
+constexpr std::uint8_t kLongest = 255;  // Stands for this length and all longer ones.
 
-/// Marks holes in short column runs; sets every pixel of `fillable`. The border counts as `border`
-/// holes. So a run that touches it is short up to widest_at_border, and a run from border to border
-/// never is.
+/// Marks the holes of short column runs, and sets every pixel of `fillable`. The border counts as
+/// `border` holes. So a run that touches the border is short up to widest_at_border, and a run from
+/// border to border is never short.
 void mark_columns(const StateImage& state, int widest, int widest_at_border, Image<std::uint8_t>& fillable) {
   const int width = state.width(), height = state.height();
   const int border = widest - widest_at_border;
-  std::vector<std::uint8_t> run(
-      width, static_cast<std::uint8_t>(border));  // length of the run of holes that ends here
+  // Length of the run of holes that ends at the present row.
+  std::vector<std::uint8_t> run(width, static_cast<std::uint8_t>(border));
   for (int y = 0; y < height; ++y) {
     const DepthState* states = state.row(y).data();
     std::uint8_t *above = run.data(), *out = fillable.row(y).data();
@@ -31,9 +31,9 @@ void mark_columns(const StateImage& state, int widest, int widest_at_border, Ima
       holes = static_cast<std::uint8_t>(holes == 0 ? 0 : std::min<int>(holes + border, kLongest));
     }
   }
-  std::fill(run.begin(), run.end(),
-            std::uint8_t{0});  // now the length of the whole run, passed upwards from its last pixel
-  // Only bytes: with an int in the loop, compilers process a quarter as many pixels at a time.
+  // From here on, the length of the whole run, passed upwards from its last pixel.
+  std::fill(run.begin(), run.end(), std::uint8_t{0});
+  // The loop uses only bytes: with an int, compilers process a quarter as many pixels at a time.
   const auto longest_short = static_cast<std::uint8_t>(widest - 1);
   constexpr std::uint8_t kNo = 0, kYes = 1;
   for (int y = height - 1; y >= 0; --y) {
@@ -47,7 +47,7 @@ void mark_columns(const StateImage& state, int widest, int widest_at_border, Ima
   }
 }
 
-/// First pixel at or after `x` that is not a hole, or `width`.
+/// The first pixel at or after `x` that is not a hole, or `width` if there is none.
 int end_of_run(const DepthState* states, int x, int width) {
   std::uint64_t eight = 0;
   while (x + 8 <= width && (std::memcpy(&eight, states + x, 8), eight == 0)) x += 8;

@@ -20,7 +20,7 @@ using gl::Define;
 using gl::Format;
 using gl::Reader;
 
-// Layout std430, as in the shaders.
+// Sizes of the shaders' structures in the layout std430.
 constexpr std::size_t kCellBytes = 32, kGuessBytes = 64;
 
 struct Commands {
@@ -35,7 +35,7 @@ static_assert(sizeof(Commands) == 32);
 enum Texture : int { kDepth = 0, kFillable = 1, kColor = 2 };
 enum Block : int { kCommands = 0, kWanted = 1, kMeasuredCells = 2, kCells = 3, kGuesses = 4 };
 
-// A GLSL literal that is exact to the last bit.
+// Returns a GLSL literal with exactly this value.
 std::string literal(float value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.9e", double(value));

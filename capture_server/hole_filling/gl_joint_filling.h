@@ -1,10 +1,10 @@
 #pragma once
 
-// Joint filling on a graphics card, as compute shaders. The steps are those of JointFilling; a test
-// compares the two. The cells with holes to fill are gathered in a list. Later shaders run over
-// that list by indirect dispatch.
+// Joint filling on a graphics card, as compute shaders. The steps are those of JointFilling, and a
+// test compares the results. The first shaders gather the cells with fillable holes in a list. The
+// later shaders run over that list by indirect dispatch.
 //
-// Thread: that of the context.
+// Thread: the thread to which the context belongs.
 
 #include <memory>
 
@@ -18,7 +18,7 @@ namespace copresence::hole_filling {
 
 class GlJointFilling final : public HoleFiller {
  public:
-  /// `context` must outlive the filler. Fails (kInvalid) if the driver rejects a shader.
+  /// `context` must outlive the filler. Fails with kInvalid if the driver rejects a shader.
   static Result<std::unique_ptr<GlJointFilling>> open(gl::Context& context, const FrameFormat& format);
 
   std::string_view name() const override { return "gl"; }
@@ -36,16 +36,16 @@ class GlJointFilling final : public HoleFiller {
   void run(bool has_color);
 
   gl::Context& context_;
-  Eigen::Vector2i grid_;   // columns and rows of cells
-  Eigen::Vector2f range_;  // units
+  Eigen::Vector2i grid_;   // Columns and rows of cells.
+  Eigen::Vector2f range_;  // Depth range in units.
   Programs programs_;
   gl::Texture depth_, color_, fillable_, filled_;
   gl::Buffer commands_, wanted_, measured_cells_, cells_, guesses_;
   DepthImage filled_host_;
 };
 
-/// A GlJointFilling with a headless context of its own. Fails (kUnavailable) without OpenGL; with
-/// `hardware_only` also (kUnsupported) if OpenGL is a software renderer.
+/// Opens a GlJointFilling with a headless context of its own. Fails with kUnavailable without
+/// OpenGL. With `hardware_only` it also fails, with kUnsupported, if OpenGL is a software renderer.
 Result<std::unique_ptr<HoleFiller>> open_gl_joint_filling(const FrameFormat& format, bool hardware_only);
 
 }  // namespace copresence::hole_filling

@@ -1,14 +1,11 @@
 #pragma once
 
-// Closes the holes of a sensor's depth images. Holes would become rips in meshes and cost bits in
-// codecs.
+// Fills the narrow holes of a sensor's depth images (filling_rules.h) and sets their state to
+// kFilled. Holes would tear gaps into meshes and cost bits in codecs. Measured depth is never
+// changed. All methods have the interface HoleFiller, with implementations for CPU and GL.
 //
-// Only holes that are narrow enough are closed (filling_rules.h); their state becomes kFilled.
-// Measured depth is never changed. All methods have one interface, with implementations for CPU and
-// GL; open() chooses.
-//
-// Thread: one at a time. A GL filler is created, used and destroyed by one thread, to which its
-// context belongs.
+// Thread: one thread at a time per object. A GL filler is created, used and destroyed by one
+// thread, to which its context belongs.
 
 #include <array>
 #include <memory>
@@ -21,26 +18,30 @@
 namespace copresence::hole_filling {
 
 enum class Method {
-  kOff,        ///< leaves holes as they are
-  kMedian,     ///< two median passes, after Maimone and Fuchs
-  kBilateral,  ///< by pixel distance alone; smears foreground into background (thesis 3.2, second version)
-  kJoint,      ///< by pixel, depth and colour distance, without bridging surfaces (thesis 3.2, third version)
+  kOff,     ///< Leaves holes as they are.
+  kMedian,  ///< Two median passes, after Maimone and Fuchs.
+  /// Weights by pixel distance alone and smears foreground into background (thesis section 3.2,
+  /// second version).
+  kBilateral,
+  /// Weights by pixel, depth and colour distance and never bridges surfaces (thesis section 3.2,
+  /// third version).
+  kJoint,
 };
 inline constexpr std::array kMethods{Method::kOff, Method::kMedian, Method::kBilateral, Method::kJoint};
 
 enum class Compute {
-  kAuto,  ///< GL if it is hardware and the method has shaders, else the CPU
+  kAuto,  ///< GL if it is hardware and the method has shaders, else the CPU.
   kGl,
   kCpu,
 };
 
-std::string_view name(Method method);  ///< "off", "median", "bilateral" or "joint", as in --hole-filling
+std::string_view name(Method method);  ///< "off", "median", "bilateral" or "joint".
 
-/// The frames of a filler.
+/// The format of the frames that a filler gets.
 struct FrameFormat {
-  int width = 640, height = 480;  ///< pixels
+  int width = 640, height = 480;  ///< In pixels.
   DepthUnit unit = DepthUnit::kMillimetre;
-  DepthRange range;  ///< holes are never filled with depth outside it
+  DepthRange range;  ///< Holes are never filled with depth outside it.
   DepthNoise noise = {};
 };
 
@@ -48,20 +49,20 @@ class HoleFiller {
  public:
   virtual ~HoleFiller() = default;
 
-  virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --compute
+  virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --compute.
 
-  /// True if fill() may be called from any thread, one at a time. Else only from the thread that
-  /// opened this.
+  /// True if any thread may call fill(), one at a time. False if only the thread that opened the
+  /// filler may.
   virtual bool is_free_of_threads() const { return true; }
 
-  /// Closes those holes of `frame` that can be closed. Depth and state change only in holes.
-  /// Requires depth and state of the format's size, depth 0 exactly where the state is kHole, and
-  /// colour of the same size or none. Fails only if the graphics driver does.
+  /// Fills the narrow holes of `frame`. Depth and state change only in holes. Requires depth and
+  /// state of the format's size, depth 0 exactly where the state is kHole, and colour of the same
+  /// size or none. Fails only if the graphics driver fails.
   virtual Result<void> fill(RgbdFrame& frame) = 0;
 };
 
-/// Fails  kInvalid (sizes or a range that make no sense), kUnsupported (GL is requested, but it is
-///      missing or the method has no shaders).
+/// Opens a filler. Fails with kInvalid if the format is impossible. Fails with kUnsupported if GL
+/// is requested, but is missing or has no shaders for the method.
 Result<std::unique_ptr<HoleFiller>> open(Method method, Compute compute, const FrameFormat& format);
 
 }  // namespace copresence::hole_filling

@@ -12,12 +12,13 @@
 namespace copresence::hole_filling {
 namespace {
 
-constexpr int kTilePx = kCellPx + 2 * kWindowPx;  // a cell with the margin that its pixels' windows reach
+constexpr int kTilePx =
+    kCellPx + 2 * kWindowPx;  // A cell with the margin that the windows of its pixels reach.
 static_assert(kWindowPx <= Cells::kMarginPx && kWindowPx == 2 && kCellPx == 4);
-constexpr std::array<float, 3> kKernel{0.37f, 0.78f,
-                                       1};  // exp(-d^2 / 4): weights from the window's rim to its centre
+// Weights exp(-d^2 / 4) at the distances d = 2, 1 and 0 pixels from the window's centre.
+constexpr std::array<float, 3> kKernel{0.37f, 0.78f, 1};
 
-// A row of a tile and a row of a cell, each in one vector.
+// A row of a tile and a row of a cell, each in one vector register.
 using TileRow = float __attribute__((vector_size(kTilePx * sizeof(float))));
 using CellRow = float __attribute__((vector_size(kCellPx * sizeof(float))));
 constexpr TileRow kNone{};
@@ -27,36 +28,37 @@ void load(const float* from, Row& row) {
   std::memcpy(&row, from, sizeof(Row));
 }
 
-/// Evidence of the measured pixels in the windows of a cell's pixels for one surface, row by row.
+/// How well the measured pixels around a cell fit one surface, per pixel of the cell. The sums run
+/// over each pixel's window.
 struct Support {
-  std::array<CellRow, kCellPx> weight;  ///< of the pixels that lie on the surface
-  std::array<CellRow, kCellPx> rest;    ///< weighted sum of their distance from it, steps
-  std::array<CellRow, kCellPx> x, y;    ///< weighted sum of their positions, pixels from the window's centre
+  std::array<CellRow, kCellPx> weight;  ///< Total weight of the pixels on the surface.
+  std::array<CellRow, kCellPx> rest;    ///< Weighted sum of their distances from it, in steps.
+  std::array<CellRow, kCellPx> x, y;  ///< Weighted sums of their positions, pixels from the window's centre.
 };
 
-/// Elements k to k + 3 of a tile's row: for the four pixels of a cell's row, the neighbour at one
-/// offset.
+/// Elements k to k + 3 of a tile's row: the neighbours of a cell's four pixels at one offset.
 template <int k>
 CellRow from(const TileRow& row) {
   return __builtin_shufflevector(row, row, k, k + 1, k + 2, k + 3);
 }
 
-/// Weighted sums over the five neighbours of each pixel.
+/// Weighted sums over each pixel and its four neighbours in the row.
 CellRow across(const TileRow& row) {
   return kKernel[0] * (from<0>(row) + from<4>(row)) + kKernel[1] * (from<1>(row) + from<3>(row)) +
          from<2>(row);
 }
 
-/// The same sums, each neighbour times its offset.
+/// Weighted sums over the same pixels, with each pixel multiplied by its offset.
 CellRow first_moment_across(const TileRow& row) {
   return 2 * kKernel[0] * (from<4>(row) - from<0>(row)) + kKernel[1] * (from<3>(row) - from<1>(row));
 }
 
-/// Windows are separable, since a pixel's weight does not depend on the window: sums along columns,
-/// then along rows. `corner` is the top left pixel of the cell's tile. Without `places`, x and y
-/// are not set.
+/// Computes the support of a plane for a cell. The sums run along columns first, then along rows,
+/// since a pixel's weight does not depend on the window. `corner` is the top left pixel of the
+/// cell's tile. Without `places`, x and y are not set.
 void find_support(const float* corner, int stride, const Plane& plane, bool places, Support& support) {
-  constexpr float kFirst = -kWindowPx - 0.5f * (kCellPx - 1);  // from the cell's middle
+  constexpr float kFirst =
+      -kWindowPx - 0.5f * (kCellPx - 1);  // The first column, counted from the cell's middle.
   constexpr TileRow kColumns{kFirst,     kFirst + 1, kFirst + 2, kFirst + 3,
                              kFirst + 4, kFirst + 5, kFirst + 6, kFirst + 7};
   constexpr TileRow kOne = kNone + 1.0f;
@@ -84,7 +86,7 @@ void find_support(const float* corner, int stride, const Plane& plane, bool plac
   }
 }
 
-/// exp(-x) by the approximation (1 - x / 8)^8, without a table.
+/// Approximates exp(-x) by (1 - x / 8)^8, which needs no table.
 float falling(float x) {
   const float a = std::max(0.0f, 1 - x * 0.125f), b = a * a, c = b * b;
   return c * c;
@@ -96,8 +98,8 @@ float likeness(Rgb8 a, const std::array<float, 3>& b) {
   return falling((dr * dr + dg * dg + db * db) * (1 / (2 * kColorSigma * kColorSigma)));
 }
 
-/// Decides which of two surfaces a pixel lies on, from the weights of both surfaces in its window
-/// and the near one's centroid. `own` is the pixel's colour, or null.
+/// Decides which of two surfaces a pixel lies on, from the weights of both in its window and the
+/// centroid of the near surface. `own` is the pixel's colour, or null.
 bool lies_near(const SurfaceCandidates& candidates, float far_weight, float near_weight, float near_x,
                float near_y, const Rgb8* own) {
   const bool enclosed =
@@ -111,8 +113,8 @@ bool lies_near(const SurfaceCandidates& candidates, float far_weight, float near
   return by_place;
 }
 
-/// Depth in units of a row of a cell's pixels on `plane`, plus one half for rounding. Outside every
-/// range where the plane is not in front of the camera.
+/// Depth of a row of a cell's pixels on `plane`, in units, plus one half for rounding. Where the
+/// plane is not in front of the camera, the result lies outside every depth range.
 CellRow units_on(const Plane& plane, const Support& support, int y, float steps_times_units) {
   constexpr CellRow kColumns{-1.5f, -0.5f, 0.5f, 1.5f};
   const CellRow s = plane.steps + plane.slope_x * kColumns + plane.slope_y * (static_cast<float>(y) - 1.5f) +

@@ -1,7 +1,8 @@
 #pragma once
 
 // The default filler, on the CPU: joint bilateral filling by pixel, depth and colour distance,
-// which does not bridge surfaces. The method is described in docs/internals/hole_filling.md.
+// which does not bridge surfaces. See docs/internals/hole_filling.md.
+//
 // Thread: one thread at a time per object.
 
 #include "capture_server/hole_filling/cells.h"

@@ -11,11 +11,11 @@ namespace copresence::hole_filling {
 namespace {
 
 constexpr int kMargin = kMedianWindowPx;
-constexpr int kLanes = 16;  // pixels of a row in one vector
+constexpr int kLanes = 16;  // Number of pixels in one vector register.
 using Lanes = std::array<std::uint16_t, kLanes>;
 
-/// Calls visit(pixels, is_rim) for every offset of the window: the pixels at this offset, and
-/// whether it is on the window's rim.
+/// Calls visit(pixels, is_rim) for every offset of the window, with the pixels at this offset.
+/// `is_rim` is true on the window's rim.
 template <class Visit>
 void for_window(const std::uint16_t* middle, int stride, int radius, Visit visit) {
   for (int dy = -radius; dy <= radius; ++dy) {
@@ -90,7 +90,8 @@ void MedianFilling::pass(const Window& window, RgbdFrame& frame) {
       }
       if (std::none_of(wanted.begin(), wanted.end(), [](bool want) { return want; })) continue;
 
-      // The median lies in (low, high]. Counting halves that range until it holds one value.
+      // Binary search for the median in the range from low + 1 to high: counting pixels halves the
+      // range in each step.
       Lanes low, high = highest;
       for (int i = 0; i < kLanes; ++i) low[i] = static_cast<std::uint16_t>(lowest[i] - 1);
       for (int range = widest + 1; range > 1; range -= range / 2) {

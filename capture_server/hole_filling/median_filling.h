@@ -1,8 +1,10 @@
 #pragma once
 
-// Two median passes over the measured depth. The first pass closes enclosed holes on one surface
-// with a large window. The second closes the others, and rough spots of the first, with a small
-// one. Thread: one thread at a time per object.
+// Two median passes over the measured depth. The first pass, with a large window, fills holes that
+// are enclosed by one surface. The second pass, with a small window, fills the other holes and
+// smooths what the first pass filled.
+//
+// Thread: one thread at a time per object.
 
 #include <vector>
 
@@ -16,19 +18,19 @@ class MedianFilling final : public HoleFiller {
 
   std::string_view name() const override { return "cpu"; }
 
-  /// The median is that of the pixels with depth; of an even number it is the lower one.
-  /// Source   Maimone and Fuchs 2011: the large window fills a hole if its depths differ little,
-  ///          enough pixels hold depth, and enough pixels of its rim do, so that silhouettes do not
-  ///          grow. Their second pass also smooths measured depth; this one does not.
+  /// Sets each hole to the median of the window's pixels with depth, the lower of two.
+  /// Source: Maimone and Fuchs 2011. The large window fills a hole if its depths differ little, and
+  /// if enough pixels of the window and of its rim hold depth, so that silhouettes do not grow.
+  /// Their second pass also smooths measured depth; this one does not.
   Result<void> fill(RgbdFrame& frame) override;
 
  private:
-  /// When a window may fill a hole.
+  /// The conditions under which a window fills a hole.
   struct Window {
     int radius;
-    int enough;      ///< pixels with depth
-    int enough_rim;  ///< of these on the window's rim
-    float widest;    ///< largest difference of depths, steps
+    int enough;      ///< Least number of pixels with depth.
+    int enough_rim;  ///< Least number of these on the window's rim.
+    float widest;    ///< Largest difference of depths, in steps.
   };
   void pass(const Window& window, RgbdFrame& frame);
   void load(const DepthImage& depth);
@@ -38,7 +40,7 @@ class MedianFilling final : public HoleFiller {
   float steps_times_units_;
   DepthRangeUnits range_;
   int stride_;
-  std::vector<std::uint16_t> depths_;  // a copy with empty margins
+  std::vector<std::uint16_t> depths_;  // A copy of the depth image with empty margins.
 };
 
 }  // namespace copresence::hole_filling

@@ -14,12 +14,12 @@ namespace {
 struct Observation {
   float steps, slope_x, slope_y;
   float weight;
-  int pixels;       // measured
-  int column, row;  // of the cell
-  int direction;    // -1: the cell itself
+  int pixels;       // Number of measured pixels.
+  int column, row;  // Position of the cell.
+  int direction;    // Direction of the search, or -1 for the cell itself.
 };
 
-/// The observed surfaces. The data is unpredictable, so this code avoids branches.
+/// The surfaces observed around a cell. Their data is unpredictable, so this code avoids branches.
 struct Observations {
   static constexpr int kMost = 2 + 2 * 8;
   static constexpr int kLanes = 8;
@@ -27,9 +27,9 @@ struct Observations {
   using Steps = float __attribute__((vector_size(kLanes * sizeof(float))));
   using Numbers = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 
-  std::array<Observation, kMost + 1> entries;  // one more than kMost, for an entry that is rejected
-  std::array<float, kRoom> steps;              // of the entries
-  std::array<std::uint8_t, kMost> order;       // indices of the entries, once sorted
+  std::array<Observation, kMost + 1> entries;  // The last entry is for rejected observations.
+  std::array<float, kRoom> steps;              // Steps of the entries.
+  std::array<std::uint8_t, kMost> order;       // Indices of the entries, once sorted.
   int count = 0;
   float farthest = 1e9f, nearest = 0;
 
@@ -43,13 +43,13 @@ struct Observations {
     nearest = is_there ? std::max(nearest, observation.steps) : nearest;
   }
 
-  /// Sorts from far to near. If all entries belong to one surface, the common case, the order does
-  /// not matter.
+  /// Sorts the entries from far to near, unless all of them belong to one surface. In this common
+  /// case, their order does not matter.
   void find_order() {
     for (int i = 0; i < count; ++i) order[i] = static_cast<std::uint8_t>(i);
     if (nearest - farthest <= kLinked) return;
-    // The rank of an entry is the number of entries before it, computed for eight entries at a
-    // time.
+    // The rank of an entry is the number of entries before it. It is computed for eight entries at
+    // a time.
     for (int first = 0; first < count; first += kLanes) {
       Steps these;
       std::memcpy(&these, &steps[first], sizeof these);
@@ -69,8 +69,8 @@ struct Group {
   int pixels = 0;
 };
 
-/// Weight of one measured pixel of a cell at this distance in cells, along rows and columns and
-/// along diagonals.
+/// Weight of one measured pixel of a cell, by the distance of the cell in cells. The first table is
+/// for directions along rows and columns, the second for diagonals.
 constexpr auto kShares = [] {
   std::array<std::array<float, kReachCells + 1>, 2> shares{};
   for (int reach = 1; reach <= kReachCells; ++reach) {
@@ -135,7 +135,7 @@ std::array<float, 3> mean_color(const Observations& seen, const Group& group, co
   return mean;
 }
 
-/// Number of axes, of four, along which the group was observed on both sides.
+/// Number of axes, of four, on which the group was observed on both sides of the cell.
 int opposite_sides(const Observations& seen, const Group& group) {
   unsigned directions = 0;
   for (int i = group.begin; i < group.end; ++i) {
@@ -146,8 +146,8 @@ int opposite_sides(const Observations& seen, const Group& group) {
   return axes;
 }
 
-/// Whether the near surface, `steps` in front of the far one, is close enough to the cell to block
-/// the light of the sensor's projector. Both sides count, since pictures may be mirrored.
+/// True if the near surface, `steps` in front of the far surface, is close enough to block the
+/// projector's light. Both sides count, since pictures may be mirrored.
 bool in_shadow(const Observations& seen, const Group& near, float steps, int column, int row) {
   const float reach = kShadowPxPerStep * steps + kShadowSlackPx;
   for (int i = near.begin; i < near.end; ++i) {

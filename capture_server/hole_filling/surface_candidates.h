@@ -1,24 +1,27 @@
 #pragma once
 
-// Candidate surfaces for a hole, from the measured cells around it in eight directions.
-// Thread: pure.
+// Finds the surfaces that may continue into a hole, from the measured cells around it in eight
+// directions.
+//
+// Thread: pure functions, safe anywhere.
 
 #include "capture_server/hole_filling/cells.h"
 
 namespace copresence::hole_filling {
 
-/// A plane over the image: its steps at a cell's middle, and its slopes.
+/// A plane over the image. `steps` is its value at a cell's middle; 0 means that there is no plane.
 struct Plane {
-  float steps = 0;                 ///< 0: no plane
-  float slope_x = 0, slope_y = 0;  ///< steps per pixel
+  float steps = 0;
+  float slope_x = 0, slope_y = 0;  ///< In steps per pixel.
 };
 
-/// The candidate surfaces for the holes of one cell. `near` is set only if there are two.
+/// The candidate surfaces for the holes of one cell. `near` is set only if there are two
+/// candidates.
 struct SurfaceCandidates {
   Plane far, near;
-  std::array<float, 3> far_color{},
-      near_color{};           ///< mean, of 255; only if there are two and colour is known
-  bool prefers_near = false;  ///< the choice if neither pixels nor colour decide
+  /// Mean colours, 0 to 255. Valid only if there are two candidates and colour is known.
+  std::array<float, 3> far_color{}, near_color{};
+  bool prefers_near = false;  ///< The choice if neither pixels nor colour decide.
 };
 
 /// Examines the surroundings of a cell. `color` may be null.

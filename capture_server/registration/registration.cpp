@@ -8,24 +8,24 @@
 namespace copresence::registration {
 namespace {
 
-constexpr float kNowhere = -1e6f;    // a coordinate outside every picture
-constexpr float kNearestM = 0.05f;   // points nearer to the colour camera than this are behind its lens
-constexpr float kUnknownDepthM = 2;  // for rows above the first measured one
+constexpr float kNowhere = -1e6f;    // A coordinate outside every picture.
+constexpr float kNearestM = 0.05f;   // Points closer to the colour camera than this count as behind it.
+constexpr float kUnknownDepthM = 2;  // Assumed depth of rows above the first measured one.
 constexpr float kFarAway = std::numeric_limits<float>::max();
 
-/// A surface this far behind the nearest one is hidden by it: six disparity steps, plus the change
-/// of a slanted surface from one pixel to the next.
+/// A surface behind this depth is hidden by the nearest surface, at depth z. The limit is six
+/// disparity steps plus the change of a slanted surface from one pixel to the next.
 float hidden_beyond(float z, const DepthNoise& noise) {
   return z + 0.02f + 6 * static_cast<float>(noise.step_m(z));
 }
 
-/// For non-negative values. std::lround() is a function call for every pixel.
+/// Rounds a non-negative value. std::lround() would be a function call for every pixel.
 int rounded(float value) {
   return static_cast<int>(value + 0.5f);  // NOLINT(bugprone-incorrect-roundings)
 }
 
-/// The bilinearly interpolated colour at (u, v). Requires 0 <= u <= width - 1, 0 <= v <= height -
-/// 1.
+/// The bilinearly interpolated colour at (u, v). Requires u from 0 to width - 1 and v from 0 to
+/// height - 1.
 Rgb8 sample(const ColorImage& color, float u, float v) {
   const int x = std::min(static_cast<int>(u), color.width() - 2),
             y = std::min(static_cast<int>(v), color.height() - 2);
@@ -42,8 +42,8 @@ Rgb8 sample(const ColorImage& color, float u, float v) {
           blend(top[0].b, top[1].b, bottom[0].b, bottom[1].b)};
 }
 
-/// Depth of one row in metres. Holes get the farther of the measured depths next to them. If the
-/// row holds no depth at all, `depths` keeps the values of the row above.
+/// Fills `depths` with the depth of one row in metres. A hole gets the larger of the measured
+/// depths next to it. If the row has no depth at all, `depths` keeps the values of the row above.
 void assume_depths(std::span<const std::uint16_t> measured, float metres_per_unit, std::span<float> depths) {
   const int width = static_cast<int>(measured.size());
   int last = -1;
@@ -128,7 +128,7 @@ RgbdFrame Registration::apply(RgbdFrame frame) {
   return frame;
 }
 
-/// Projects the pixels of row y into the colour camera: u_, v_ and z_.
+/// Computes where the pixels of row y appear in the colour camera: u_, v_ and z_.
 void Registration::map_row(const RgbdFrame& frame, int y) {
   if (mapping_ == Mapping::kDepth) assume_depths(frame.depth.row(y), metres_per_unit_, row_z_);
   const std::size_t first = static_cast<std::size_t>(y) * depth_.width;
@@ -158,7 +158,7 @@ void Registration::map_row(const RgbdFrame& frame, int y) {
   }
 }
 
-/// Adds the measured pixels of row y to the colour camera's nearest depths.
+/// Updates the nearest depths of the colour camera with the measured pixels of row y.
 void Registration::splat_row(const RgbdFrame& frame, int y) {
   const std::size_t first = static_cast<std::size_t>(y) * depth_.width;
   const float grid_x = float(depth_.width) / float(color_.width),
@@ -193,7 +193,7 @@ bool Registration::is_visible(std::size_t at) const {
 
 void Registration::color_row(const ColorImage& from, int y, std::span<Rgb8> to) {
   const std::size_t first = static_cast<std::size_t>(y) * depth_.width;
-  int last = -1;  // the last visible pixel
+  int last = -1;  // The last visible pixel.
   for (int x = 0; x <= depth_.width; ++x) {
     const bool at_end = x == depth_.width;
     if (!at_end) {

@@ -1,12 +1,13 @@
 #pragma once
 
-// Brings depth and colour to one camera model, the depth camera's. Colour is looked up where each
-// depth pixel's point appears in the colour camera. Depth is never resampled: levels, states and
-// holes stay as they were measured, as depth codecs require. A larger colour image costs nothing in
-// later stages.
+// Brings depth and colour to one camera model, the depth camera's. The colour of each depth pixel
+// is looked up where its point appears in the colour camera. Depth is never resampled: levels,
+// states and holes stay as they were measured, as depth codecs require.
 //
 // If the driver delivers depth as seen by the colour camera, or if there is no colour, frames pass
-// unchanged. Thread: one thread at a time per object.
+// unchanged.
+//
+// Thread: one thread at a time per object.
 
 #include <optional>
 #include <vector>
@@ -20,41 +21,41 @@ namespace copresence::registration {
 
 /// The cameras of a sensor and their relative pose.
 struct SensorCameras {
-  CameraModel depth;                 ///< of the depth images as delivered
-  std::optional<CameraModel> color;  ///< of the colour images; nothing without colour
-  Rigid3 color_from_depth;           ///< metres; ignored if `registered`
+  CameraModel depth;                 ///< The camera of the depth images as delivered.
+  std::optional<CameraModel> color;  ///< The camera of the colour images. Nothing if there is no colour.
+  Rigid3 color_from_depth;           ///< In metres. Ignored if `registered`.
   DepthUnit unit = DepthUnit::kMillimetre;
-  bool registered = false;  ///< the driver delivers depth as seen by the colour camera
+  bool registered = false;  ///< The driver delivers depth as seen by the colour camera.
   DepthNoise noise = {};
 };
 
 class Registration {
  public:
-  /// Fails (kInvalid) if a camera model or the transform is invalid.
+  /// Fails with kInvalid if a camera model or the transform is invalid.
   static Result<Registration> open(const SensorCameras& cameras);
 
-  /// The camera of every frame that apply() returns, depth and colour.
+  /// The camera model of depth and colour in every frame that apply() returns.
   const CameraModel& model() const { return depth_; }
 
-  /// Whether apply() returns frames unchanged.
+  /// True if apply() returns frames unchanged.
   bool passes_through() const { return mapping_ == Mapping::kNone; }
 
-  /// Returns the frame with colour of the same size and camera as its depth. Depth and states are
-  /// unchanged.
+  /// Returns the frame with colour of the same size and camera model as its depth. Depth and states
+  /// are unchanged. Requires a depth image of model()'s size. Colour of an unexpected size is
+  /// dropped.
   ///
-  /// The colour camera cannot see a depth pixel that is hidden behind something nearer, or outside
-  /// its picture. Such a pixel takes the colour of the nearest visible pixel of its row at a
-  /// similar depth. A hole is assumed to lie on the farther of the surfaces next to it in its row,
-  /// as an occlusion shadow does.
-  /// Requires a depth image of model()'s size. Colour of an unexpected size is dropped.
-  /// Source   thesis 3.1 (last part), eq. 2.1 to 2.4.
+  /// The colour camera cannot see a pixel that lies outside its picture or behind something nearer.
+  /// Such a pixel takes the colour of the nearest visible pixel of its row at a similar depth. A
+  /// hole is assumed to lie on the farther of the surfaces next to it in its row, as an occlusion
+  /// shadow does.
+  /// Source: thesis section 3.1 (last part), equations 2.1 to 2.4.
   RgbdFrame apply(RgbdFrame frame);
 
  private:
   enum class Mapping {
-    kNone,   ///< pass-through
-    kFixed,  ///< same viewpoint, other pixels; the lookup does not depend on depth
-    kDepth,  ///< another viewpoint
+    kNone,   ///< Frames pass unchanged.
+    kFixed,  ///< Both cameras have one viewpoint, so the lookup does not depend on depth.
+    kDepth,  ///< The cameras have different viewpoints.
   };
 
   Registration() = default;
@@ -69,15 +70,16 @@ class Registration {
   float metres_per_unit_ = 0.001f;
   DepthNoise noise_;
   Eigen::Vector3f translation_{0, 0, 0};
-  int footprint_ = 2;  ///< width and height, in pixels of the nearest-depth image, of one depth pixel
+  /// Size of one depth pixel in the nearest-depth image: width and height in pixels.
+  int footprint_ = 2;
 
   // Per depth pixel, row by row: its ray in the colour camera's frame, and its position in the
   // colour picture.
   std::vector<float> ray_x_, ray_y_, ray_z_;
   std::vector<float> u_, v_, z_;
-  std::vector<float> row_z_;  ///< assumed depth of one row's pixels, metres
-  std::vector<float>
-      nearest_z_;  ///< nearest depth seen by the colour camera, on a grid as large as the depth image
+  std::vector<float> row_z_;  ///< Assumed depths of one row, metres.
+  /// Nearest depths seen by the colour camera, on a grid as large as the depth image.
+  std::vector<float> nearest_z_;
 };
 
 }  // namespace copresence::registration

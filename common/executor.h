@@ -1,15 +1,15 @@
 #pragma once
 
-// An interface through which a module runs jobs on several cores without owning threads. The
-// pipelines own the threads (common/flow/worker_pool.h).
+// Interface through which a module runs jobs on several cores without owning threads. The pipelines
+// own the threads (common/flow/worker_pool.h).
 
 #include <memory>
 #include <type_traits>
 
 namespace copresence {
 
-/// A reference to a function object that is called with the numbers of a job and a worker. It
-/// allocates nothing. The function object must outlive it.
+/// Reference to a function object that takes the number of a job and of a worker. It allocates no
+/// memory. The function object must outlive the reference.
 class FunctionRef {
  public:
   template <class Job, class = std::enable_if_t<!std::is_same_v<std::remove_cvref_t<Job>, FunctionRef>>>
@@ -33,14 +33,12 @@ class Executor {
  public:
   virtual ~Executor() = default;
 
-  /// The largest number of jobs that run at the same time, at least 1. Includes the caller's
-  /// thread.
+  /// The largest number of jobs that run at the same time, at least 1. The caller's thread counts.
   virtual int count() const = 0;
 
-  /// Calls job(0, worker) to job(jobs - 1, worker) in any order on any threads, and returns when
-  /// all have returned. Jobs that run at the same time get different worker numbers, 0 to count() -
-  /// 1. Index scratch memory by worker and results by job. Requires that no job throws or calls
-  /// run().
+  /// Calls job(0, worker) to job(jobs - 1, worker) in any order, on any threads. Returns after all
+  /// jobs have returned. Jobs that run at the same time get different worker numbers below count().
+  /// Index scratch memory by worker and results by job. Requires that no job throws or calls run().
   virtual void run(int jobs, FunctionRef job) = 0;
 };
 

@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::array<std::uint8_t, 4> kStartCode = {0, 0, 0, 1};
 
-/// Position of the first 00 00 01 at or after `from`; the size if there is none.
+/// Returns the position of the first 00 00 01 at or after `from`, or the size if there is none.
 std::size_t find_start_code(std::span<const std::uint8_t> bytes, std::size_t from) {
   for (std::size_t at = from; at + 3 <= bytes.size();) {
-    // The 1 is searched for, since it is rarer than the zeros.
+    // Search for the 1, since it is rarer than the zeros.
     const void* one = std::memchr(bytes.data() + at + 2, 1, bytes.size() - at - 2);
     if (!one) break;
     at = static_cast<std::size_t>(static_cast<const std::uint8_t*>(one) - bytes.data()) - 2;
@@ -22,8 +22,8 @@ std::size_t find_start_code(std::span<const std::uint8_t> bytes, std::size_t fro
   return bytes.size();
 }
 
-/// Position of the first two zeros with another byte after them, at or after `from`; the size if
-/// there are none.
+/// Returns the position of the first two zeros that another byte follows, at or after `from`.
+/// Returns the size if there are none.
 std::size_t find_zeros(std::span<const std::uint8_t> bytes, std::size_t from) {
   for (std::size_t at = from; at + 3 <= bytes.size(); ++at) {
     const void* zero = std::memchr(bytes.data() + at, 0, bytes.size() - 2 - at);

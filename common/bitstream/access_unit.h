@@ -1,7 +1,7 @@
 #pragma once
 
-// Splits an H.264 access unit (the bytes of one coded picture, in Annex B form) into NAL units, and
-// writes them.
+// Splits an H.264 access unit into NAL units, and writes it. An access unit holds the bytes of one
+// coded picture, here in Annex B form.
 // Source: ITU-T H.264 (08/2021), sections 7.3.1, 7.4.1.2 and annex B.
 // Thread: pure.
 
@@ -21,27 +21,26 @@ enum class NalType : std::uint8_t {
   kPictureParameters = 8
 };
 
-/// One NAL unit: its bytes without start code and trailing zeros, never empty.
+/// One NAL unit without its start code and trailing zeros. It is never empty.
 struct Nal {
   std::span<const std::uint8_t> bytes;
 
   NalType type() const { return static_cast<NalType>(bytes[0] & 31); }
-  /// True if the picture depends on this unit: slices and parameter sets. A program that copies a
-  /// stream keeps these units unchanged. It may add, move or drop the others (delimiters, fillers,
-  /// SEI).
+  /// True for slices and parameter sets, without which the picture cannot be decoded. A program
+  /// that copies a stream keeps these units unchanged. It may add, move or drop the others
+  /// (delimiters, fillers, SEI).
   bool is_essential() const;
 };
 
-/// The NAL units in the order of the bytes; the result refers to these bytes.
-/// Fails with kCorrupt if the bytes do not begin with a start code, or if a NAL unit is empty or
-/// forbidden.
+/// Returns the NAL units in their order. They refer to the given bytes. Fails with kCorrupt if the
+/// bytes do not begin with a start code, or if a NAL unit is empty or forbidden.
 Result<std::vector<Nal>> split_access_unit(std::span<const std::uint8_t> access_unit);
 
 /// Appends a start code and the NAL unit.
 void append_nal(std::vector<std::uint8_t>& access_unit, std::span<const std::uint8_t> nal);
 
-/// Inserts emulation prevention bytes into a payload, so that it contains no start code; and
-/// removes them.
+/// Insert emulation prevention bytes into a payload, so that it contains no start code, and remove
+/// them.
 std::vector<std::uint8_t> to_nal_bytes(std::span<const std::uint8_t> payload);
 std::vector<std::uint8_t> from_nal_bytes(std::span<const std::uint8_t> nal);
 

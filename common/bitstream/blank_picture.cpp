@@ -9,13 +9,13 @@
 namespace copresence::bitstream {
 namespace {
 
-constexpr std::uint8_t kImportant = 0x60;  // nal_ref_idc 3
-constexpr int kMacroblock = 16;            // pixels
-constexpr unsigned kFrameNumbers = 16;     // log2_max_frame_num_minus4 is 0
+constexpr std::uint8_t kImportant = 0x60;  // The value of `nal_ref_idc` is 3.
+constexpr int kMacroblock = 16;            // Pixels per side.
+constexpr unsigned kFrameNumbers = 16;     // The value of `log2_max_frame_num_minus4` is 0.
 constexpr unsigned kHigh10Profile = 110;
-constexpr unsigned kLevel = 51;  // level 5.1: up to 4096x2304 at 26 pictures a second
+constexpr unsigned kLevel = 51;  // Level 5.1: up to 4096x2304 at 26 pictures a second.
 
-/// Writes the bits of one NAL unit with the codes of 7.2 and 9.1.
+/// Writes the bits of one NAL unit with the codes of H.264, sections 7.2 and 9.1.
 class Bits {
  public:
   explicit Bits(NalType type) { fixed(kImportant | static_cast<unsigned>(type), 8); }
@@ -24,14 +24,13 @@ class Bits {
     for (int i = bits - 1; i >= 0; --i) bit(value >> i & 1);
   }
   void flag(bool value) { bit(value); }
-  void number(unsigned value) {  // ue(v)
+  void number(unsigned value) {  // The code ue(v).
     const int bits = static_cast<int>(std::bit_width(value + 1));
     fixed(0, bits - 1);
     fixed(value + 1, bits);
   }
-  void zero() { number(0); }  // ue(v) or se(v), which are equal for 0
+  void zero() { number(0); }  // The codes ue(v) and se(v) are equal for 0.
 
-  /// Appends the whole NAL unit with its trailing bits.
   void finish(std::vector<std::uint8_t>& access_unit) {
     bit(1);
     while (used_ != 0) bit(0);
@@ -46,7 +45,7 @@ class Bits {
   }
 
   std::vector<std::uint8_t> bytes_;
-  int used_ = 0;  // bits of the last byte
+  int used_ = 0;  // Number of bits used in the last byte.
 };
 
 unsigned macroblocks(int pixels) {
@@ -61,49 +60,49 @@ BlankPictureWriter::BlankPictureWriter(PixelFormat format, int width, int height
 }
 
 std::vector<std::uint8_t> BlankPictureWriter::sequence_parameters() const {
-  const unsigned deeper = format_ == PixelFormat::kGray10 ? 2 : 0;  // bits than 8
+  const unsigned deeper = format_ == PixelFormat::kGray10 ? 2 : 0;  // Bits per sample beyond 8.
   Bits bits(NalType::kSequenceParameters);
   bits.fixed(kHigh10Profile, 8);
-  bits.fixed(0, 8);  // no constraints
+  bits.fixed(0, 8);  // No constraints.
   bits.fixed(kLevel, 8);
-  bits.zero();  // seq_parameter_set_id
-  bits.zero();  // chroma_format_idc: monochrome
+  bits.zero();  // `seq_parameter_set_id`.
+  bits.zero();  // `chroma_format_idc`: monochrome.
   bits.number(deeper);
-  bits.number(deeper);  // of chroma
-  bits.fixed(0, 2);     // no transform bypass, no scaling matrices
-  bits.zero();          // log2_max_frame_num_minus4
-  bits.number(2);       // pic_order_cnt_type: output in order
-  bits.number(1);       // max_num_ref_frames
-  bits.flag(false);     // no gaps in frame_num
+  bits.number(deeper);  // The same for chroma.
+  bits.fixed(0, 2);     // No transform bypass, no scaling matrices.
+  bits.zero();          // `log2_max_frame_num_minus4`.
+  bits.number(2);       // `pic_order_cnt_type`: output in order.
+  bits.number(1);       // `max_num_ref_frames`.
+  bits.flag(false);     // No gaps in `frame_num`.
   bits.number(macroblocks(width_) - 1);
   bits.number(macroblocks(height_) - 1);
-  bits.flag(true);  // frame_mbs_only
-  bits.flag(true);  // direct_8x8_inference
+  bits.flag(true);  // `frame_mbs_only_flag`.
+  bits.flag(true);  // `direct_8x8_inference_flag`.
   const unsigned right = macroblocks(width_) * kMacroblock - static_cast<unsigned>(width_);
   const unsigned bottom = macroblocks(height_) * kMacroblock - static_cast<unsigned>(height_);
-  bits.flag(right != 0 || bottom != 0);  // cropping
+  bits.flag(right != 0 || bottom != 0);  // `frame_cropping_flag`.
   if (right != 0 || bottom != 0) {
     bits.zero();
     bits.number(right);
     bits.zero();
     bits.number(bottom);
   }
-  bits.flag(false);  // no VUI
+  bits.flag(false);  // No VUI.
   std::vector<std::uint8_t> unit;
   bits.finish(unit);
 
   Bits picture(NalType::kPictureParameters);
-  picture.zero();       // pic_parameter_set_id
-  picture.zero();       // seq_parameter_set_id
-  picture.fixed(0, 2);  // CAVLC, no field order
-  picture.zero();       // one slice group
-  picture.zero();       // one reference, and for list 1
+  picture.zero();       // `pic_parameter_set_id`.
+  picture.zero();       // `seq_parameter_set_id`.
+  picture.fixed(0, 2);  // CAVLC, no field order.
+  picture.zero();       // One slice group.
+  picture.zero();       // One reference, also for list 1.
   picture.zero();
-  picture.fixed(0, 3);  // no weighted prediction
-  picture.zero();       // pic_init_qp_minus26
-  picture.zero();       // pic_init_qs_minus26
-  picture.zero();       // chroma_qp_index_offset
-  picture.fixed(4, 3);  // deblocking control in slices; no constrained intra, no redundant pictures
+  picture.fixed(0, 3);  // No weighted prediction.
+  picture.zero();       // `pic_init_qp_minus26`.
+  picture.zero();       // `pic_init_qs_minus26`.
+  picture.zero();       // `chroma_qp_index_offset`.
+  picture.fixed(4, 3);  // Slices control deblocking; no constrained intra, no redundant pictures.
   picture.finish(unit);
   return unit;
 }
@@ -117,26 +116,26 @@ std::vector<std::uint8_t> BlankPictureWriter::write(bool keyframe) {
   }
   const unsigned count = macroblocks(width_) * macroblocks(height_);
   Bits slice(keyframe ? NalType::kIdrSlice : NalType::kSlice);
-  slice.zero();                    // first_mb_in_slice
-  slice.number(keyframe ? 7 : 5);  // slice_type: all I, all P
-  slice.zero();                    // pic_parameter_set_id
+  slice.zero();                    // `first_mb_in_slice`.
+  slice.number(keyframe ? 7 : 5);  // `slice_type`: all I or all P.
+  slice.zero();                    // `pic_parameter_set_id`.
   slice.fixed(frame_number_ % kFrameNumbers, 4);
   if (keyframe) {
-    slice.number(keyframes_ % 2);  // idr_pic_id: must differ from the one before
-    slice.fixed(0, 2);             // dec_ref_pic_marking
+    slice.number(keyframes_ % 2);  // `idr_pic_id` differs from that of the keyframe before.
+    slice.fixed(0, 2);             // `dec_ref_pic_marking`.
   } else {
-    slice.fixed(0, 3);  // no reference list changes, no marking
+    slice.fixed(0, 3);  // No reference list changes, no marking.
   }
-  slice.zero();     // slice_qp_delta
-  slice.number(1);  // no deblocking
+  slice.zero();     // `slice_qp_delta`.
+  slice.number(1);  // No deblocking.
   if (keyframe) {
     for (unsigned i = 0; i < count; ++i) {
-      slice.number(3);   // I_16x16_2_0_0: the mean of the neighbours, or mid grey without neighbours
-      slice.zero();      // mb_qp_delta
-      slice.flag(true);  // coeff_token: no coefficients
+      slice.number(3);   // I_16x16_2_0_0 predicts the mean of the neighbours, or mid grey.
+      slice.zero();      // `mb_qp_delta`.
+      slice.flag(true);  // `coeff_token`: no coefficients.
     }
   } else {
-    slice.number(count);  // mb_skip_run
+    slice.number(count);  // `mb_skip_run`.
   }
   slice.finish(unit);
   ++frame_number_;

@@ -18,7 +18,8 @@ constexpr std::uint8_t kLayoutVersion = 3;
 constexpr std::array<std::uint8_t, 16> kUuid = {0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58,
                                                 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d, 0x80, 0x6a};
 constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 51, kPoseBytes = 96, kSizeBytes = 4;
-// Start code, NAL unit header, payload type, last byte of the payload size, stop bit.
+// The sum of start code, NAL unit header, payload type, last byte of the payload size, and stop
+// bit.
 constexpr std::size_t kFramingBytes = 8;
 
 enum Flag : std::uint8_t { kHasColor = 1, kHasPose = 2, kHasResiduals = 4 };
@@ -36,7 +37,7 @@ class Writer {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Reads zeros past the end and remembers that it did.
+/// Reads little-endian numbers. Past the end it reads zeros, and ended_early() returns true.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -85,7 +86,8 @@ Rigid3 read_pose(Reader& reader) {
   return pose;
 }
 
-/// CRC-32 of the bytes that `before` covers, followed by `bytes`; 0 covers no bytes.
+/// Returns the CRC-32 of the bytes that the CRC `before` covers, followed by `bytes`. The CRC of no
+/// bytes is 0.
 std::uint32_t crc(std::span<const std::uint8_t> bytes, std::uint32_t before) {
   return static_cast<std::uint32_t>(crc32_z(before, bytes.data(), bytes.size()));
 }
@@ -108,7 +110,7 @@ std::vector<std::uint8_t> wrap(std::span<const std::uint8_t> payload) {
   return to_nal_bytes(message);
 }
 
-/// The payload of an SEI NAL unit that holds our message and nothing else; otherwise nothing.
+/// Returns the payload of an SEI NAL unit that holds only our message, otherwise nothing.
 std::optional<std::vector<std::uint8_t>> unwrap(const Nal& nal) {
   if (nal.bytes[0] != static_cast<std::uint8_t>(NalType::kSei)) return std::nullopt;
   const std::vector<std::uint8_t> message = from_nal_bytes(nal.bytes);
@@ -148,7 +150,7 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
 
   Writer writer;
   writer.append(kUuid);
-  writer.number<std::uint32_t>(0);  // replaced by the CRC below
+  writer.number<std::uint32_t>(0);  // The CRC replaces this below.
   writer.number(kLayoutVersion);
   writer.number(static_cast<std::uint8_t>((data.has_color ? kHasColor : 0) |
                                           (data.world_from_camera ? kHasPose : 0) |
@@ -209,7 +211,7 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   if (reader.number<std::uint32_t>() != crc_of_all(*payload, *depth_nals, color_nals)) {
     return fail(ErrorCode::kCorrupt, "an access unit is damaged: its checksum differs");
   }
-  // From here on the bytes are as they were sent, perhaps by a malicious server.
+  // From here on the bytes are as the server sent them. A malicious server can send any bytes.
   const auto version = reader.number<std::uint8_t>();
   const auto flags = reader.number<std::uint8_t>();
   if (version != kLayoutVersion || (flags & ~(kHasColor | kHasPose | kHasResiduals)) != 0) {

@@ -6,8 +6,8 @@
 namespace copresence::color {
 namespace {
 
-// Coefficients in 1/65536. Each row of the matrix sums to 65536 or to 0, which makes greys exact.
-// Chroma is half of one channel less the weighted sum of the others.
+// Coefficients in units of 1/65536. Each row of the matrix sums to 65536 or to 0, which makes greys
+// exact. Each chroma coefficient is positive for one channel and negative for the other two.
 constexpr int kShift = 16;
 constexpr std::uint16_t kYr = 19595, kYg = 38470, kYb = 7471;
 constexpr std::uint16_t kUr = 11058, kUg = 21710;
@@ -36,16 +36,17 @@ void split(const Rgb8* __restrict rgb, int count, Channels& __restrict out) {
   }
 }
 
-/// A number times a coefficient, rounded down. Compilers multiply sixteen of these 16-bit numbers
-/// at a time.
+/// Multiplies a number by a coefficient and rounds down. Compilers multiply sixteen of these 16-bit
+/// numbers at a time.
 std::uint16_t share(int of, std::uint16_t coefficient) {
   return static_cast<std::uint16_t>(
       static_cast<std::uint32_t>(static_cast<std::uint16_t>(of)) * coefficient >> kShift);
 }
 
 void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) {
-  constexpr int kBits = 8;                           // after the point
-  constexpr int kRounding = (1 << (kBits - 1)) + 1;  // and half of what rounding down three products loses
+  constexpr int kBits = 8;  // Fractional bits.
+  // Half of the last bit, and half of the loss from rounding down three products.
+  constexpr int kRounding = (1 << (kBits - 1)) + 1;
   for (int x = 0; x < count; ++x) {
     const auto sum = static_cast<std::uint16_t>(share(in.r[x] << kBits, kYr) + share(in.g[x] << kBits, kYg) +
                                                 share(in.b[x] << kBits, kYb) + kRounding);
@@ -53,9 +54,9 @@ void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) 
   }
 }
 
-constexpr int kChromaBits = 7;  // after the point; 0 to 256 fits into 16 bits
+constexpr int kChromaBits = 7;  // Fractional bits; 0 to 256 then fits into 16 bits.
 
-/// Means over 2x2 pixels.
+/// Computes means over 2x2 pixels.
 void halve(const std::uint8_t* __restrict upper, const std::uint8_t* __restrict lower, int count,
            std::uint16_t* __restrict means) {
   for (int x = 0; x < count; ++x) {
@@ -65,7 +66,7 @@ void halve(const std::uint8_t* __restrict upper, const std::uint8_t* __restrict 
   }
 }
 
-/// U or V. `more` is the channel with the coefficient 1/2: blue for U, red for V.
+/// Computes U or V. `more` is the channel with the coefficient 1/2: blue for U, red for V.
 template <std::uint16_t kLess, std::uint16_t kLeast>
 void chroma(const std::uint16_t* __restrict more, const std::uint16_t* __restrict less,
             const std::uint16_t* __restrict least, int count, std::uint8_t* __restrict out) {
@@ -80,7 +81,7 @@ void chroma(const std::uint16_t* __restrict more, const std::uint16_t* __restric
   }
 }
 
-/// What chroma adds to luma for each channel, repeated for both pixels of a sample along the row.
+/// The term that chroma adds to each channel, repeated for both pixels of a sample along the row.
 struct Tint {
   std::int16_t r[kTile], g[kTile], b[kTile];
 };

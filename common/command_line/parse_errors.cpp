@@ -15,7 +15,7 @@ constexpr std::size_t kMostOfASentence = 1000;
 
 std::string parse_error_message(const CLI::ParseError& error) {
   std::string text = error.what();
-  // CLI11 writes "--scene: 1 required TEXT missing".
+  // CLI11 writes "--scene: 1 required TEXT missing". Users understand "needs a value" better.
   if (error.get_name() == "ArgumentMismatch" && text.ends_with(" missing")) {
     text.resize(std::min(text.find(": "), text.size()));
     text += " needs a value";

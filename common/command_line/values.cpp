@@ -22,7 +22,8 @@ std::optional<Number> parse(const std::string& text) {
   return number;
 }
 
-/// The numbers before and after the first `separator`; nothing if one of them is no number.
+/// Parses the numbers before and after the first `separator`. Returns nothing if either text is not
+/// a number.
 template <class Number>
 std::optional<std::pair<Number, Number>> parse_two(const std::string& text, char separator) {
   const auto at = text.find(separator);
@@ -42,13 +43,13 @@ std::string in_words(const std::vector<std::string>& words) {
   return text;
 }
 
-/// An option that is checked as text. `take` converts the text after the check.
+/// Adds an option whose text is checked. `take` converts the text after the check.
 CLI::Option* add_checked(CLI::App& app, const std::string& flag, const std::string& description,
                          const CLI::Validator& check, const std::function<void(const std::string&)>& take) {
   return app.add_option_function<std::string>(flag, take, description)->check(check);
 }
 
-/// The reason why a file cannot be written; empty if it can.
+/// Returns the reason why a file cannot be written, or an empty text if it can be written.
 std::string unwritable(const std::string& text, bool is_replaced) {
   namespace fs = std::filesystem;
   if (text.empty()) return "\"\" is not a file's name";

@@ -1,7 +1,7 @@
 #pragma once
 
-// Checks for the values of command-line options. Each check sees the text as it was given, before
-// it is converted. So an error message names the option, the given text and the allowed values:
+// Checks for the values of command-line options. Each check sees the text before it is converted.
+// So an error message names the option, the given text and the allowed values:
 //
 //   capture_server: --depth-qp: "foo" is not a whole number from 0 to 51; see --help
 //
@@ -23,21 +23,21 @@
 
 namespace copresence::command_line {
 
-/// For Option::check(): accepts a text if `is_one` returns true. The error message is `"TEXT" is
-/// not WHAT`. `--help` shows `in_help` after the option's type.
+/// For Option::check(): accepts a text if `is_one` returns true. Otherwise the error message is
+/// `"TEXT" is not WHAT`. `--help` shows `in_help` after the option's type.
 CLI::Validator must_be(std::string what, std::function<bool(const std::string&)> is_one,
                        std::string in_help = {});
 
 /// Accepts every text that is not empty. `what` describes it: "a file's name", "HOST:PORT".
 CLI::Validator some(std::string what);
 
-/// Accepts every file name. Nothing checks whether the file exists.
+/// Accepts every file name. It does not check whether the file exists.
 CLI::Validator file_name();
-/// Accepts a file that can be written now: its folder exists, and neither is write-protected. So a
-/// long computation does not fail when it writes its result.
+/// Accepts a file that can be written now: its folder exists, and neither is write-protected. This
+/// check comes before a long computation, whose result would otherwise be lost.
 CLI::Validator writable_file();
-/// Like writable_file(), for a file that is written under a temporary name and then renamed. Its
-/// folder must be writable, too.
+/// Like writable_file(), but for a file that is written under a temporary name and then renamed.
+/// Its folder must be writable, too.
 CLI::Validator replaceable_file();
 CLI::Validator existing_file();
 CLI::Validator existing_folder();
@@ -48,18 +48,18 @@ CLI::Validator whole_number(Number least, Number most) {
       fmt::format("a whole number from {} to {}", least, most),
       [=](const std::string& text) {
         Number number{};
-        // Digits only: CLI11 takes 010 for octal and wraps numbers that are too large.
+        // Accept only digits. CLI11 takes 010 for octal and wraps numbers that are too large.
         std::from_chars(text.data(), text.data() + text.size(), number);
         return text == std::to_string(number) && number >= least && number <= most;
       },
       fmt::format("[{} to {}]", least, most));
 }
 
-/// Infinities and NaN are never allowed.
+/// Accepts a decimal number. Infinities and NaN are never allowed.
 CLI::Validator number(double least, double most);
 CLI::Validator number_above_zero(double most);
 
-/// For Option::check(): accepts one of these words.
+/// For Option::check(): accepts one of `words`.
 CLI::Validator one_of(std::vector<std::string> words);
 
 /// For Option::transform(): replaces a word by its value.
@@ -80,7 +80,7 @@ requires std::is_enum_v<Value> CLI::Validator one_of(std::vector<std::pair<std::
           ""};
 }
 
-/// The smallest and the largest width and height, pixels.
+/// Smallest and largest allowed width and height, in pixels.
 struct PixelLimits {
   int least = 16, most = 8192;
 };
@@ -88,7 +88,7 @@ struct PixelLimits {
 CLI::Option* add_size(CLI::App& app, const std::string& flag, int& width, int& height, PixelLimits limits,
                       const std::string& description);
 
-/// Adds an option that takes NEAR:FAR in metres, 0.05 to 65.
+/// Adds an option that takes NEAR:FAR in metres, from 0.05 to 65.
 CLI::Option* add_depth_range(CLI::App& app, const std::string& flag, DepthRange& range,
                              const std::string& description);
 

@@ -6,9 +6,8 @@
 //
 // A hole keeps its value of the frame before, which H.264 can skip if the camera stands still. It
 // is filled again if that value has become a cliff against the hole's border, or if most of the
-// picture moves. Then the hole takes the farther of the two depths at its ends in its row.
-//
-// Thread: distinct objects are independent.
+// picture moves. Then the hole takes the farther of the two depths at its ends in its row. Thread:
+// distinct objects are independent.
 
 #include "common/frame/depth_unit.h"
 #include "common/frame/image.h"

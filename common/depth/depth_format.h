@@ -1,9 +1,7 @@
 #pragma once
 
 // What a stream's description says about its depth: its shape, and the parameters of its codec. A
-// description may come from an untrusted peer, so everything is checked here.
-//
-// Thread: pure.
+// description may come from an untrusted peer, so everything is checked here. Thread: pure.
 
 #include <string_view>
 

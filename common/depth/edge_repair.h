@@ -5,9 +5,8 @@
 // 10 disparity steps apart, and it is more than 5 steps from both. It takes the depth of the side
 // that is clearly nearer. Pixels near the midpoint stay as they are: moving one to the wrong
 // surface would make its error larger. At fine QPs the repair moves more correct pixels than
-// blurred ones, so it is not used there (depth_codec.cpp).
-//
-// Thread: distinct objects are independent.
+// blurred ones, so it is not used there (depth_codec.cpp). Thread: distinct objects are
+// independent.
 
 #include <vector>
 

@@ -2,9 +2,7 @@
 
 // The interface of a single depth codec: it converts depth to a picture and back. Encoder and
 // Decoder (depth_codec.h) do what all codecs have in common: they fill holes, clip to the range,
-// and code the validity mask.
-//
-// Thread: distinct objects are independent.
+// and code the validity mask. Thread: distinct objects are independent.
 
 #include <cstdint>
 #include <span>

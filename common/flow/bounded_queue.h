@@ -1,9 +1,7 @@
 #pragma once
 
 // A first-in, first-out queue of limited length between threads. A full queue rejects new values
-// and never loses one that it accepted.
-//
-// Thread: any number of threads may call any member at any time.
+// and never loses an accepted one. Thread: any number of threads may call any member at any time.
 
 #include <chrono>
 #include <condition_variable>
@@ -59,7 +57,7 @@ class BoundedQueue {
     return value;
   }
 
-  /// Rejects all further values. take() still returns those in the queue.
+  /// Rejects all further values. take() still returns the values in the queue.
   void close() {
     {
       std::lock_guard lock(mutex_);

@@ -11,8 +11,8 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-// Of each thread of a process, by its id; empty if the process is gone or the kernel does not
-// count.
+// Returns the waiting time of each thread of a process, by thread id. The result is empty if the
+// process is gone or the kernel does not count.
 std::map<pid_t, nanoseconds> waits_of(const std::string& process) {
   std::map<pid_t, nanoseconds> waits;
   std::error_code none;

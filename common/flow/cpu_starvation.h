@@ -1,8 +1,7 @@
 #pragma once
 
-// Tells a broken thread from one that got no CPU: both are silent.
-//
-// Thread: values; a CpuStarvation belongs to one thread at a time.
+// Distinguishes a broken thread from a thread that got no CPU. Both are silent. Thread: values; a
+// CpuStarvation belongs to one thread at a time.
 
 #include <sys/types.h>
 
@@ -12,14 +11,15 @@
 
 namespace copresence::flow {
 
-/// How long the threads of a process were runnable but not scheduled, summed over the threads.
+/// Measures how long the threads of a process were runnable but not scheduled, summed over the
+/// threads.
 class CpuStarvation {
  public:
   explicit CpuStarvation(pid_t process) : process_(process) {}
 
-  /// The sum since the first call. It never shrinks when threads end; a thread's waiting after the
-  /// last call before its end is not in it. Zero if the kernel does not count it
-  /// (/proc/PID/task/TID/schedstat).
+  /// Returns the sum since the first call. It never shrinks when threads end. It misses the waits
+  /// of a thread between the last call and the thread's end. It is zero if the kernel does not
+  /// count (/proc/PID/task/TID/schedstat).
   std::chrono::nanoseconds look();
 
  private:
@@ -29,8 +29,8 @@ class CpuStarvation {
   std::map<pid_t, std::chrono::nanoseconds> threads_;
 };
 
-/// How long something may be silent before it counts as broken: `usual` plus the time without a
-/// CPU, at most `most`.
+/// How long a thread may be silent before it counts as broken: `usual` plus its time without a CPU,
+/// at most `most`.
 class StallTimeout {
  public:
   constexpr StallTimeout(std::chrono::nanoseconds usual, std::chrono::nanoseconds most)
@@ -44,8 +44,8 @@ class StallTimeout {
   std::chrono::nanoseconds usual_, most_;
 };
 
-/// A clock for loops that look at it often. If a look comes late because the process was suspended,
-/// the clock advances by no more than `at_most`.
+/// Clock for a loop that calls look() often. If a call comes late because the process was
+/// suspended, the clock advances by no more than `at_most`.
 class WatchedTime {
  public:
   using Clock = std::chrono::steady_clock;

@@ -1,16 +1,15 @@
 #pragma once
 
-// Decides which frames a busy stage drops, so that it works on recent ones.
-//
-// Thread: pure functions.
+// Decides which frames a busy stage drops, so that it works on recent ones. Thread: pure functions.
 
 #include "common/frame/rgbd_frame.h"
 
 namespace copresence::flow {
 
 /// True if a frame that arrived at `came` should be dropped when its worker becomes free at `free`.
-/// The frame is then older than half a `period`, and the next one is due in less than half a period. A
-/// frame that arrived after the worker became free is kept, so two frames in a row are never dropped.
+/// The frame has then waited longer than half a `period`, so the next one is due sooner than that.
+/// A frame that arrives after the worker became free is kept. So two frames in a row are never
+/// dropped.
 constexpr bool should_drop_stale(Instant came, Instant free, Duration period) {
   return free - came > period / 2;
 }

@@ -1,8 +1,6 @@
 #pragma once
 
-// Percentiles of a duration over a run, in constant memory.
-//
-// Thread: a value.
+// Computes percentiles of a duration over a run, in constant memory. Thread: a value.
 
 #include <array>
 #include <cstdint>
@@ -18,7 +16,7 @@ class LatencyHistogram {
   void add(Duration duration);
   std::uint64_t count() const { return count_; }
 
-  /// Milliseconds below which `percent` (0 to 100) of the durations lie; 0 if there are no
+  /// Returns the milliseconds below which `percent` (0 to 100) of the durations lie, or 0 without
   /// durations.
   double percentile_ms(double percent) const;
 

@@ -1,9 +1,8 @@
 #pragma once
 
-// A slot for one value between threads, in which a newer value replaces an older one. Used where a
-// lost frame is better than a late one: between sensor and encoder, and between decoder and view.
-//
-// Thread: any number of threads may call any member at any time.
+// A slot for one value between threads, in which a newer value replaces an older one. It is used
+// where a lost frame is better than a late one: between sensor and encoder, and between decoder and
+// view. Thread: any number of threads may call any member at any time.
 
 #include <condition_variable>
 #include <cstdint>
@@ -17,7 +16,7 @@ namespace copresence::flow {
 template <class T>
 class Mailbox {
  public:
-  /// Stores a value. It replaces a value that was not taken, which counts as overwritten.
+  /// Stores a value. It replaces a value that was not taken, and counts that value as overwritten.
   void put(T value) {
     {
       std::lock_guard lock(mutex_);
@@ -35,19 +34,19 @@ class Mailbox {
     return empty_the_slot();
   }
 
-  /// Removes the value that is there now; nothing if there is none. Does not wait.
+  /// Removes and returns the current value, if any. Does not wait.
   std::optional<T> try_take() {
     std::lock_guard lock(mutex_);
     return empty_the_slot();
   }
 
-  /// Waits until the slot is empty. A producer that calls it before put() overwrites nothing.
+  /// Waits until the slot is empty. A producer that calls this before put() overwrites nothing.
   void wait_until_taken(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     emptied_.wait(lock, stop, [this] { return !slot_.has_value() || closed_; });
   }
 
-  /// Call after the last put(). A waiting take() returns.
+  /// Call this after the last put(). A waiting take() returns.
   void close() {
     {
       std::lock_guard lock(mutex_);
@@ -57,14 +56,14 @@ class Mailbox {
     emptied_.notify_all();
   }
 
-  /// The number of values that were replaced before they were taken.
+  /// Number of values that were replaced before they were taken.
   std::uint64_t overwritten() const {
     std::lock_guard lock(mutex_);
     return overwritten_;
   }
 
  private:
-  /// Call with mutex_ held.
+  /// Requires that the caller holds mutex_.
   std::optional<T> empty_the_slot() {
     std::optional<T> value = std::exchange(slot_, std::nullopt);
     if (value) emptied_.notify_all();

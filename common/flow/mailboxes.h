@@ -1,9 +1,8 @@
 #pragma once
 
-// Several mailboxes with one reader that waits for all of them: the decoders of all cameras write,
-// the renderer reads. In each one a newer value replaces an older one.
-//
-// Thread: any thread may call put(); one reader calls take() and wait().
+// Several mailboxes with one reader that waits for all of them. The decoders of all cameras write,
+// and the renderer reads. In each slot a newer value replaces an older one. Thread: any thread may
+// call put(); one reader calls take() and wait().
 
 #include <condition_variable>
 #include <cstdint>
@@ -22,8 +21,8 @@ class Mailboxes {
  public:
   explicit Mailboxes(std::size_t slots) : slots_(slots) {}
 
-  /// Stores a value. Returns true if it replaced one that was not taken. Requires slot < number of
-  /// slots.
+  /// Stores a value. Returns true if it replaced a value that was not taken. Requires slot < number
+  /// of slots.
   bool put(std::size_t slot, T value) {
     bool lost = false;
     {
@@ -36,13 +35,13 @@ class Mailboxes {
     return lost;
   }
 
-  /// Removes the value that is in a slot now; nothing if there is none. Does not wait.
+  /// Removes and returns the current value of a slot, if any. Does not wait.
   std::optional<T> take(std::size_t slot) {
     std::lock_guard lock(mutex_);
     return std::exchange(slots_[slot], std::nullopt);
   }
 
-  /// Waits for a put() since the last return of wait(), until `deadline` or a stop request.
+  /// Waits for a put() after the last return of wait(), until `deadline` or a stop request.
   void wait(std::stop_token stop, Instant deadline) {
     std::unique_lock lock(mutex_);
     filled_.wait_until(lock, stop, deadline, [this] { return puts_ != seen_; });

@@ -22,7 +22,7 @@ int next_of(const sigset_t& signals) {
   return signal;
 }
 
-/// Ends a thread that waits in next_of() for `signal` and checks its stop token afterwards.
+/// Ends a thread that waits in next_of() for `signal` and then checks its stop token.
 void end(std::jthread& thread, int signal) {
   if (!thread.joinable()) return;
   thread.request_stop();
@@ -70,8 +70,8 @@ void StopOnSignal::wait_for_stop(const std::stop_token& own_end) {
     const int signal = next_of(awaited);
     if (own_end.stop_requested()) return;
     if (signal == SIGINT) {
-      // Before the stop request, since callbacks of the stop token may block. Only this thread
-      // unblocks the signal, but the signal ends the whole process.
+      // Do this before the stop request, since callbacks of the stop token may block. Only this
+      // thread unblocks the signal, but the signal ends the whole process.
       sigdelset(&awaited, SIGINT);
       let_interrupts_kill();
     }

@@ -8,16 +8,16 @@
 
 namespace copresence::flow {
 
-/// While an object of this class exists, SIGTERM and the first SIGINT request a stop instead of
-/// ending the process. The second SIGINT (Ctrl-C) ends the process at once; its exit status shows
-/// the signal. A second SIGTERM changes nothing: service managers send it to each process of a
-/// group, and our parent process forwards it.
+/// While an object of this class exists, SIGTERM and the first SIGINT (Ctrl-C) request a stop
+/// instead of ending the process. The second SIGINT ends the process at once; its exit status shows
+/// the signal. A second SIGTERM has no effect: service managers send it to each process of a group,
+/// and our parent process forwards it.
 ///
-/// With `on_hangup`, SIGHUP calls that function on a separate thread instead of ending the process.
-/// Hang-ups during a call cause one more call. The destructor waits until the call returns.
+/// If `on_hangup` is given, SIGHUP calls it on a separate thread instead of ending the process.
+/// Signals during a call cause one more call. The destructor waits until the call returns.
 ///
-/// Create and destroy it on the main thread, before any other thread exists: new threads inherit
-/// the blocked signals. Only one object may exist at a time.
+/// Create and destroy it on the main thread, before any other thread exists, since new threads
+/// inherit the blocked signals. Only one object may exist at a time.
 class StopOnSignal {
  public:
   explicit StopOnSignal(std::function<void()> on_hangup = {});
@@ -28,7 +28,7 @@ class StopOnSignal {
   std::stop_token token() const { return stop_.get_token(); }
   std::stop_source source() const { return stop_; }
 
-  /// Requests a stop as a signal would. Any thread may call it.
+  /// Requests a stop, as a signal does. Any thread may call it.
   void request_stop() { stop_.request_stop(); }
 
  private:

@@ -1,9 +1,8 @@
 #pragma once
 
 // Thread priorities for a machine with fewer cores than busy threads. Latency ends when a view is
-// displayed, so stages near the display have a higher priority than stages near the sensor.
-//
-// Thread: any thread may call any function.
+// displayed. So stages near the display have a higher priority than stages near the sensor. Thread:
+// any thread may call any function.
 
 namespace copresence::flow {
 

@@ -1,8 +1,6 @@
 #pragma once
 
-// Waits that a stop request interrupts.
-//
-// Thread: any thread may call any function.
+// Waits that a stop request interrupts. Thread: any thread may call any function.
 
 #include <chrono>
 #include <condition_variable>
@@ -13,7 +11,7 @@
 
 namespace copresence {
 
-/// Returns at `instant`, or earlier on a stop request. Returns at once if `instant` has passed.
+/// Waits until `instant` or until a stop request. Returns at once if `instant` has passed.
 inline void wait_until(Instant instant, const std::stop_token& stop) {
   std::mutex mutex;
   std::unique_lock lock(mutex);

@@ -1,7 +1,7 @@
 #pragma once
 
-// A fixed number of threads that share the jobs of one caller. The calling thread works on jobs,
-// too. Pipelines create the pool; modules use it as an Executor (common/executor.h).
+// A fixed number of threads that run the jobs of one caller. The calling thread runs jobs, too.
+// Pipelines create the pool, and modules use it as an Executor (common/executor.h).
 //
 // Idle threads sleep on a condition variable. They do not spin, since capture servers need the same
 // cores.
@@ -21,7 +21,7 @@ namespace copresence::flow {
 class WorkerPool : public Executor {
  public:
   /// Requires threads >= 1. The number includes the caller, so 1 creates no thread. The system
-  /// lists the threads as `name`, cut to 15 characters.
+  /// shows the threads under `name`, cut to 15 characters.
   WorkerPool(int threads, const std::string& name);
   ~WorkerPool() override;
   WorkerPool(const WorkerPool&) = delete;
@@ -36,13 +36,13 @@ class WorkerPool : public Executor {
 
   std::mutex mutex_;
   std::condition_variable_any work_, idle_;
-  // Guarded by mutex_. A round is a call of run(); job_ is null between two rounds.
+  // mutex_ guards these. A round is one call of run(). Between two rounds job_ is null.
   std::uint64_t round_ = 0;
   const FunctionRef* job_ = nullptr;
   int jobs_ = 0;
-  int working_ = 0;  // the number of threads that run jobs now
+  int working_ = 0;  // Number of threads that run jobs now.
 
-  std::atomic<int> next_{0};  // the number of the next job
+  std::atomic<int> next_{0};  // Number of the next job.
   std::vector<std::jthread> threads_;
 };
 

@@ -54,11 +54,12 @@ struct Jacobian {
 };
 
 // Inverts distort() by Newton's method, starting at the optical axis. Each step is halved until it
-// reduces the error and stays where the distortion is one-to-one. Beyond a fold of the distortion
-// another ray leads to the same pixel. If no ray leads there, the result is the best point found.
+// reduces the error and stays where the distortion is one-to-one. Where the distortion folds, two
+// rays lead to the same pixel; this finds the ray before the fold. If no ray leads to the pixel,
+// the result is the best point found.
 Eigen::Vector2d undistort(const std::array<double, 8>& k, const Eigen::Vector2d& distorted) {
   constexpr int kSteps = 50, kHalvings = 20;
-  constexpr double kExact = 1e-24;  // squared error; 1e-9 px at a focal length of 1000 px
+  constexpr double kExact = 1e-24;  // Squared error; 1e-9 px at a focal length of 1000 px.
   Eigen::Vector2d p(0, 0), error = -distorted;
   for (int i = 0; i < kSteps && error.squaredNorm() > kExact; ++i) {
     Eigen::Vector2d step = Jacobian(k, p).solve(error);
@@ -75,9 +76,9 @@ Eigen::Vector2d undistort(const std::array<double, 8>& k, const Eigen::Vector2d&
   return p;
 }
 
-// True if the sum of c[i] x^i is above 0 everywhere in [0, end]; exact up to rounding. A polynomial
-// whose Bernstein coefficients are all positive is positive. Otherwise the interval is bisected and
-// both halves are tested.
+// True if the polynomial, the sum of c[i] x^i, is positive everywhere in [0, end], up to rounding.
+// If all Bernstein coefficients are positive, the polynomial is positive. Otherwise the interval is
+// halved and both halves are tested.
 template <std::size_t kSize>
 bool is_positive(const std::array<double, kSize>& c, double end) {
   const auto bernstein_positive = [](const std::array<double, kSize>& b, int depth,
@@ -85,7 +86,7 @@ bool is_positive(const std::array<double, kSize>& c, double end) {
     if (!(b.front() > 0) || !(b.back() > 0)) return false;
     if (std::all_of(b.begin(), b.end(), [](double value) { return value > 0; })) return true;
     if (depth == 0) return false;
-    std::array<double, kSize> left{}, right = b;  // de Casteljau
+    std::array<double, kSize> left{}, right = b;  // Subdivision by de Casteljau.
     for (std::size_t i = 0; i < kSize; ++i) {
       left[i] = right[0];
       for (std::size_t j = 0; j + i + 1 < kSize; ++j) right[j] = 0.5 * (right[j] + right[j + 1]);
@@ -97,7 +98,7 @@ bool is_positive(const std::array<double, kSize>& c, double end) {
     for (std::size_t j = i; j < kSize; ++j) scaled[j] *= end;
   }
   for (std::size_t i = 0; i < kSize; ++i) {
-    // b[i] = sum over j <= i of (i choose j) / (degree choose j) * scaled[j]
+    // b[i] = sum over j <= i of (i choose j) / (degree choose j) * scaled[j].
     double ratio = 1;
     for (std::size_t j = 0; j <= i; ++j) {
       b[i] += ratio * scaled[j];
@@ -108,9 +109,9 @@ bool is_positive(const std::array<double, kSize>& c, double end) {
   return bernstein_positive(b, kDepth, bernstein_positive);
 }
 
-// Up to distance r from the axis the radial distortion has no pole, and its derivative lies between
-// 0 and kMostStretch. With x = r^2, the derivative of r A(x) / B(x) is (A B + 2 x (A' B - A B')) /
-// B^2.
+// True if, up to distance r from the axis, the radial distortion has no pole and a derivative
+// between 0 and kMostStretch. The distortion is r A(x) / B(x), where x = r^2 and the polynomials A
+// and B have the coefficients `a` and `b`. Its derivative is (A B + 2 x (A' B - A B')) / B^2.
 bool grows_smoothly(const std::array<double, 8>& k, double r) {
   // Real lenses magnify the rim of the picture at most about twice as much as its middle.
   constexpr double kMostStretch = 4;
@@ -132,7 +133,8 @@ bool grows_smoothly(const std::array<double, 8>& k, double r) {
 bool is_one_to_one(const CameraModel& camera) {
   const double reach_x = std::max(std::abs(camera.cx), std::abs(camera.width - 1 - camera.cx)) / camera.fx,
                reach_y = std::max(std::abs(camera.cy), std::abs(camera.height - 1 - camera.cy)) / camera.fy;
-  // The ray of the picture's farthest corner, for radial distortion alone.
+  // Distance from the axis at which the ray of the picture's farthest corner passes, without
+  // tangential distortion.
   const double corner = std::hypot(reach_x, reach_y);
   constexpr int kSteps = 100, kFarthest = 10 * kSteps;
   int step = 1;
@@ -142,7 +144,7 @@ bool is_one_to_one(const CameraModel& camera) {
   };
   while (step < kFarthest && !(appears(step) >= corner)) ++step;
   if (step == kFarthest || !grows_smoothly(camera.distortion, corner * step / kSteps)) return false;
-  // Tangential distortion can fold the picture, too, so unproject() must invert project() all along
+  // Tangential distortion can fold the picture, too. So unproject() must invert project() all along
   // the rim.
   constexpr int kSides = 8;
   for (int i = 0; i <= kSides; ++i) {
@@ -179,7 +181,7 @@ CameraModel camera_from_field_of_view(int width, int height, double vertical) {
 }
 
 CameraModel nominal_kinect(int width, int height) {
-  constexpr double kLongerSide = 1.0144686;  // radians
+  constexpr double kLongerSide = 1.0144686;  // Radians.
   const double focal = 0.5 * std::max(width, height) / std::tan(0.5 * kLongerSide);
   return camera_from_field_of_view(width, height, 2 * std::atan(0.5 * height / focal));
 }
@@ -210,7 +212,7 @@ Result<void> check(const CameraModel& camera) {
                 "a camera's intrinsics must be finite numbers with positive focal lengths");
   }
   const auto plausible = [](double focal, double centre, int size) {
-    constexpr double kShortest = 1e-3, kLongest = 1e4, kFarthest = 100;  // pictures
+    constexpr double kShortest = 1e-3, kLongest = 1e4, kFarthest = 100;  // In units of the picture's size.
     return focal >= kShortest * size && focal <= kLongest * size && std::abs(centre) <= kFarthest * size;
   };
   if (!plausible(camera.fx, camera.cx, camera.width) || !plausible(camera.fy, camera.cy, camera.height)) {

@@ -1,7 +1,6 @@
 #pragma once
 
-// What a stream's depth values mean: their unit, the range that is used, and how far they can be
-// trusted.
+// The unit, the used range and the noise of a stream's depth values.
 
 #include <cstdint>
 
@@ -14,15 +13,15 @@ constexpr double metres_per_unit(DepthUnit unit) {
   return static_cast<double>(unit) * 1e-6;
 }
 
-/// Depth outside [near, far] counts as a hole. Metres; 0 < near_m < far_m.
+/// Depth outside [near, far] counts as a hole. In metres; 0 < near_m < far_m.
 struct DepthRange {
   double near_m = 0.4;
   double far_m = 5.0;
   friend bool operator==(const DepthRange&, const DepthRange&) = default;
 };
 
-/// A range in the stream's unit: depth values v with near <= v <= far are kept. 1 <= near <= far <=
-/// 65535.
+/// A range in the stream's unit. Depth values v with near <= v <= far are kept. Requires 1 <= near
+/// <= far <= 65535.
 struct DepthRangeUnits {
   std::uint16_t near = 0;
   std::uint16_t far = 0;
@@ -39,22 +38,21 @@ constexpr DepthRangeUnits to_units(const DepthRange& range, DepthUnit unit) {
 
 /// Resolution and noise of a sensor that triangulates (structured light, stereo). Such a sensor
 /// measures disparity in steps of equal size. The disparity of depth z is disparity_constant_m / z
-/// steps. Neighbouring depth levels are therefore evenly spaced in 1/z, and the distance between
-/// them grows with z². All thresholds on depth are in steps. Sensors without a disparity (time of
-/// flight) are described by the constant that fits best in the middle of their range. The default
-/// is a Kinect v1.
+/// steps. So depth levels are evenly spaced in 1/z, and the distance between neighbours grows with
+/// z². Most depth thresholds are in steps. Sensors without a disparity (time of flight) use the
+/// constant that fits best in the middle of their range. The default is a Kinect v1.
 /// Source: Khoshelham and Elberink 2012 (form), Barron and Malik 2013 (the Kinect's constant).
 struct DepthNoise {
-  /// Focal length times baseline, divided by the disparity step; metres, 50 to 1e5.
+  /// Focal length times baseline, divided by the disparity step. In metres, from 50 to 1e5.
   double disparity_constant_m = 351.3;
-  /// Standard deviation of a depth value, in steps. 0.01 to 100.
+  /// Standard deviation of a depth value, in steps. From 0.01 to 100.
   double sigma_steps = 0.5;
 
-  /// Size of a step in 1/z, in 1/m; the same at every depth.
+  /// Size of a step in 1/z, in 1/m. It is the same at every depth.
   constexpr double inverse_step() const { return 1 / disparity_constant_m; }
   /// Size of a step at depth z, in metres.
   constexpr double step_m(double z_m) const { return z_m * z_m / disparity_constant_m; }
-  /// Standard deviation at depth z, metres.
+  /// Standard deviation at depth z, in metres.
   constexpr double sigma_m(double z_m) const { return sigma_steps * step_m(z_m); }
 
   friend bool operator==(const DepthNoise&, const DepthNoise&) = default;

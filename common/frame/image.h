@@ -1,7 +1,7 @@
 #pragma once
 
-// Pixels in memory: width x height, row by row from the top, no padding between rows.
-// Thread: a value; distinct images are independent. A moved-from image is empty, 0 x 0.
+// A width x height array of pixels in memory, row by row from the top, without padding. Thread: a
+// value; distinct images are independent. A moved-from image is empty, 0 x 0.
 
 #include <algorithm>
 #include <cassert>
@@ -20,7 +20,7 @@ namespace copresence {
 template <class T>
 struct UninitialisedAllocator : std::allocator<T> {
   template <class U>
-  struct rebind {  // NOLINT(readability-identifier-naming): the standard library asks for this name
+  struct rebind {  // NOLINT(readability-identifier-naming): the standard library requires this name
     using other = UninitialisedAllocator<U>;
   };
   template <class U>
@@ -51,8 +51,8 @@ class Image {
   }
   ~Image() = default;
 
-  // Copies all pixels as one block. A vector's own assignment constructs them one by one, which
-  // takes five times as long for Rgb8.
+  // Copies all pixels as one block. A vector's own assignment constructs each pixel separately,
+  // which takes five times as long for Rgb8.
   Image& operator=(const Image& other) {
     width_ = other.width_;
     height_ = other.height_;
@@ -84,7 +84,7 @@ class Image {
   Pixel* data() { return pixels_.data(); }
   const Pixel* data() const { return pixels_.data(); }
 
-  /// Changes the shape; pixel values are unspecified afterwards. Keeps its memory if that is large
+  /// Changes the shape. Pixel values are unspecified afterwards. Reuses the memory if it is large
   /// enough.
   void resize(int width, int height) {
     assert(width >= 0 && height >= 0);
@@ -123,15 +123,16 @@ struct Rgba8 {
 };
 static_assert(sizeof(Rgba8) == 4);
 
-/// Whether a pixel's depth is missing, measured or guessed. The values are those of the coded
-/// validity mask.
+/// Says if a pixel's depth is missing, measured or guessed. The coded validity mask uses the same
+/// numbers.
 enum class DepthState : std::uint8_t {
-  kHole = 0,      ///< no depth; the depth image holds 0 there
-  kMeasured = 1,  ///< the sensor's own value, unchanged
-  kFilled = 2,    ///< closed by hole filling
+  kHole = 0,      ///< No depth; the depth image holds 0 there.
+  kMeasured = 1,  ///< The sensor's own value, unchanged.
+  kFilled = 2,    ///< Depth from hole filling.
 };
 
-using DepthImage = Image<std::uint16_t>;  ///< along the optical axis, in the stream's DepthUnit; 0 = none
+using DepthImage =
+    Image<std::uint16_t>;  ///< Along the optical axis in the stream's DepthUnit; 0 = none.
 using StateImage = Image<DepthState>;
 using ColorImage = Image<Rgb8>;
 

@@ -1,9 +1,8 @@
 #pragma once
 
-// A picture for a video codec: planes of 8-bit or 10-bit samples, full range, no padding.
-//
-// Thread: a value. The deleter of a borrowed picture's owner may run on any thread. A moved-from
-// picture is empty.
+// A picture for a video codec: planes of 8-bit or 10-bit samples, full range, no padding. Thread: a
+// value. The deleter of a borrowed picture's owner may run on any thread. A moved-from picture is
+// empty.
 
 #include <array>
 #include <cassert>
@@ -19,13 +18,13 @@
 namespace copresence {
 
 enum class PixelFormat : std::uint8_t {
-  kGray8 = 1,   ///< 4:0:0, 8 bit
-  kGray10 = 2,  ///< 4:0:0, 10 bit, one sample in two bytes, host order
-  kYuv420 = 3,  ///< 8 bit, chroma halved both ways
-  kYuv444 = 4,  ///< 8 bit, chroma as large as luma
+  kGray8 = 1,   ///< 4:0:0, 8 bits per sample.
+  kGray10 = 2,  ///< 4:0:0, 10 bits per sample in two bytes, host order.
+  kYuv420 = 3,  ///< 8 bits; chroma has half the width and height.
+  kYuv444 = 4,  ///< 8 bits; chroma is as large as luma.
 };
 
-std::string_view name(PixelFormat format);  ///< gray8, gray10, yuv420, yuv444
+std::string_view name(PixelFormat format);  ///< One of gray8, gray10, yuv420, yuv444.
 
 class Picture {
  public:
@@ -40,9 +39,9 @@ class Picture {
   }
   ~Picture() = default;
 
-  /// Samples are 0. Requires even sizes.
+  /// Creates a picture whose samples are 0. Requires even sizes.
   Picture(PixelFormat format, int width, int height);
-  /// Like the constructor, but the samples are uninitialised. Use it when every sample will be
+  /// Like the constructor, but the samples are uninitialised. Use it if every sample will be
   /// written.
   static Picture uninitialised(PixelFormat format, int width, int height);
   /// Wraps planes owned by someone else without copying them; `owner` keeps them alive. The first
@@ -52,7 +51,7 @@ class Picture {
                           std::shared_ptr<const void> owner);
 
   PixelFormat format() const { return format_; }
-  int width() const { return width_; }  ///< of luma
+  int width() const { return width_; }  ///< Width of the luma plane.
   int height() const { return height_; }
   int planes() const { return format_ == PixelFormat::kGray8 || format_ == PixelFormat::kGray10 ? 1 : 3; }
   int plane_width(int plane) const { return plane && format_ == PixelFormat::kYuv420 ? width_ / 2 : width_; }
@@ -62,14 +61,13 @@ class Picture {
   int bytes_per_sample() const { return format_ == PixelFormat::kGray10 ? 2 : 1; }
   bool empty() const { return width_ == 0; }
 
-  /// One plane's samples, row by row. plane8() requires an 8-bit format, plane10() requires
+  /// Samples of one plane, row by row. plane8() requires an 8-bit format, plane10() requires
   /// kGray10.
   std::span<std::uint8_t> plane8(int plane) { return plane_of<std::uint8_t>(*this, plane); }
   std::span<const std::uint8_t> plane8(int plane) const { return plane_of<const std::uint8_t>(*this, plane); }
   std::span<std::uint16_t> plane10() { return plane_of<std::uint16_t>(*this, 0); }
   std::span<const std::uint16_t> plane10() const { return plane_of<const std::uint16_t>(*this, 0); }
 
-  /// True if format, size and samples are equal.
   friend bool operator==(const Picture& a, const Picture& b);
 
  private:
@@ -103,7 +101,7 @@ class Picture {
   PixelFormat format_ = PixelFormat::kGray8;
   int width_ = 0;
   int height_ = 0;
-  // All planes, one after the other, aligned for 16 bits by the allocator. Empty while they are
+  // All planes, one after the other, aligned for 16-bit samples. Empty while the planes are
   // borrowed.
   std::vector<std::uint8_t, UninitialisedAllocator<std::uint8_t>> samples_;
   std::array<const std::uint8_t*, 3> borrowed_{};

@@ -1,7 +1,7 @@
 #pragma once
 
-// One instant of one camera: depth, colour and metadata, as captured by the server and as decoded
-// by the client.
+// One instant of one camera: depth, colour and metadata, as captured by the server or decoded by
+// the client.
 
 #include <chrono>
 #include <cstdint>
@@ -17,17 +17,17 @@ namespace copresence {
 using Instant = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
 
-/// Identity, time and pose of a frame; unchanged from sensor to screen.
+/// Identity, time and pose of a frame. They stay unchanged from sensor to screen.
 struct FrameMetadata {
-  std::uint64_t sequence = 0;  ///< counts captured frames of one stream from 1, without gaps at the sensor
-  Instant captured_at{};       ///< when the capture process received the frame, on its monotonic clock
-  Rigid3 world_from_camera;    ///< the camera's pose at that instant, metres
+  std::uint64_t sequence = 0;  ///< Number of the captured frame in its stream, from 1.
+  Instant captured_at{};       ///< When the capture process received the frame.
+  Rigid3 world_from_camera;    ///< Pose of the camera at that instant, in metres.
 
   friend bool operator==(const FrameMetadata&, const FrameMetadata&) = default;
 };
 
-/// How long each of the server's stages took for one frame. They are sent with it, since the two
-/// ends' clocks differ.
+/// How long each stage of the server took for one frame. The durations are sent with the frame,
+/// since the clocks of server and client differ.
 struct StageDurations {
   Duration capture{}, fill{}, depth_encode{}, video_encode{};
 };
@@ -36,15 +36,15 @@ struct StageDurations {
 /// since the clock's zero is arbitrary. These times stay in the capture process.
 struct SensorTimes {
   std::chrono::microseconds depth{};
-  std::chrono::microseconds color{};  ///< meaningless without colour
-  bool color_is_repeated = false;     ///< an earlier frame had this colour picture, too
+  std::chrono::microseconds color{};  ///< Meaningless without colour.
+  bool color_is_repeated = false;     ///< True if an earlier frame had this colour picture, too.
 };
 
 struct RgbdFrame {
   FrameMetadata metadata;
-  DepthImage depth;  ///< in the stream's DepthUnit, along the optical axis; 0 exactly where state is kHole
-  StateImage state;  ///< same shape as depth
-  std::optional<ColorImage> color;  ///< from registration on: same shape and camera model as depth
+  DepthImage depth;                 ///< In the stream's DepthUnit; 0 exactly where state is kHole.
+  StateImage state;                 ///< Same shape as depth.
+  std::optional<ColorImage> color;  ///< After registration it has the shape and camera model of depth.
   StageDurations durations;
   SensorTimes sensor_times;
 };

@@ -1,8 +1,9 @@
 #pragma once
 
-// Rigid transforms. `b_from_a` maps a point of frame a to frame b, so chains cancel:
+// Rigid transforms. `b_from_a` maps a point of frame a to frame b, so neighbouring frame names in a
+// product match:
 //   Rigid3 left_from_right = left_from_world * world_from_right;
-// Camera frames are x right, y down, z forward; lengths are metres.
+// Camera frames have x right, y down, z forward. Lengths are in metres.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -27,8 +28,8 @@ struct Rigid3 {
     return m;
   }
 
-  /// True if the rotation is orthonormal and right-handed to `tolerance`, and all numbers are
-  /// finite.
+  /// True if all numbers are finite and the rotation is orthonormal and right-handed to
+  /// `tolerance`.
   bool is_rigid(double tolerance = 1e-4) const {
     return rotation.allFinite() && translation.allFinite() &&
            (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <=

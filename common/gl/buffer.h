@@ -1,7 +1,6 @@
 #pragma once
 
 // A block of graphics memory of constant size, for storage blocks, indices and indirect commands.
-//
 // Thread: the thread of its context.
 
 #include <cstddef>
@@ -17,15 +16,15 @@ class Context;
 
 class Buffer {
  public:
-  /// The memory is filled with zeros. Requires bytes > 0.
+  /// Allocates memory that is filled with zeros. Requires bytes > 0.
   Buffer(Context& context, std::size_t bytes);
 
   std::size_t bytes() const { return bytes_; }
   std::uint32_t id() const { return name_.id(); }
 
   /// Copies values to or from the buffer, starting at byte `offset`. Requires offset + the span's
-  /// bytes <= bytes(). read() waits for all earlier commands. To read what a shader wrote, call
-  /// Context::barrier(Reader::kHost) first.
+  /// bytes <= bytes(). read() waits for all earlier commands. Before you read what a shader wrote,
+  /// call Context::barrier(Reader::kHost).
   template <class T, std::size_t N>
   void write(std::span<const T, N> values, std::size_t offset = 0) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -37,10 +36,9 @@ class Buffer {
     read_bytes(std::as_writable_bytes(values), offset);
   }
 
-  /// Fills the buffer with zeros.
   void clear();
 
-  /// Makes it the storage block `layout(std430, binding = N)` of shaders that run later.
+  /// Binds the buffer as the storage block `layout(std430, binding = N)` of shaders that run later.
   void bind_storage(int binding) const;
 
  private:

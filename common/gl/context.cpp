@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kErrorsKept = 32;
 
-// EGL has one display per device in a process. eglTerminate() ends it for all users, so they are
-// counted.
+// EGL has one display per device in a process. eglTerminate() ends a display for all its users, so
+// this class counts them.
 class Displays {
  public:
   static bool open(EGLDisplay display) {
@@ -46,8 +46,8 @@ class Displays {
   }
 };
 
-// The order of attempts: hardware devices, Mesa's software renderer without a device, software
-// devices.
+// Returns displays in the order of attempts: hardware devices, Mesa's software renderer without a
+// device, software devices.
 std::vector<EGLDisplay> candidate_displays() {
   std::vector<EGLDisplay> hardware, software, surfaceless;
   if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") &&
@@ -74,8 +74,8 @@ std::vector<EGLDisplay> candidate_displays() {
   return all;
 }
 
-// Makes a 4.5 core context without a surface current. Returns EGL_NO_CONTEXT if the display has
-// none.
+// Creates a 4.5 core context without a surface and makes it current. Returns EGL_NO_CONTEXT if the
+// display has none.
 EGLContext make_current_context(EGLDisplay display, Debug debug) {
   if (!eglBindAPI(EGL_OPENGL_API)) return EGL_NO_CONTEXT;
   EGLConfig config = EGL_NO_CONFIG_KHR;
@@ -186,7 +186,7 @@ Context::Context(Debug debug) : renderer_name_(text_of(GL_RENDERER)), version_(t
 Context::~Context() {
   assert(is_on_its_thread());
   vertex_array_ = {};
-  // The context of a window still exists. Its driver must not call back into this object.
+  // The window's context still exists. Its driver must not call back into this object.
   const bool is_current = !egl_context_ || eglGetCurrentContext() == egl_context_;
   if (is_current) glDebugMessageCallback(nullptr, nullptr);
   if (!egl_context_) return;
@@ -227,7 +227,7 @@ void Context::finish() {
 
 std::vector<std::string> Context::take_errors() {
   assert(is_on_its_thread());
-  // A lost context reports its error without end, so the number of errors is bounded.
+  // A lost context reports its error forever, so the number of errors is bounded.
   for (std::size_t i = 0; i < kErrorsKept; ++i) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) break;

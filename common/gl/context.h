@@ -1,11 +1,9 @@
 #pragma once
 
-// An OpenGL 4.5 core context, headless or of a window. The constructor of every GL object takes a
-// context, to prove that one is current on this thread. The version is not 4.6, since Debian 12's
-// software renderer has only 4.5.
-//
-// Thread: a context belongs to the thread that created it, and so does every object created with
-// it. A thread has one context at a time.
+// An OpenGL 4.5 core context, headless or of a window. Constructors of GL objects take a context as
+// proof that a context is current on this thread. Version 4.5 suffices, and Debian 12's software
+// renderer has no later one. Thread: a context, and every object created with it, belongs to the
+// thread that created the context. A thread has one context at a time.
 
 #include <cstdint>
 #include <memory>
@@ -27,15 +25,15 @@ namespace copresence::gl {
 /// tests.
 enum class Debug : bool { kOff, kOn };
 
-/// The operations that will read what shaders wrote, for Context::barrier().
+/// Operations that will read what shaders wrote, for Context::barrier().
 enum class Reader : unsigned {
-  kFetch = 1,         ///< texture fetches and samples
-  kImage = 2,         ///< image loads and stores
-  kStorage = 4,       ///< shader storage blocks
-  kCommand = 8,       ///< indirect commands
-  kIndices = 16,      ///< index buffers
-  kFramebuffer = 32,  ///< drawing and blits
-  kHost = 64,         ///< read() and write() of buffers and textures
+  kFetch = 1,         ///< Texture fetches and samples.
+  kImage = 2,         ///< Image loads and stores.
+  kStorage = 4,       ///< Shader storage blocks.
+  kCommand = 8,       ///< Indirect commands.
+  kIndices = 16,      ///< Index buffers.
+  kFramebuffer = 32,  ///< Drawing and blits.
+  kHost = 64,         ///< Calls of read() and write() of buffers and textures.
 };
 constexpr Reader operator|(Reader a, Reader b) {
   return Reader(unsigned(a) | unsigned(b));
@@ -43,12 +41,13 @@ constexpr Reader operator|(Reader a, Reader b) {
 
 class Context {
  public:
-  /// Creates a context without a window through EGL, on the first graphics card that supports it,
-  /// else in software. Fails with kUnavailable if neither works; the message says what to install.
+  /// Creates a context without a window through EGL. Takes the first graphics card that supports
+  /// it, else a software renderer. Fails with kUnavailable if neither works; the message says what
+  /// to install.
   static Result<std::unique_ptr<Context>> headless(Debug debug = Debug::kOff);
 
-  /// Wraps the context that is current on this thread and that a window owns, for instance. That
-  /// context must outlive this object. Fails with kUnsupported if its version is below 4.5.
+  /// Wraps the context that is current on this thread, for example a window's. That context must
+  /// outlive this object. Fails with kUnsupported if its version is below 4.5.
   static Result<std::unique_ptr<Context>> of_current(Debug debug);
 
   ~Context();
@@ -69,8 +68,8 @@ class Context {
   void flush();
   void finish();
 
-  /// The errors that the driver reported since the last call, oldest first, at most 32. With
-  /// Debug::kOff they are error codes without a description.
+  /// Returns the errors that the driver reported since the last call, oldest first, at most 32.
+  /// With Debug::kOff they are error codes without a description.
   std::vector<std::string> take_errors();
 
   /// Fails with kUnavailable and "`doing`: MESSAGE" if take_errors() has an error.
@@ -85,17 +84,17 @@ class Context {
 
   explicit Context(Debug debug);
 
-  void* display_ = nullptr;      // of EGL; null for a window's context
-  void* egl_context_ = nullptr;  // of EGL
+  void* display_ = nullptr;      // An EGLDisplay; null for a window's context.
+  void* egl_context_ = nullptr;  // An EGLContext.
   std::thread::id thread_ = std::this_thread::get_id();
   std::string renderer_name_;
   std::string version_;
   std::vector<std::string> errors_;
-  Name<delete_vertex_array> vertex_array_;  // without attributes: shaders fetch vertices from textures
+  Name<delete_vertex_array> vertex_array_;  // Has no attributes: shaders fetch vertices from textures.
 };
 
-/// True if the system has a graphics card. Check it before you create a context that would be of no
-/// use in software: creating it loads a compiler and takes 50 MB.
+/// True if the system has a graphics card. Check this before you create a context that would be
+/// useless in software: creating one loads a compiler and takes 50 MB.
 bool has_graphics_card();
 
 /// True if GL_RENDERER has the name of a software renderer.

@@ -1,9 +1,8 @@
 #pragma once
 
 // Draws triangles into colour textures and a depth texture of the same size. Vertices have no
-// attributes: shaders fetch their data from textures by gl_VertexID.
-//
-// Thread: the thread of its context.
+// attributes: shaders fetch their data from textures by gl_VertexID. Thread: the thread of its
+// context.
 
 #include <array>
 #include <cstddef>
@@ -30,8 +29,8 @@ struct DrawCommand {
 
 class Framebuffer {
  public:
-  /// Colour attachment i is `colors[i]`; `depth` may be null. Draws into layer `layer` of textures
-  /// with layers. Requires equal sizes. The textures must outlive the framebuffer.
+  /// Colour attachment i is `colors[i]`; `depth` may be null. If the textures have layers, layer
+  /// `layer` is drawn into. Requires textures of equal size that outlive the framebuffer.
   Framebuffer(Context& context, std::initializer_list<const Texture*> colors, const Texture* depth,
               int layer = 0);
 
@@ -39,23 +38,23 @@ class Framebuffer {
   int height() const { return height_; }
 
   void clear_color(int attachment, const std::array<float, 4>& value);
-  void clear_integers(int attachment, const std::array<std::uint32_t, 4>& value);  ///< for integer formats
+  void clear_integers(int attachment, const std::array<std::uint32_t, 4>& value);  ///< For integer formats.
   void clear_depth(float value);
 
-  /// Draws triangles. `indices` holds std::uint32_t, `command` a DrawCommand at byte `offset`. With
-  /// a depth texture the fragment with the smaller depth wins. Only front faces are drawn:
-  /// triangles with counter-clockwise corners in clip coordinates, y up.
+  /// Draws triangles. `indices` holds std::uint32_t, and `command` holds a DrawCommand at byte
+  /// `offset`. With a depth texture, the fragment with the smaller depth wins. Only front faces are
+  /// drawn: triangles with counter-clockwise corners in clip coordinates, y up.
   void draw_indirect(const Program& program, const Buffer& indices, const Buffer& command,
                      std::size_t offset = 0);
 
-  /// Draws vertices / 3 triangles without indices, by the same rules.
+  /// Draws vertices / 3 triangles without indices, by the same rules as draw_indirect().
   void draw(const Program& program, int vertices);
 
  private:
   void begin(const Program& program);
 
   Name<delete_framebuffer> name_;
-  std::uint32_t vertex_array_;  // of the context
+  std::uint32_t vertex_array_;  // The vertex array of the context.
   int width_ = 0;
   int height_ = 0;
   bool has_depth_;

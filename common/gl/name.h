@@ -1,9 +1,8 @@
 #pragma once
 
 // Owns one OpenGL name, the integer that identifies an object. Moving leaves 0 behind, which owns
-// nothing. The classes of this module hold their objects in a Name.
-//
-// Thread: create and destroy it on the thread of its context, and destroy it before its context.
+// nothing. Thread: create and destroy it on the thread of its context, and destroy it before its
+// context.
 
 #include <cstdint>
 #include <utility>

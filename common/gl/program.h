@@ -1,8 +1,7 @@
 #pragma once
 
-// A linked shader program: a compute shader, or a vertex and a fragment shader.
-//
-// Thread: the thread of its context.
+// A linked shader program: a compute shader, or a vertex and a fragment shader. Thread: the thread
+// of its context.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -19,7 +18,7 @@ namespace copresence::gl {
 class Buffer;
 class Context;
 
-/// A `#define name value` that is inserted after the shader's #version line.
+/// A `#define name value` line, inserted after the shader's #version line.
 struct Define {
   std::string_view name;
   std::string value;
@@ -34,8 +33,8 @@ struct DispatchCommand {
 
 class Program {
  public:
-  /// Compiles and links. Requires sources that begin with `#version 450 core`. Fails with kInvalid
-  /// and the compiler's log.
+  /// Compile and link. Sources must begin with `#version 450 core`. Fail with kInvalid and the
+  /// compiler's log.
   static Result<Program> compute(Context& context, std::string_view source,
                                  std::span<const Define> defines = {});
   static Result<Program> graphics(Context& context, std::string_view vertex, std::string_view fragment,
@@ -51,15 +50,14 @@ class Program {
   void set(const char* uniform, const Eigen::Vector4f& value);
   void set(const char* uniform, const Eigen::Matrix3f& value);
   void set(const char* uniform, const Eigen::Matrix4f& value);
-  void set(const char* uniform, const Eigen::Matrix<float, 3, 4>& value);  ///< mat4x3 in GLSL
+  void set(const char* uniform, const Eigen::Matrix<float, 3, 4>& value);  ///< A mat4x3 in GLSL.
 
   /// Runs a compute shader in this number of work groups.
   void dispatch(int groups_x, int groups_y = 1, int groups_z = 1) const;
   /// Runs a compute shader with at least one invocation per pixel. The shader must skip invocations
-  /// outside.
+  /// outside width x height.
   void dispatch_over(int width, int height) const;
-  /// Runs a compute shader in the work groups of the DispatchCommand at byte `offset` of the
-  /// buffer.
+  /// Runs a compute shader in the work groups of the DispatchCommand at byte `offset` of `command`.
   void dispatch_indirect(const Buffer& command, std::size_t offset = 0) const;
 
   std::uint32_t id() const { return name_.id(); }
@@ -69,7 +67,7 @@ class Program {
   int location(const char* uniform) const;
 
   Name<delete_program> name_;
-  int group_width_ = 0;  // of a compute shader
+  int group_width_ = 0;  // Work group size of a compute shader.
   int group_height_ = 0;
 };
 

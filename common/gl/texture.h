@@ -1,9 +1,7 @@
 #pragma once
 
 // A picture in graphics memory, or an array of pictures (layers). Size and format are constant. Row
-// 0 is the top row, as in Image, and has v = 0.
-//
-// Thread: the thread of its context.
+// 0 is the top row, as in Image, and has v = 0. Thread: the thread of its context.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +15,7 @@ class Context;
 
 enum class Format : std::uint8_t { kR8ui, kR16ui, kR32ui, kR32f, kRg32f, kRgba32f, kRgba8, kDepth32f };
 
-/// The size of one pixel for read() and upload().
+/// Size of one pixel for read() and upload().
 int bytes_per_pixel(Format format);
 
 enum class Filter : bool { kNearest, kLinear };
@@ -25,9 +23,9 @@ enum class Access : std::uint8_t { kRead, kWrite, kReadWrite };
 
 class Texture {
  public:
-  /// Requires width and height from 1 to 16384. layers > 0 creates an array (sampler2DArray,
-  /// image2DArray), 0 a single picture. All pixels are 0. Samples outside the picture repeat its
-  /// edge.
+  /// Creates an array (sampler2DArray, image2DArray) if layers > 0, otherwise a single picture.
+  /// Requires width and height from 1 to 16384. All pixels are 0. Samples outside the picture
+  /// repeat its edge.
   Texture(Context& context, Format format, int width, int height, int layers = 0);
 
   Format format() const { return format_; }
@@ -42,26 +40,25 @@ class Texture {
     upload_pixels(image.data(), image.width(), image.height(), sizeof(Pixel), layer);
   }
 
-  /// Copies RGB into a kRgba8 texture, with alpha 255. Drivers take ten times longer for the
-  /// conversion.
+  /// Copies RGB into a kRgba8 texture with alpha 255. It converts on the CPU, since drivers take
+  /// ten times longer.
   void upload(const ColorImage& image, int layer = 0);
 
-  /// Copies the texture into `image`, which gets its size. Waits for all earlier commands. To read
-  /// what a shader wrote, call Context::barrier(Reader::kHost) first.
+  /// Copies the texture into `image` and resizes it to fit. Waits for all earlier commands. Before
+  /// you read what a shader wrote, call Context::barrier(Reader::kHost).
   template <class Pixel>
   void read(Image<Pixel>& image, int layer = 0) const {
     image.resize(width_, height_);
     read_pixels(image.data(), sizeof(Pixel), layer);
   }
 
-  /// Sets all pixels to 0.
   void clear();
 
-  void set_filter(Filter filter);  ///< initially kNearest
+  void set_filter(Filter filter);  ///< Initially kNearest.
 
-  /// Makes it the sampler `layout(binding = N)` of shaders that run later.
+  /// Binds the texture as the sampler `layout(binding = N)` of shaders that run later.
   void bind(int unit) const;
-  /// Makes it the image `layout(binding = N)` with all layers.
+  /// Binds all layers as the image `layout(binding = N)`.
   void bind_image(int unit, Access access) const;
 
  private:
@@ -73,7 +70,7 @@ class Texture {
   int width_;
   int height_;
   int layers_;
-  Image<Rgba8> widened_;  // keeps its memory between uploads
+  Image<Rgba8> widened_;  // Member so that its memory is reused.
 };
 
 }  // namespace copresence::gl

@@ -1,8 +1,6 @@
 #pragma once
 
-// The values of a scene as TOML text. Private to this module.
-//
-// Thread: pure functions.
+// The values of a scene as TOML text. Private to this module. Thread: pure functions.
 
 #include <array>
 #include <filesystem>

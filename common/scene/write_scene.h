@@ -1,8 +1,7 @@
 #pragma once
 
-// Writes the scene file. An existing file keeps its comments and its layout.
-//
-// Thread: pure functions.
+// Writes the scene file. An existing file keeps its comments and its layout. Thread: pure
+// functions.
 
 #include <filesystem>
 #include <string>

@@ -1,8 +1,7 @@
 #pragma once
 
-// Text from other people and machines, made safe for logs, terminals and error messages.
-//
-// Thread: pure functions.
+// Text from other people and machines, made safe for logs, terminals and error messages. Thread:
+// pure functions.
 
 #include <cstddef>
 #include <string>

@@ -1,8 +1,6 @@
 #pragma once
 
-// Reads small text files that people wrote.
-//
-// Thread: pure functions.
+// Reads small text files that people wrote. Thread: pure functions.
 
 #include <cstddef>
 #include <filesystem>

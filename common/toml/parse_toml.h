@@ -4,7 +4,6 @@
 //
 // toml++ has no limit on dotted keys and frees nested tables by recursion, so a file with
 // `[a.a.a...` overflows the stack. Nesting is therefore checked before toml++ sees the text.
-//
 // Thread: pure functions.
 
 #include <toml++/toml.h>

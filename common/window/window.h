@@ -1,8 +1,7 @@
 #pragma once
 
-// A window with an OpenGL context that shows pictures and returns the user's input.
-//
-// Thread: the main thread, as window systems require. One window at a time.
+// A window with an OpenGL context that shows pictures and returns the user's input. Thread: the
+// main thread, as window systems require. One window at a time.
 
 #include <chrono>
 #include <cstdint>

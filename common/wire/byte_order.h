@@ -1,8 +1,6 @@
 #pragma once
 
-// Writes and reads little-endian numbers, on machines of any byte order.
-//
-// Thread: values.
+// Writes and reads little-endian numbers, on machines of any byte order. Thread: values.
 
 #include <bit>
 #include <concepts>

@@ -4,9 +4,7 @@
 // server answers a ping with its time. That time is assumed at the middle of the round trip, so the
 // error is at most half the round trip. The best ping has the smallest bound: half its round trip
 // plus the possible drift since then. The drift itself is not estimated: over the age of a ping,
-// the error of an estimate would exceed the drift.
-//
-// Thread: values.
+// the error of an estimate would exceed the drift. Thread: values.
 
 #include <cstdint>
 #include <deque>

@@ -5,9 +5,7 @@
 // Each client that joins or leaves is one line, at most kLines of them per kPeriod. At the end of a
 // period, one line has the number of further clients that joined and left. Another line has the
 // number of connections that ended before they acknowledged a frame, the reasons, and the network
-// of most of them.
-//
-// Thread: a value.
+// of most of them. Thread: a value.
 
 #include <cstddef>
 #include <cstdint>

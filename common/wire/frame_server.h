@@ -4,9 +4,7 @@
 // client gets its own 96 bytes before a frame. A slow client delays no other one and holds at most
 // its window of frames (flow_control/client_window.h). A client that is silent or violates the
 // protocol loses its connection. flow_control/admission.h decides which clients the server keeps if
-// many connect.
-//
-// Thread: one thread calls run(); any thread may call the other functions.
+// many connect. Thread: one thread calls run(); any thread may call the other functions.
 
 #include <chrono>
 #include <cstdint>

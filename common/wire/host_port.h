@@ -1,8 +1,6 @@
 #pragma once
 
-// Parses HOST:PORT: 127.0.0.1:7001, localhost:7001, [::1]:7001.
-//
-// Thread: pure functions.
+// Parses HOST:PORT: 127.0.0.1:7001, localhost:7001, [::1]:7001. Thread: pure functions.
 
 #include <cstdint>
 #include <string>

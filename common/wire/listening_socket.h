@@ -1,9 +1,7 @@
 #pragma once
 
 // A listening TCP socket. The supervising parent process creates it and its child process serves
-// it. So the port stays open while a crashed child is replaced.
-//
-// Thread: a value.
+// it. So the port stays open while a crashed child is replaced. Thread: a value.
 
 #include <string>
 

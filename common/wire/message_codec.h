@@ -4,9 +4,7 @@
 //
 // The peer is not trusted. Decoding checks every length before it allocates memory, and every
 // enumerator, number and text. A decoded message needs no further checks. All decode functions fail
-// with kCorrupt.
-//
-// Thread: pure functions.
+// with kCorrupt. Thread: pure functions.
 
 #include <array>
 #include <cstdint>

@@ -1,9 +1,7 @@
 #pragma once
 
 // A FrameServer's connection to one client: handshake, window and the queue of messages to the
-// client. Private to this module.
-//
-// Thread: the wire thread.
+// client. Private to this module. Thread: the wire thread.
 
 #include <array>
 #include <cstdint>

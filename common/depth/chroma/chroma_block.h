@@ -2,7 +2,6 @@
 
 // Chooses the value that the pixels of one chroma sample share. In 4:2:0 four pixels share a
 // sample. If they lie on two surfaces, their mean would be a third depth, so they vote instead.
-//
 // Thread: pure.
 
 #include <algorithm>

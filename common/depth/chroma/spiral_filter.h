@@ -4,9 +4,8 @@
 // reliable, since luma has the full resolution. The upper bits are wrong if the pixel lost the vote
 // on its chroma sample, or if video coding moved the sample to another point. Such a pixel differs
 // from the pixels on both sides of its chroma sample. If other upper bits bring it close to one
-// side, it takes these. A pixel at a true edge agrees with one side and stays as it is.
-//
-// Thread: pure.
+// side, it takes these. A pixel at a true edge agrees with one side and stays as it is. Thread:
+// pure.
 
 #include "common/frame/image.h"
 

@@ -7,9 +7,7 @@
 //
 // The last symbol that is encoded is the first one decoded. The writer therefore collects all
 // symbols and encodes them backwards at the end. The reader reads zeros past the end of its bytes:
-// it decodes any bytes to some symbols, in bounded time.
-//
-// Thread: distinct objects are independent.
+// it decodes any bytes to some symbols, in bounded time. Thread: distinct objects are independent.
 
 #include <cstddef>
 #include <cstdint>

@@ -5,9 +5,7 @@
 // The interval has 32 bits and is renormalised by bytes. A carry propagates into the bytes already
 // written (Martin 1979, as in LZMA). The decoder reads zeros past the end of its bytes. It decodes
 // any bytes to some decisions, in bounded time; only a checksum can tell whether they are the right
-// ones.
-//
-// Thread: distinct objects are independent.
+// ones. Thread: distinct objects are independent.
 
 #include <array>
 #include <cstddef>

@@ -10,9 +10,8 @@
 //
 // Encoder and decoder keep samples and distributions from frame to frame, until the next complete
 // picture. The decoder cannot detect damage: it decodes any bytes to some samples, in bounded time.
-// The checksum of the side data (common/bitstream) protects the bytes.
-//
-// Thread: distinct objects are independent.
+// The checksum of the side data (common/bitstream) protects the bytes. Thread: distinct objects are
+// independent.
 
 #include <cstdint>
 #include <memory>

@@ -1,9 +1,8 @@
 #pragma once
 
 // Table lookups between depth and codes for the monochrome codecs. A picture holds only some
-// hundred distinct values, so the used parts of the tables stay in the first-level cache.
-//
-// Thread: pure.
+// hundred distinct values, so the used parts of the tables stay in the first-level cache. Thread:
+// pure.
 
 #include <bit>
 #include <cassert>

@@ -8,9 +8,8 @@
 // (DepthNoise). A level that is found later then mostly gets a code without moving another level. A
 // code without a level stands for a depth between its neighbours' levels, evenly in 1/z.
 //
-// The bytes of a change are described in docs/internals/codecs.md (codebook_change.cpp).
-//
-// Thread: a value.
+// The bytes of a change are described in docs/internals/codecs.md (codebook_change.cpp). Thread: a
+// value.
 
 #include <cstdint>
 #include <span>

@@ -1,8 +1,6 @@
 #pragma once
 
-// Pixel states as bit planes, 64 pixels a word, for the coder of the validity mask.
-//
-// Thread: values.
+// Pixel states as bit planes, 64 pixels a word, for the coder of the validity mask. Thread: values.
 
 #include <algorithm>
 #include <bit>

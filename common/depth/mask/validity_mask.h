@@ -11,9 +11,8 @@
 //
 // Encoder and decoder learn the same probabilities and keep them from frame to frame, until the
 // next complete mask. The decoder cannot detect damage: it decodes any bytes to some mask, in
-// bounded time. The checksum of the side data (common/bitstream) protects the bytes.
-//
-// Thread: distinct objects are independent.
+// bounded time. The checksum of the side data (common/bitstream) protects the bytes. Thread:
+// distinct objects are independent.
 
 #include <cstdint>
 #include <memory>

@@ -13,9 +13,7 @@
 // one of the network with the most of them. An attacker therefore replaces mostly its own
 // connections. A newcomer becomes a client if there are fewer clients than the limit. Otherwise it
 // replaces a client that has frames in flight and has acknowledged none for 10 s. No address is
-// remembered or banned.
-//
-// Thread: pure functions.
+// remembered or banned. Thread: pure functions.
 
 #include <cstddef>
 #include <optional>

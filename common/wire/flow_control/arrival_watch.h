@@ -6,9 +6,7 @@
 // message also has a time limit by its size, so that a peer cannot send single bytes without end. A
 // path below kSlowestPath is too slow.
 //
-// Time in which the client does not read does not count.
-//
-// Thread: a value.
+// Time in which the client does not read does not count. Thread: a value.
 
 #include <cstddef>
 #include <optional>

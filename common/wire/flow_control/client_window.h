@@ -21,9 +21,7 @@
 // It is at least 3 periods for requested frames and 5 for accepted ones.
 //
 // After a frame was skipped, the client cannot decode any frame before the next keyframe. It can
-// accept a keyframe once nothing is in flight to it.
-//
-// Thread: a value.
+// accept a keyframe once nothing is in flight to it. Thread: a value.
 
 #include <cstddef>
 #include <cstdint>

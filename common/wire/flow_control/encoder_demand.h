@@ -7,9 +7,8 @@
 // most one a second is requested. Clients that join get one as soon as that allows. Clients that
 // fell behind, and clients that request one, share keyframes whose extra bytes are at most about a
 // twentieth of the stream. So a client on a slow path cannot cost the others more. If no client is
-// in sync, no one pays, and the twentieth does not apply.
-//
-// Thread: a value; frame_server.cpp guards it by a mutex.
+// in sync, no one pays, and the twentieth does not apply. Thread: a value; frame_server.cpp guards
+// it by a mutex.
 
 #include <cstddef>
 #include <optional>

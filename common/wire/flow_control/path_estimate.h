@@ -18,9 +18,7 @@
 //
 // The first frame is a keyframe. If sending limits the delivery rate, the rate is understated, and
 // so is the base delay that this keyframe gave. The first smaller frame that takes no longer than
-// the keyframe corrects it.
-//
-// Thread: a value.
+// the keyframe corrects it. Thread: a value.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,7 @@
 #pragma once
 
-// Accepts the connections that clients open to a listening socket.
-//
-// Thread: the one that runs the io_context.
+// Accepts the connections that clients open to a listening socket. Thread: the one that runs the
+// io_context.
 
 #include <asio.hpp>
 #include <functional>

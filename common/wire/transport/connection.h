@@ -14,9 +14,7 @@
 //
 // Callbacks run on the io_context's thread, never from within the call that takes them. After an
 // error nothing more can be read or written. close() ends reads and writes that are under way with
-// an error.
-//
-// Thread: the one that runs the io_context.
+// an error. Thread: the one that runs the io_context.
 
 #include <array>
 #include <asio.hpp>

@@ -4,7 +4,6 @@
 //
 // The system's getaddrinfo() cannot be interrupted and may take half a minute without a name
 // server. It runs on a detached thread: after a cancelled lookup that thread ends by itself.
-//
 // Thread: the thread that runs the io_context.
 
 #include <asio.hpp>

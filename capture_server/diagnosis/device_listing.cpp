@@ -24,7 +24,7 @@ std::string_view name_of(openni::PixelFormat format) {
     case openni::PIXEL_FORMAT_GRAY16:
       return "16 bits";
     default:
-      return "";  // packed and shifted formats, which are not used
+      return "";  // Packed and shifted formats are not used.
   }
 }
 
@@ -50,7 +50,7 @@ DeviceListing look_at(const openni::DeviceInfo& found) {
   entry.name = fmt::format("{} {}", found.getVendor(), found.getName());
   openni::Device device;
   if (device.open(uri.c_str()) != openni::STATUS_OK) {
-    // A more precise reason from the bus replaces this one.
+    // The USB bus may give a more precise reason, which then replaces this one.
     entry.problems.push_back(fmt::format(
         "it does not open ({}): end other programs that use it (another user's show only to root), or "
         "unplug it and plug it in again",
@@ -92,7 +92,7 @@ void add_bus_facts(std::vector<DeviceListing>& listing, const std::vector<UsbCam
   match([](const DeviceListing& entry, const UsbCamera& camera) {
     return !camera.address.empty() && entry.source.ends_with(camera.address);
   });
-  // If one camera of a kind is unmatched on each side, the two are the same.
+  // If one camera of a kind is unmatched on each side, the two are the same camera.
   const auto left_of = [&](const std::string& kind) {
     std::size_t cameras = 0;
     for (std::size_t i = 0; i < bus.size(); ++i)
@@ -110,18 +110,19 @@ void add_bus_facts(std::vector<DeviceListing>& listing, const std::vector<UsbCam
   for (std::size_t i = 0; i < bus.size(); ++i) {
     const UsbCamera& camera = bus[i];
     DeviceListing* entry = entry_of[i];
-    if (!entry && camera.problems.empty()) continue;  // listed under another name
+    if (!entry && camera.problems.empty()) continue;  // It is listed under another name.
     if (!entry)
       entry = &only_on_bus.emplace_back(
           DeviceListing{{}, camera.model, camera.serial, camera.kind, {}, {}, false});
-    if (camera.blocked) entry->problems.clear();  // the bus gives the more precise reason
+    if (camera.blocked) entry->problems.clear();  // The bus gives the more precise reason.
     entry->problems.insert(entry->problems.end(), camera.problems.begin(), camera.problems.end());
   }
   listing.insert(listing.end(), only_on_bus.begin(), only_on_bus.end());
 }
 
 Result<std::vector<DeviceListing>> list_devices(const UsbPaths& paths) {
-  const std::vector<UsbCamera> bus = find_usb_cameras(paths);  // before this process opens any
+  const std::vector<UsbCamera> bus =
+      find_usb_cameras(paths);  // Read the bus before this process opens any camera.
   const sensor::OpenNiSession session(drivers::kEveryDriver);
   if (!session.is_up()) {
     return fail(ErrorCode::kUnavailable,

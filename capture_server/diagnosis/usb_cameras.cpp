@@ -26,10 +26,10 @@ constexpr Known kCameras[] = {
 constexpr std::string_view kMicrosoft = "045e", kMotor = "02b0";
 constexpr std::string_view kKinectAudio[] = {"02ad", "02bb", "02be", "02c3"};
 
-// A USB device, from /sys.
+// A USB device, as /sys describes it.
 struct Device {
   std::string vendor, product, serial, speed;
-  std::string name;  // of the folder: 1-4.2 is plugged into port 2 of device 1-4
+  std::string name;  // Name of the folder. 1-4.2 is plugged into port 2 of device 1-4.
   int bus = 0, address = 0;
 };
 
@@ -68,8 +68,8 @@ const Known* known(const Device& device) {
   return found == std::end(kCameras) ? nullptr : found;
 }
 
-// The process that has the node open, as "name (process 123)". Other users' processes are visible
-// only to root.
+// The process that has the node open, as "name (process 123)". Only root can see other users'
+// processes.
 std::optional<std::string> holder(const std::string& node, const std::string& processes) {
   std::error_code none;
   const std::string own = std::to_string(::getpid());
@@ -84,7 +84,7 @@ std::optional<std::string> holder(const std::string& node, const std::string& pr
   return std::nullopt;
 }
 
-// The hub that a device is plugged into: 1-4.1 and 1-4.3 share 1-4.
+// Name of the hub that a device is plugged into: 1-4.1 and 1-4.3 share 1-4.
 std::string hub_of(const std::string& name) {
   return name.substr(0, name.find_last_of('.'));
 }
@@ -94,7 +94,7 @@ bool is_blank(const std::string& serial) {
 }
 
 // The camera of a Kinect 1473 or Kinect for Windows has zeros as its serial number. libfreenect
-// reports the serial number of the audio device on the same hub instead.
+// instead reports the serial number of the audio device on the same hub.
 std::string serial_of(const Device& device, const std::vector<Device>& devices) {
   if (device.vendor != kMicrosoft || !is_blank(device.serial)) return device.serial;
   const auto audio = std::find_if(devices.begin(), devices.end(), [&](const Device& other) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Depth cameras on the USB bus, whether or not this user may open them, and what keeps them from
-// working. Read from /sys, /dev and /proc: no camera is opened.
+// Finds depth cameras on the USB bus, even if this user may not open them, and the reasons why they
+// do not work. It reads /sys, /dev and /proc and opens no camera.
 //
 // Thread: free functions, safe anywhere.
 
@@ -11,25 +11,26 @@
 namespace copresence::diagnosis {
 
 struct UsbCamera {
-  std::string model;  ///< "Kinect", "Asus Xtion"
-  std::string
-      serial;  ///< as drivers report it; empty or zeros if neither the camera nor its audio device has one
-  std::string node;                   ///< /dev/bus/usb/BBB/DDD
-  std::string kind;                   ///< name of the driver: kinect_v1, primesense
-  std::string address;                ///< "@BUS/ADDRESS", the end of the URI in PrimeSense's driver
-  std::vector<std::string> problems;  ///< one sentence each, with its remedy; empty if none is known
-  bool blocked = false;               ///< whether this user cannot open it because of them
+  std::string model;  ///< Such as "Kinect" or "Asus Xtion".
+  /// Serial number as drivers report it. Empty or zeros if neither the camera nor its audio device
+  /// has one.
+  std::string serial;
+  std::string node;                   ///< Device file, /dev/bus/usb/BBB/DDD.
+  std::string kind;                   ///< Name of the driver: kinect_v1 or primesense.
+  std::string address;                ///< "@BUS/ADDRESS", the end of the URI in PrimeSense's driver.
+  std::vector<std::string> problems;  ///< One sentence per problem, with its remedy.
+  bool blocked = false;               ///< True if these problems keep this user from opening it.
 };
 
-/// Where the system describes itself; tests use other folders.
+/// Folders in which the system describes itself. Tests use other folders.
 struct UsbPaths {
   std::string devices = "/sys/bus/usb/devices";
   std::string nodes = "/dev/bus/usb";
   std::string processes = "/proc";
 };
 
-/// Every depth camera that is plugged in, and Kinects without power, of which only the motor is
-/// visible.
+/// Finds every depth camera that is plugged in. A Kinect without power is also found, although only
+/// its motor is visible.
 std::vector<UsbCamera> find_usb_cameras(const UsbPaths& paths = {});
 
 }  // namespace copresence::diagnosis

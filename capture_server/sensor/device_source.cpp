@@ -19,13 +19,15 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr Duration kStallAfter = std::chrono::seconds(1);
-// A Kinect's projector and exposure need longer than later frames.
+// The first frame takes longer than later ones, since a Kinect's projector and exposure have to
+// settle.
 constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
-constexpr int kSliceMs = 50;  // longest delay of a stop request
-// A slice that took longer counts as this much silence: the process was suspended meanwhile.
+constexpr int kSliceMs = 50;  // Longest delay of a stop request.
+// A slice that took longer counts as this much silence, because the process was suspended
+// meanwhile.
 constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;
-constexpr std::uint64_t kSettledAfter = 60;  // frames
+constexpr std::uint64_t kSettledAfter = 60;  // In frames.
 
 class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
  public:
@@ -47,8 +49,8 @@ class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
   std::atomic<bool> gone_ = false;
 };
 
-// The drivers that a process needs for one camera. An installed driver may serve PrimeSense's
-// cameras, too.
+// The drivers that a process needs for one camera. An installed driver may also serve PrimeSense's
+// cameras.
 std::string_view drivers_for(std::string_view uri) {
   if (uri.empty()) return drivers::kRealCameras;
   const std::string_view driver = drivers::driver_of(uri);
@@ -64,8 +66,8 @@ class DeviceSource final : public FrameSource {
     if (depth_.isValid()) depth_.stop();
     if (color_.isValid()) color_.stop();
     let_threads_leave();
-    // Streams before the device: closing the device frees them, and destroying them then would free
-    // them again.
+    // Streams are destroyed before the device is closed. Closing the device frees them, so
+    // destroying them later would free them twice.
     color_.destroy();
     depth_.destroy();
     projector_.reset();
@@ -81,8 +83,8 @@ class DeviceSource final : public FrameSource {
   Result<RgbdFrame> next(std::stop_token stop) override;
 
  private:
-  // A picture, its time of arrival and its pixels. Pixels are copied on arrival, in parallel to
-  // waiting for the other stream. A colour picture that is repeated is copied a second time.
+  // A picture, its time of arrival and its pixels. Pixels are copied on arrival, while the other
+  // stream's picture is still on its way. A repeated colour picture is copied a second time.
   struct Held {
     openni::VideoFrameRef picture;
     Instant at{};
@@ -104,13 +106,13 @@ class DeviceSource final : public FrameSource {
   openni::VideoStream depth_;
   openni::VideoStream color_;
   std::optional<GoneListener> gone_;
-  std::optional<Projector> projector_;  // where it takes turns
+  std::optional<Projector> projector_;  // Only if projectors take turns.
 
   SensorDescription description_;
   std::int64_t half_period_us_ = 16667;
   std::optional<Synchronizer> synchronizer_;
   Instant color_is_up_by_{};
-  int last_index_[2] = {0, 0};  // of depth, of colour
+  int last_index_[2] = {0, 0};  // Of depth and of colour.
   SourceCounters counters_;
 };
 
@@ -128,7 +130,7 @@ Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::Sens
                 fmt::format("{}: it offers no {} of even size; use another camera", description_.name,
                             is_depth ? "depth in 1 mm or 0.1 mm" : "colour in RGB888"));
   }
-  // A device with a single mode may refuse to set it.
+  // A device with a single mode may refuse to set that mode.
   if (stream.setVideoMode(*mode) != openni::STATUS_OK && !is_usable(stream.getVideoMode(), is_depth)) {
     return fail(
         ErrorCode::kUnavailable,
@@ -138,7 +140,7 @@ Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::Sens
             description_.name, mode->getResolutionX(), mode->getResolutionY(), mode->getFps(),
             last_open_ni_error()));
   }
-  stream.setMirroringEnabled(false);  // a driver without mirroring fails, which is just as well
+  stream.setMirroringEnabled(false);  // A driver that fails here cannot mirror at all.
   return {};
 }
 
@@ -170,7 +172,7 @@ Result<void> DeviceSource::start() {
   if (device_.hasSensor(openni::SENSOR_COLOR)) {
     const auto opened =
         open_stream(color_, openni::SENSOR_COLOR, depth_mode.getResolutionX(), depth_mode.getResolutionY());
-    // A camera with colour only in an unknown format still gives depth.
+    // A camera whose colour format is unknown still gives depth.
     if (!opened && opened.error().code != ErrorCode::kUnsupported) return fail(opened.error());
     if (!opened) color_.destroy();
     description_.has_color = opened.has_value();
@@ -180,7 +182,7 @@ Result<void> DeviceSource::start() {
     description_.registered = device_.isImageRegistrationModeSupported(kToColor) &&
                               device_.setImageRegistrationMode(kToColor) == openni::STATUS_OK &&
                               device_.getImageRegistrationMode() == kToColor;
-    device_.setDepthColorSyncEnabled(true);  // without it, frames are paired by time
+    device_.setDepthColorSyncEnabled(true);  // Without hardware sync, frames are paired by time.
     description_.color = camera_of(color_);
   }
   if (auto taken = begin_controls(); !taken) return taken;
@@ -217,7 +219,7 @@ Result<void> DeviceSource::begin_projector() {
 Result<void> DeviceSource::begin_controls() {
   if (!controls_.exposure && !controls_.white_balance) return {};
   openni::CameraSettings* settings = description_.has_color ? color_.getCameraSettings() : nullptr;
-  // fix_controls() fixes them later, when the automatic has settled.
+  // The automatics run until they have settled; fix_controls() then fixes their values.
   if (!settings || (controls_.exposure && settings->setAutoExposureEnabled(true) != openni::STATUS_OK) ||
       (controls_.white_balance && settings->setAutoWhiteBalanceEnabled(true) != openni::STATUS_OK)) {
     return fail(
@@ -278,9 +280,9 @@ Result<DeviceSource::Synchronizer::Pair> DeviceSource::next_pair(const std::stop
   flow::WatchedTime time;
   const Instant give_up =
       time.look(kMostALook) + others + (counters_.frames ? kStallAfter : kFirstFrameAfter);
-  Instant waits_until = Instant::max();  // for colour
+  Instant waits_until = Instant::max();  // Time limit of the wait for colour.
   while (true) {
-    // A camera may send no depth while its projector is off. That gap in its frame numbers is no
+    // A camera may send no depth while its projector is off. This gap in its frame numbers is no
     // loss.
     if (projector_ && projector_->follow_schedule()) last_index_[0] = 0;
     const Instant now = steady_clock::now();
@@ -346,7 +348,8 @@ Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const C
 
 Result<std::unique_ptr<FrameSource>> open_reconnecting_device(const std::string& uri,
                                                               const CameraControls& controls) {
-  // OpenNI2 and its drivers stay active while the camera is absent, so that they notice its return.
+  // OpenNI2 and its drivers stay active while the camera is absent, so that they notice when it
+  // returns.
   const auto session = std::make_shared<const OpenNiSession>(drivers_for(uri));
   return ReconnectingSource::open([session, wanted = uri, controls]() mutable {
     auto source = open_device(wanted, controls);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Cameras as frame sources, by OpenNI2.
+// Cameras as frame sources, through OpenNI2.
 //
 // Thread: as FrameSource.
 
@@ -12,17 +12,17 @@
 
 namespace copresence::sensor {
 
-/// Opens a camera. `uri` as in capture_server --list after "openni:"; empty for the first camera
-/// found. Chosen are depth at 640x480 and 30 frames a second or the nearest mode, and RGB888 of the
-/// same size if there is colour. If the device can, depth is registered to colour and both are
-/// exposed at once.
-/// Fails  kNotFound (no such camera), kUnavailable (held by another program, no permission),
-///        kUnsupported (no depth, controls that the camera does not offer, or OpenNI2 does not
-///        start).
+/// Opens a camera. `uri` is a URI that capture_server --list shows after "openni:", or empty for
+/// the first camera found. The modes are depth at 640x480 and 30 frames a second, or the nearest
+/// mode, and RGB888 of the same size. If the device can, it registers depth to colour and exposes
+/// both at the same time.
+/// Fails with kNotFound if there is no such camera. Fails with kUnavailable if another program
+/// holds it or a permission is missing. Fails with kUnsupported without depth, without a requested
+/// control, or if OpenNI2 does not start.
 Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const CameraControls& controls = {});
 
-/// The same for a camera that may be unplugged and plugged in again: see reconnecting_source.h.
-/// With an empty `uri` it waits for the camera that it opened first, not for another one.
+/// Opens a camera that may be unplugged and plugged in again (reconnecting_source.h). With an empty
+/// `uri` it always waits for the camera that it opened first.
 Result<std::unique_ptr<FrameSource>> open_reconnecting_device(const std::string& uri,
                                                               const CameraControls& controls = {});
 

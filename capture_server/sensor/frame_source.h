@@ -1,15 +1,14 @@
 #pragma once
 
-// Where RgbdFrames come from: a camera (device_source.h) or a recording (recording_source.h).
+// The source of RgbdFrames: a camera (device_source.h) or a recording (recording_source.h).
 //
-// Depth is as the sensor measured it; 0 is a hole. Colour is the picture within half a depth period
-// of it. Where there is none, the nearest picture within 100 ms is repeated: a late picture
-// disturbs less than a missing one. Else the frame has no colour. SourceCounters count both cases.
+// Depth is as the sensor measured it, and 0 is a hole. Colour is the picture within half a depth
+// period of the depth picture. If there is none, the nearest picture within 100 ms is repeated,
+// because a late picture disturbs less than a missing one. Else the frame has no colour.
+// SourceCounters count both cases.
 //
 // Thread: one thread of a process opens, reads and closes all of its sources, and lives until the
-// process ends. OpenNI2 (2.2.0.33) stores the ids of all threads that have called it and later
-// probes them with pthread_kill(). That crashes if such a thread has ended. next() may block and
-// obeys its stop token.
+// process ends (capture_thread.h). next() may block, but obeys its stop token.
 
 #include <cstdint>
 #include <memory>
@@ -28,63 +27,66 @@ namespace copresence::sensor {
 
 /// A source's properties, known before its first frame.
 struct SensorDescription {
-  std::string name;  ///< of the device or the file, for messages
+  std::string name;  ///< Name of the device or the file, for messages.
   std::string uri;   ///< of a device: open_device() opens this very device by it
   CameraModel depth;
   DepthUnit unit = DepthUnit::kMillimetre;
-  DepthNoise noise;         ///< a Kinect v1's: no driver or recording reports its sensor's
-  bool has_color = false;   ///< if false, `color` is meaningless and no frame has colour
-  CameraModel color;        ///< of the colour camera, before registration
-  Rigid3 color_from_depth;  ///< metres; identity if registered
-  bool registered = false;  ///< depth and colour share one camera model
-  /// Every depth that the sensor can report, in `unit`, ascending. Empty if unknown.
+  DepthNoise noise;         ///< A Kinect v1's, since no driver or recording reports its own.
+  bool has_color = false;   ///< If false, `color` is meaningless and no frame has colour.
+  CameraModel color;        ///< The colour camera, before registration.
+  Rigid3 color_from_depth;  ///< In metres; identity if registered.
+  bool registered = false;  ///< Depth and colour share one camera model.
+  /// Every depth that the sensor can report, in `unit`, ascending. Empty if this is unknown.
   std::vector<std::uint16_t> levels;
-  double frames_per_second = 30;            ///< nominal
-  std::optional<Rigid3> world_from_camera;  ///< if the camera or the recording knows its pose
+  double frames_per_second = 30;            ///< Nominal frame rate.
+  std::optional<Rigid3> world_from_camera;  ///< Pose of the camera. Nothing if it is unknown.
   bool is_recording = false;
-  std::optional<std::uint64_t> frames;  ///< depth frames in one pass of a recording
+  std::optional<std::uint64_t> frames;  ///< Number of depth frames in one pass of a recording.
   /// Microseconds from 1970 (UTC) to the zero of the sensor's times, if a recording states it.
   std::optional<std::int64_t> unix_zero_us;
 };
 
-/// How a camera exposes its colour pictures and when its projector is on. Unset: as the device does
-/// by default.
+/// How a camera exposes its colour pictures, and when its projector is on. An unset member leaves
+/// the device's default.
 struct CameraControls {
   enum class Mode {
-    kAutomatic,  ///< follows the light
-    kFixed,      ///< stays at the automatic's values of the 60th frame, so that cameras agree over time
+    kAutomatic,  ///< Follows the light.
+    /// Stays at the values of the 60th frame, so that cameras agree over time.
+    kFixed,
   };
   std::optional<Mode> exposure, white_balance;
-  std::optional<ProjectorSlot> projector;  ///< its time slot among the projectors of the room
+  std::optional<ProjectorSlot> projector;  ///< The projector's time slot among all projectors around.
 };
 
-/// How a recording is played. A camera has its own pace and no end.
+/// How a recording is played, and the controls of a camera.
 struct SourceSettings {
   enum class Pace {
-    kReal,  ///< by its timestamps; a pause of more than a second is shortened to one second
-    kFast,  ///< every frame as soon as it is asked for
+    /// Follows the timestamps, but shortens a pause of more than a second to one second.
+    kReal,
+    kFast,  ///< Delivers every frame as soon as the caller asks for it.
   };
   Pace pace = Pace::kReal;
-  bool loop = false;  ///< begin again after the last frame, one mean period later
-  /// At real pace: when the first frame is due. Default: in sync with the other replays of its
-  /// session on this machine (session_clock.h), else at once. A past instant means at once.
+  bool loop = false;  ///< Play again from the start, one mean period after the last frame.
+  /// The instant at which the first frame is due at real pace. By default the replay is in sync
+  /// with the other replays of its session on this machine (session_clock.h), or starts at once. A
+  /// past instant means at once.
   std::optional<Instant> begin = {};
-  CameraControls controls = {};  ///< of a camera
+  CameraControls controls = {};  ///< Only for a camera.
 };
 
-/// Every picture that a source received is in a frame or counted here. The exception is a camera's
-/// depth before its first colour picture. Colour that arrives while the projector is off has no
-/// depth.
+/// Counts the pictures that a source received. Each one is in a frame or counted as missing, except
+/// a camera's depth before its first colour picture. Colour that arrives while the projector is off
+/// counts as colour without depth.
 struct SourceCounters {
-  std::uint64_t frames = 0;  ///< delivered
-  std::uint64_t depth_without_color =
-      0;  ///< delivered without colour of their instant, though there is a stream
-  std::uint64_t color_without_depth = 0;  ///< colour pictures in no frame
-  std::uint64_t damaged = 0;              ///< pictures that did not decode, or that a recording lacks
-  /// A camera's pictures that never reached this process: lost on the way, or replaced by the next
-  /// one in the driver.
+  std::uint64_t frames = 0;  ///< Delivered frames.
+  /// Frames delivered without colour of their instant, although the source has colour.
+  std::uint64_t depth_without_color = 0;
+  std::uint64_t color_without_depth = 0;  ///< Colour pictures that are in no frame.
+  std::uint64_t damaged = 0;              ///< Pictures that did not decode, or that a recording lacks.
+  /// Pictures of a camera that never reached this process, because they were lost on the way or
+  /// replaced by newer ones in the driver.
   std::uint64_t late = 0;
-  std::uint64_t projector_off = 0;  ///< depth pictures exposed outside the projector's own time slot, dropped
+  std::uint64_t projector_off = 0;  ///< Dropped depth pictures from outside the projector's time slot.
 };
 
 class FrameSource {
@@ -94,17 +96,17 @@ class FrameSource {
   virtual const SensorDescription& description() const = 0;
   virtual SourceCounters counters() const = 0;
 
-  /// Blocks until the next frame. Sequence numbers count from 1 and continue over a loop's seam.
-  /// The capture instant is when this process received the frame; for a recording at real pace,
-  /// when the frame is due. The pose is the description's. `durations.capture` is the time spent
-  /// reading and converting, without waiting for the sensor.
-  /// Fails  kEndOfStream: a recording's end, or a stop request.
-  /// Fails  kCorrupt: no depth picture of a recording could be decoded for a second, or to its end.
-  ///        Call again: the recording plays on at its pace.
-  /// Fails  kTimeout: a camera sent nothing for a second.
-  /// Fails  kUnavailable: the camera is gone. Open the source again, unless it does so itself
-  ///        (reconnecting_source.h). For a recording: its session shows nothing of it for a second.
-  ///        Call again.
+  /// Blocks until the next frame. Sequence numbers count from 1, also across the passes of a loop.
+  /// The capture instant is the time at which this process received the frame. For a recording at
+  /// real pace it is the time at which the frame is due. The pose is that of description().
+  /// `durations.capture` is the time for reading and converting, without waiting for the sensor.
+  /// Fails with kEndOfStream at a recording's end or on a stop request.
+  /// Fails with kTimeout if a camera sent nothing for a second.
+  /// Fails with kUnavailable if the camera is gone. Open the source again, unless it reconnects
+  /// itself (reconnecting_source.h). For a recording, it means that its session shows none of its
+  /// frames for a second. Call next() again.
+  /// Fails with kCorrupt if no depth picture of a recording could be decoded for a second, or to
+  /// its end. Call next() again: the recording plays on at its pace.
   virtual Result<RgbdFrame> next(std::stop_token stop) = 0;
 };
 

@@ -2,12 +2,11 @@
 
 // Pairs depth and colour pictures of one instant by their timestamps.
 //
-// A depth picture is paired as soon as there is a colour picture within half a period of it. No
-// other can be nearer, as both streams are in order. So a pair that is on time does not wait. A
-// depth picture without colour is released when the colour stream has passed it, or when the caller
-// no longer wants to wait.
+// A depth picture is paired as soon as a colour picture within half a period of it has arrived.
+// Both streams are in order, so no later picture can be nearer. A depth picture without colour is
+// released when a later colour picture has arrived, or when the caller stops waiting.
 //
-// Thread: a value.
+// Thread: one thread at a time per object.
 
 #include <cstdint>
 #include <cstdlib>
@@ -19,31 +18,31 @@
 
 namespace copresence::sensor {
 
-/// Picture: movable, and cheap to copy, such as a reference-counted pointer.
+/// `Picture` must be movable and cheap to copy, such as a reference-counted pointer.
 template <class Picture>
 class FrameSynchronizer {
  public:
   struct Pair {
-    std::int64_t timestamp_us = 0;  ///< the depth picture's
+    std::int64_t timestamp_us = 0;  ///< Timestamp of the depth picture.
     Picture depth;
     std::optional<Picture> color;
     std::int64_t color_timestamp_us = 0;
-    bool same_instant = false;  ///< false: `color` is an older picture shown again, or there is none
-    bool color_again = false;   ///< an earlier pair had this picture, too
+    bool same_instant = false;  ///< False if `color` is an older picture shown again, or missing.
+    bool color_again = false;   ///< True if an earlier pair had this colour picture.
   };
 
-  /// The sensor times of a frame made of this pair.
   static SensorTimes times_of(const Pair& pair) {
     return {std::chrono::microseconds(pair.timestamp_us), std::chrono::microseconds(pair.color_timestamp_us),
             pair.color_again};
   }
 
-  /// Pictures within half a depth period belong to one instant. Colour up to `reuse_us` away may be
-  /// repeated.
+  /// Pictures within half a depth period belong to one instant. A colour picture up to `reuse_us`
+  /// away may be repeated.
   FrameSynchronizer(std::int64_t half_period_us, std::int64_t reuse_us)
       : half_period_us_(half_period_us), reuse_us_(reuse_us) {}
 
-  /// Timestamps of one stream must not decrease; both streams have the same time zero.
+  /// Adds a picture. Timestamps of one stream must not decrease, and both streams have the same
+  /// time zero.
   void add_depth(std::int64_t timestamp_us, Picture picture) {
     depth_.push_back({timestamp_us, std::move(picture), false});
   }
@@ -55,7 +54,8 @@ class FrameSynchronizer {
   bool has_depth() const { return !depth_.empty(); }
   std::size_t waiting() const { return depth_.size(); }
 
-  /// The oldest depth picture, unless it has to wait for colour and `may_wait` is true.
+  /// Takes the oldest depth picture. Returns nothing if `may_wait` is true and the picture has to
+  /// wait for colour.
   std::optional<Pair> take(bool may_wait) {
     if (depth_.empty()) return std::nullopt;
     const std::int64_t timestamp = depth_.front().timestamp_us;
@@ -76,12 +76,12 @@ class FrameSynchronizer {
       pair.color_timestamp_us = nearest->timestamp_us;
       pair.color_again = std::exchange(nearest->used, true);
     }
-    // The newest picture stays, in case the next depth picture has none of its own.
+    // The newest colour picture stays, so that it can be repeated for the next depth picture.
     while (color_.size() > 1 && color_[1].timestamp_us <= timestamp + half_period_us_) drop_oldest_color();
     return pair;
   }
 
-  /// Colour pictures that were dropped without being in a pair.
+  /// Number of colour pictures that were dropped without being in a pair.
   std::uint64_t unused_color() const { return unused_color_; }
 
  private:

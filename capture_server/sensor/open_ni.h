@@ -1,7 +1,7 @@
 #pragma once
 
-// OpenNI2 for the sources of this module and for capture_server --list: its lifetime, its errors,
-// its devices and frames as this project's types.
+// OpenNI2 for this module and for capture_server --list: its lifetime and errors, and the
+// conversion of its devices and frames to this project's types.
 
 #include <OpenNI.h>
 
@@ -16,11 +16,10 @@
 
 namespace copresence::sensor {
 
-/// OpenNI2 is initialised while one of these exists; OpenNI2 counts them itself. The first one
-/// decides which camera drivers are active (drivers/contract/driver_choice.h) until the last one is
+/// OpenNI2 is initialised while at least one object of this class exists. The first object decides
+/// which camera drivers are active (drivers/contract/driver_choice.h) until the last object is
 /// destroyed.
-/// Thread: no other thread of the process reads or writes the environment while the first one is
-/// made.
+/// Thread: while the first object is created, no other thread may read or write the environment.
 class OpenNiSession {
  public:
   explicit OpenNiSession(std::string_view drivers) : status_(initialize(drivers)) {}
@@ -38,35 +37,38 @@ class OpenNiSession {
   openni::Status status_;
 };
 
-/// Call between stopping streams and destroying them: a thread of the driver may still be inside
-/// them. Waits until the threads of this process had 50 ms of CPU time to leave, at most 400 ms.
+/// Waits until the driver's threads have left the streams of a device: until the threads of this
+/// process had 50 ms of CPU time, at most 400 ms. Call it between stopping streams and destroying
+/// them.
 void let_threads_leave();
 
-/// OpenNI2's message about its last error, on one line; "no reason given" if it has none.
+/// OpenNI2's message about its last error on one line, or "no reason given".
 std::string last_open_ni_error();
 
-/// Whether frames of a mode can be used: depth in 1 mm or 0.1 mm, colour in RGB888, of even size.
+/// True if frames of the mode can be used: depth in 1 mm or 0.1 mm, colour in RGB888, of even size.
 bool is_usable(const openni::VideoMode& mode, bool is_depth);
 
-/// The usable mode that is nearest to the requested size, then to 30 frames a second; 1 mm is
-/// preferred to 0.1 mm.
+/// The usable mode that is nearest to the requested size, then to 30 frames a second. A mode in 1
+/// mm is preferred to one in 0.1 mm.
 std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
                                              int height);
 
-/// From the device's intrinsics, else from its field of view, else a Kinect's.
+/// The stream's camera model, from the device's intrinsics or its field of view. Without either, it
+/// is a Kinect's.
 CameraModel camera_of(const openni::VideoStream& stream);
 
-/// world_from_camera, if the device knows it.
+/// The pose world_from_camera. Nothing if the device does not know it.
 std::optional<Rigid3> pose_of(const openni::Device& device);
 
-/// Every depth that the stream can report, ascending, from its table of disparities; empty if it
-/// has none.
+/// Every depth that the stream can report, ascending, from its table of disparities. Empty if the
+/// stream has no table.
 std::vector<std::uint16_t> levels_of(const openni::VideoStream& depth);
 
-/// Whether a frame has the size that its stream advertised: OpenNI2 also delivers truncated ones.
+/// True if a frame has the size that its stream advertised. OpenNI2 also delivers truncated frames.
 bool is_whole(const openni::VideoFrameRef& frame, const CameraModel& camera, int bytes_per_pixel);
 
-/// Copies the pictures out. Requires is_whole() of both, with 2 and 3 bytes per pixel.
+/// Copies a picture into a frame. Requires is_whole(), with 2 bytes per pixel for depth and 3 for
+/// colour.
 void copy_depth(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into);
 void copy_color(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into);
 

@@ -1,13 +1,13 @@
 #pragma once
 
 // Computes when each frame of a recording is due. It uses the timestamps and one starting instant,
-// never the time at which the previous frame was shown, so it does not drift.
+// but never the time at which a frame was shown, so it does not drift.
 //
-// Without a given instant, a replay begins at a whole fifth of a second of the machine's clock. So
-// replays of the common frame rates are in phase, like cameras with a common trigger. Viewers then
-// need not wait for the latest of them, and measurements are repeatable.
+// By default, a replay begins at a whole fifth of a second of the machine's clock. So replays of
+// the common frame rates are in phase, like cameras with a common trigger. Viewers then need not
+// wait for the latest frame, and measurements are repeatable.
 //
-// Thread: a value.
+// Thread: one thread at a time per object.
 
 #include <algorithm>
 #include <chrono>
@@ -20,19 +20,20 @@ namespace copresence::sensor {
 
 class PlaybackSchedule {
  public:
-  static constexpr Duration kStep =
-      std::chrono::milliseconds(200);  ///< whole periods at 5, 10, 15, 25, 30 and 60 Hz
+  /// A whole number of periods at 5, 10, 15, 25, 30 and 60 Hz.
+  static constexpr Duration kStep = std::chrono::milliseconds(200);
 
-  /// `period`: the usual time between frames, for recordings with unusable timestamps. `begin`:
-  /// when the first frame is due. Without it, or if it has passed, the next whole step.
+  /// `period` is the usual time between frames, for recordings with unusable timestamps. `begin` is
+  /// the instant at which the first frame is due. If it is missing or has passed, the first frame
+  /// is due at the next whole step.
   explicit PlaybackSchedule(Duration period, std::optional<Instant> begin = std::nullopt)
       : period_(period), begin_(begin) {}
 
-  /// The instant at which the frame with this timestamp is due; `now` is the present time. A pause
-  /// of more than a second is shortened to one. If timestamps stand still or decrease, frames
-  /// follow each other by the period. The time gained this way, up to a second, is taken from later
-  /// steps, which stay at least one period long. If a call comes more than 0.2 s late (the process
-  /// was suspended, say), the remaining schedule is shifted instead of producing a burst of frames.
+  /// Returns the instant at which the frame with this timestamp is due. `now` is the present time.
+  /// A pause of more than a second is shortened to one second. If timestamps stand still or
+  /// decrease, frames follow each other by the period. The time gained in this way, up to a second,
+  /// is taken from later steps, which stay at least one period long. If a call comes more than 0.2
+  /// s late, the remaining schedule is shifted, so that no burst of frames follows.
   Instant due(std::int64_t timestamp_us, Instant now) {
     using std::chrono::microseconds;
     if (!begun_) {
@@ -51,7 +52,6 @@ class PlaybackSchedule {
     return due_;
   }
 
-  /// The next whole step of the clock.
   static Instant in_sync(Instant now) { return now + (kStep - now.time_since_epoch() % kStep) % kStep; }
 
  private:
@@ -64,7 +64,7 @@ class PlaybackSchedule {
   bool begun_ = false;
   std::int64_t last_us_ = 0;
   Instant due_{};
-  Duration ahead_{};  // how far the schedule is ahead of the timestamps
+  Duration ahead_{};  // How far the schedule is ahead of the timestamps.
 };
 
 }  // namespace copresence::sensor

@@ -26,7 +26,7 @@ bool Projector::set(bool on) {
 }
 
 Result<void> Projector::begin() {
-  // Off first: a camera that cannot switch it off then fails at once, not at the end of its slot.
+  // The projector is switched off first, so that a camera that cannot do this fails at once.
   if (!set(false)) {
     return fail(ErrorCode::kUnsupported,
                 "it cannot switch its projector off; start without --projector-slot");
@@ -38,7 +38,7 @@ Result<void> Projector::begin() {
 
 bool Projector::follow_schedule() {
   const bool wanted = schedule_.is_on(clock_now());
-  if (wanted == is_on_ || !set(wanted)) return false;  // after a failure the next call tries again
+  if (wanted == is_on_ || !set(wanted)) return false;  // After a failure the next call tries again.
   is_on_ = wanted;
   exposed_since_ = std::chrono::steady_clock::now() + settles_;
   return true;

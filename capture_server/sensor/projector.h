@@ -1,9 +1,9 @@
 #pragma once
 
-// The projector of an open camera, switched by a schedule. PrimeSense's and Asus's cameras can
-// switch it, a Kinect v1 cannot.
+// Switches the projector of an open camera by a schedule. PrimeSense's and Asus's cameras can
+// switch it; a Kinect v1 cannot.
 //
-// Thread: as its source.
+// Thread: the thread that reads the camera.
 
 #include <OpenNI.h>
 
@@ -18,29 +18,29 @@ namespace copresence::sensor {
 
 class Projector {
  public:
-  /// `device` is open and outlives this; `period` is the time between two of its frames.
+  /// `device` is open and outlives this object. `period` is the time between two of its frames.
   Projector(openni::Device& device, const ProjectorSlot& slot, Duration period)
       : device_(device), schedule_(slot), settles_(2 * period) {}
-  /// Leaves it on, as it was found.
+  /// Switches the projector on, as it was found.
   ~Projector();
   Projector(const Projector&) = delete;
   Projector& operator=(const Projector&) = delete;
 
-  /// Begins to follow the schedule. Call once, before the others.
-  /// Fails  kUnsupported: the camera cannot switch its projector.
+  /// Begins to follow the schedule. Call it once, before the other functions.
+  /// Fails with kUnsupported if the camera cannot switch its projector.
   Result<void> begin();
 
-  /// Switches the projector if the schedule requires it; true if it did. A camera takes 5 to 250
-  /// ms, by reports.
+  /// Switches the projector if the schedule requires it, and then returns true. According to
+  /// reports, cameras take 5 to 250 ms.
   bool follow_schedule();
 
-  /// Time until follow_schedule() has to switch.
+  /// Time until follow_schedule() has to be called again.
   Duration until_change() const;
 
-  /// Whether a depth picture that was received at `at` was exposed in this camera's own light. A
-  /// picture is exposed and then transferred, so that begins two periods after the projector was
-  /// switched on. It ends with the time slot. Call on arrival of the picture: the answer also
-  /// depends on the present time.
+  /// True if a depth picture received at `at` was exposed while this camera's projector was on. A
+  /// picture is exposed and then transferred, so the first such picture arrives two periods after
+  /// the projector was switched on. The last one arrives with the end of the time slot. Call it on
+  /// arrival of the picture, because the result also depends on the present time.
   bool is_exposed(Instant at) const;
 
  private:
@@ -49,7 +49,7 @@ class Projector {
   openni::Device& device_;
   const ProjectorSchedule schedule_;
   const Duration settles_;
-  bool is_on_ = true;  // as cameras are when they are opened
+  bool is_on_ = true;  // Cameras are opened with the projector on.
   Instant exposed_since_ = Instant::max();
 };
 

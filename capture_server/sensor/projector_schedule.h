@@ -1,23 +1,22 @@
 #pragma once
 
-// When the projector of each camera in a room may be on. Structured-light cameras interfere where
-// their patterns overlap; taking turns prevents that at the cost of frame rate.
+// Decides when the projector of each camera may be on. Structured-light cameras interfere where
+// their patterns overlap. Taking turns prevents that at the cost of frame rate.
 //
-// Time since the epoch of the system clock is divided into slots of equal length, assigned to the
-// cameras in a round robin. Every server reads the schedule off its own clock, without any
-// communication. Servers on one machine share that clock. Those of several machines agree as far as
-// their clocks do (NTP: about a millisecond within a building); a short guard time at the end of
-// each slot covers the difference.
+// The time of the system clock is divided into slots of equal length, which the cameras use in
+// turn. Every server reads the schedule from its own clock, so servers need not communicate. The
+// clocks of several machines differ (with NTP by about a millisecond within a building). A short
+// guard time at the end of each slot covers the difference.
 //
-// Source: thesis 2.4.3 (software scheduling of projectors, after its reference [21]).
-// Thread: a value.
+// Source: thesis section 2.4.3 (software scheduling of projectors, after its reference [21]).
+// Thread: one thread at a time per object.
 
 #include <cassert>
 #include <chrono>
 
 namespace copresence::sensor {
 
-/// Slot `index` (from 0) of `count`.
+/// Time slot `index` (from 0) of `count` slots of equal length.
 struct ProjectorSlot {
   static constexpr int kMost = 8;
   static constexpr std::chrono::milliseconds kShortest{100}, kLongestRound{3000};
@@ -26,10 +25,11 @@ struct ProjectorSlot {
   int count = 2;
   std::chrono::milliseconds length{500};
 
-  /// Length of a round, in which every camera has one slot.
+  /// Length of a round. Every camera has one slot in each round.
   constexpr std::chrono::milliseconds round() const { return length * count; }
 
-  /// A round must be shorter than the time after which a silent camera counts as stalled.
+  /// True if the slot can be used. A round must be shorter than the time after which a silent
+  /// camera counts as stalled.
   constexpr bool is_sensible() const {
     return count >= 1 && count <= kMost && index >= 0 && index < count && length >= kShortest &&
            round() <= kLongestRound;
@@ -38,12 +38,11 @@ struct ProjectorSlot {
 
 class ProjectorSchedule {
  public:
-  using Time = std::chrono::microseconds;  ///< since the epoch of the system clock
+  using Time = std::chrono::microseconds;  ///< Since the epoch of the system clock.
 
   /// At the end of each slot all projectors are off for this long.
   static constexpr std::chrono::milliseconds kGuard{5};
 
-  /// Requires slot.is_sensible().
   explicit ProjectorSchedule(const ProjectorSlot& slot) : slot_(slot) { assert(slot.is_sensible()); }
 
   bool is_on(Time now) const {
@@ -51,8 +50,8 @@ class ProjectorSchedule {
            now % slot_.length < slot_.length - kGuard;
   }
 
-  /// From `now` to the next change of is_on(), or to the end of the present slot if that comes
-  /// first.
+  /// Time from `now` to the next change of is_on() or to the end of the present slot, whichever
+  /// comes first.
   Time until_change(Time now) const {
     const Time into_slot = now % slot_.length;
     return (is_on(now) ? slot_.length - kGuard : Time(slot_.length)) - into_slot;

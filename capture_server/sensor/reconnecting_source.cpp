@@ -21,7 +21,7 @@ bool may_pass(const Error& error) {
          error.code == ErrorCode::kNotFound;
 }
 
-// Whether frames of both fit into one stream with one description.
+// True if frames of both sources fit into one stream with one description.
 bool same_stream(const SensorDescription& a, const SensorDescription& b) {
   const auto same_size = [](const CameraModel& x, const CameraModel& y) {
     return x.width == y.width && x.height == y.height;

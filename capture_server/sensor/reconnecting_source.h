@@ -1,7 +1,7 @@
 #pragma once
 
-// A camera that may disappear and come back. After it was unplugged, fell silent or had failing
-// transfers, it is opened again until it is there. Sequence numbers continue.
+// A camera that may disappear and return. If it was unplugged, fell silent or had failing
+// transfers, it is opened again and again until that succeeds. Sequence numbers continue.
 //
 // Thread: as FrameSource.
 
@@ -16,21 +16,20 @@ class ReconnectingSource final : public FrameSource {
  public:
   using Open = std::function<Result<std::unique_ptr<FrameSource>>()>;
 
-  /// Time between two tries to open a missing camera, which must be back within a second of being
-  /// plugged in.
+  /// Time between two attempts to open a missing camera. The camera must be back within a second of
+  /// being plugged in.
   static constexpr std::chrono::milliseconds kBetweenTries{250};
 
-  /// Fails  as `open` the first time: a camera that was never there is a mistake on the command
-  ///        line.
+  /// Fails as `open` does. A camera that is missing at the first attempt is an error.
   static Result<std::unique_ptr<FrameSource>> open(Open open,
                                                    std::chrono::milliseconds between_tries = kBetweenTries);
 
   const SensorDescription& description() const override { return description_; }
   SourceCounters counters() const override;
 
-  /// As FrameSource::next(), but after kUnavailable and kTimeout call it again. That call tries
-  /// once to open the camera and waits for its first frame, together up to 20 s. Fails with
-  /// kUnsupported if a different kind of camera came back.
+  /// As FrameSource::next(). After kUnavailable and kTimeout, call it again. That call tries once
+  /// to open the camera and waits for its first frame, together up to 20 s.
+  /// Fails with kUnsupported if a different kind of camera came back.
   Result<RgbdFrame> next(std::stop_token stop) override;
 
  private:
@@ -39,8 +38,8 @@ class ReconnectingSource final : public FrameSource {
   const Open open_;
   const std::chrono::milliseconds between_tries_;
   const SensorDescription description_;
-  std::unique_ptr<FrameSource> source_;  // null while the camera is absent
-  SourceCounters before_;                // sums over closed sources
+  std::unique_ptr<FrameSource> source_;  // Null while the camera is absent.
+  SourceCounters before_;                // Sums over all closed sources.
 };
 
 }  // namespace copresence::sensor

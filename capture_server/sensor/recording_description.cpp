@@ -11,7 +11,7 @@ CameraModel camera_of(const RecordedStream& stream) {
               : nominal_kinect(stream.width, stream.height);
 }
 
-// A colour stream without a field of view has that of depth.
+// A colour stream without a field of view gets the field of view of depth.
 CameraModel color_camera_of(const RecordedStream& color, const RecordedStream& depth) {
   if (color.field_of_view || !depth.field_of_view) return camera_of(color);
   return camera_of_sensor(color.width, color.height, depth.field_of_view->horizontal,

@@ -1,8 +1,8 @@
 #pragma once
 
-// A recording's summary as the description of a frame source.
+// Describes a recording as a frame source.
 //
-// Thread: pure.
+// Thread: pure functions, safe anywhere.
 
 #include <cstdint>
 #include <optional>
@@ -15,18 +15,19 @@ namespace copresence::sensor {
 
 struct RecordingDescription {
   SensorDescription sensor;
-  double period_us = 33'333;     ///< usual time between depth frames
-  std::int64_t duration_us = 0;  ///< of one pass: from the first depth frame to one period after the last
-  std::int64_t first_us = 0;     ///< timestamp of the first depth frame
-  /// Microseconds from 1970 (UTC) to the first depth frame. Only if the recording states it and its
-  /// times increase.
+  double period_us = 33'333;  ///< Usual time between depth frames.
+  /// Length of one pass, from the first depth frame to one period after the last.
+  std::int64_t duration_us = 0;
+  std::int64_t first_us = 0;  ///< Timestamp of the first depth frame.
+  /// Microseconds from 1970 (UTC) to the first depth frame. Set only if the recording states it and
+  /// its times increase.
   std::optional<std::int64_t> began_unix_us;
 };
 
 /// Intrinsics come from the recording's camera metadata, else from its field of view, else they are
-/// a Kinect's. Without metadata, colour of depth's size counts as registered: the format does not
-/// state it, and recorders register by default. Requires a summary that recording::check() returned
-/// for `path`.
+/// a Kinect's. Without metadata, colour of the depth picture's size counts as registered: the
+/// format does not state it, and recorders register by default. Requires a summary that
+/// recording::check() returned for `path`.
 RecordingDescription describe(const std::string& path, const recording::RecordingSummary& summary);
 
 }  // namespace copresence::sensor

@@ -18,11 +18,11 @@ namespace {
 using recording::RecordedStream;
 using std::chrono::steady_clock;
 
-// next() returns at least this often, with a frame or with an error after which the recording plays
-// on.
+// next() returns after at most this time: with a frame, or with an error after which the recording
+// plays on.
 constexpr Duration kSignOfLife = std::chrono::seconds(1);
 constexpr std::int64_t kReuseColorUs = 100'000;
-constexpr std::size_t kDepthsAhead = 4;  // depth frames by which colour may lag behind in the file
+constexpr std::size_t kDepthsAhead = 4;  // Depth frames by which colour may lag behind in the file.
 
 class RecordingSource final : public FrameSource {
  public:
@@ -44,7 +44,7 @@ class RecordingSource final : public FrameSource {
   Result<RgbdFrame> next(std::stop_token stop) override;
 
  private:
-  // A frame that holds a single picture: depth and state, or colour.
+  // A frame with a single picture: depth and state, or colour.
   using Picture = std::shared_ptr<RgbdFrame>;
   using Synchronizer = FrameSynchronizer<Picture>;
   using Pair = Synchronizer::Pair;
@@ -54,8 +54,8 @@ class RecordingSource final : public FrameSource {
   // A stream's position in the recording.
   struct Stream {
     const RecordedStream* recorded = nullptr;
-    std::size_t next = 0;           // index of the next picture in this pass
-    std::int64_t timestamp_us = 0;  // of the last picture, over all passes: it never decreases
+    std::size_t next = 0;           // Index of the next picture in this pass.
+    std::int64_t timestamp_us = 0;  // Of the last picture. Never decreases, also over passes.
 
     bool has_next() const { return recorded && next < recorded->frames(); }
     std::uint64_t position() const { return recorded->payloads[next].position; }
@@ -83,12 +83,12 @@ class RecordingSource final : public FrameSource {
   Synchronizer synchronizer_;
   SourceCounters counters_;
 
-  // For a recording without decodable depth: its time passes, but nothing is read any more.
+  // Used if no depth of the recording can be decoded. Its time passes, but nothing more is read.
   std::optional<Instant> begun_, pass_ends_;
   std::uint64_t lost_by_pass_ = 0;
 
   ReplayClock clock_;
-  std::optional<Pair> pending_;  // read, but not due yet
+  std::optional<Pair> pending_;  // Read, but not due yet.
   Instant pending_due_{};
 };
 
@@ -122,7 +122,7 @@ void RecordingSource::begin_pass(std::int64_t pass) {
   }
 }
 
-// Decodes the next picture of the file; false at the end of the pass.
+// Decodes the next picture of the file. Returns false at the end of the pass.
 bool RecordingSource::read_one() {
   const Instant begin = steady_clock::now();
   Stream& depth = streams_[kDepth];
@@ -179,7 +179,7 @@ Result<void> RecordingSource::end_pass() {
   return {};
 }
 
-// The next frame of a recording without decodable depth.
+// The next result for a recording without decodable depth.
 Result<RgbdFrame> RecordingSource::wait_out(const std::stop_token& stop) {
   const bool keeps_pace = settings_.loop || settings_.pace == SourceSettings::Pace::kReal;
   if (keeps_pace) {
@@ -211,7 +211,7 @@ Result<RecordingSource::Pair> RecordingSource::next_pair(const std::stop_token& 
   }
 }
 
-// The next pair that is shown, at most kSignOfLife before it is due.
+// The next pair that is shown. Returns at most kSignOfLife before the pair is due.
 Result<RecordingSource::Pair> RecordingSource::next_shown(const std::stop_token& stop, Instant& due) {
   const Instant begin = steady_clock::now();
   while (!pending_) {
@@ -246,7 +246,7 @@ Result<RgbdFrame> RecordingSource::next(std::stop_token stop) {
   auto pair = keeps_pace ? next_shown(stop, due) : next_pair(stop);
   if (!pair) return fail(pair.error());
   const Instant begin = steady_clock::now();
-  RgbdFrame frame = std::move(*pair->depth);  // in no other pair
+  RgbdFrame frame = std::move(*pair->depth);  // No other pair uses this depth picture.
   if (pair->color) {
     const Picture& color = *pair->color;
     frame.color = color->color;

@@ -1,9 +1,7 @@
 #pragma once
 
-// An .oni recording as a frame source.
-//
-// Pictures are decoded one frame ahead, so that a frame is ready when it is due. Damaged pictures
-// are counted and skipped; all others are exact.
+// An .oni recording as a frame source. Pictures are decoded one frame ahead, so that a frame is
+// ready when it is due. Damaged pictures are counted and skipped; all others are exact.
 //
 // Thread: as FrameSource.
 
@@ -15,7 +13,7 @@
 
 namespace copresence::sensor {
 
-/// Fails  as recording::check() and recording::check_playable().
+/// Opens the recording at `path`. Fails as recording::check() and recording::check_playable() do.
 Result<std::unique_ptr<FrameSource>> open_recording(const std::string& path, const SourceSettings& settings);
 
 }  // namespace copresence::sensor

@@ -7,7 +7,7 @@
 namespace copresence::sensor {
 namespace {
 
-// A frame that its session showed longer ago is skipped.
+// A frame that the session showed more than this time ago is skipped.
 constexpr Duration kLate = std::chrono::milliseconds(200);
 // A replay without --loop skips at most this much of its beginning to be in sync with its session.
 constexpr Duration kLatestJoin = std::chrono::seconds(10);

@@ -1,7 +1,8 @@
 #pragma once
 
-// When the frames of a replay are due: by the recording's timestamps (playback_schedule.h), or in sync
-// with the other replays of its session on this machine (session_clock.h).
+// Computes when the frames of a replay are due: by the recording's timestamps
+// (playback_schedule.h), or in sync with the other replays of its session on this machine
+// (session_clock.h).
 //
 // Thread: one thread at a time.
 
@@ -19,24 +20,24 @@ class ReplayClock {
  public:
   ReplayClock(const RecordingDescription& recording, const SourceSettings& settings);
 
-  /// When a frame is due. `timestamp_us` continues over the passes of a loop. The first call joins or
-  /// starts the session. Returns nothing if the session does not contain this frame, or has shown it
-  /// already.
+  /// Returns the instant at which a frame is due. `timestamp_us` continues to grow over the passes
+  /// of a loop. The first call joins or starts the session. Returns nothing if the session does not
+  /// contain this frame, or has shown it already.
   std::optional<Instant> due(std::int64_t timestamp_us);
 
-  /// After due(): whether the replay belongs to a session.
+  /// True if the replay belongs to a session. Valid after due().
   bool is_in_session() const { return session_.has_value(); }
 
  private:
   void join_session(Instant now);
 
-  const std::optional<std::int64_t> began_unix_us_;  // unset: it joins no session
+  const std::optional<std::int64_t> began_unix_us_;  // If unset, the replay joins no session.
   const std::int64_t duration_us_, first_us_;
   const bool loops_;
   PlaybackSchedule schedule_;
   bool session_is_looked_for_ = false;
   std::optional<SessionClock> session_;
-  std::int64_t first_round_ = 0;  // the session's round in which this replay's first pass lies
+  std::int64_t first_round_ = 0;  // The session's round that contains the replay's first pass.
 };
 
 }  // namespace copresence::sensor

@@ -14,13 +14,14 @@
 namespace copresence::sensor {
 namespace {
 
-// The first replay's span in microseconds since 1970, and when it is due on the steady clock in
-// nanoseconds. All values are of one machine and, since the file is read under a lock, of one boot.
+// The content of the session's file: the span of the first replay in microseconds since 1970, and
+// the instant at which it begins, in nanoseconds of the steady clock. The file is used under a
+// lock, so all values are of one machine and one boot.
 struct Shared {
   std::int64_t from_us = 0, to_us = 0, begin_ns = 0;
 };
 
-constexpr std::int64_t kLongestSession = std::int64_t{1} << 55;  // microseconds
+constexpr std::int64_t kLongestSession = std::int64_t{1} << 55;  // In microseconds.
 
 bool lock(int descriptor, int how) {
   int locked = -1;
@@ -59,8 +60,8 @@ std::optional<SessionClock> SessionClock::join(const std::string& folder, const 
                       std::chrono::duration_cast<std::chrono::nanoseconds>(begin.time_since_epoch()).count()};
     if (::pwrite(descriptor, &mine, sizeof(mine), 0) != sizeof(mine)) return std::nullopt;
   }
-  // Another first replay may have started between the two locks, so the file's present content
-  // counts.
+  // Another first replay may have started between the two locks. So the file's present content is
+  // used.
   Shared shared;
   if (!lock(descriptor, LOCK_SH) || ::pread(descriptor, &shared, sizeof(shared), 0) != sizeof(shared) ||
       !is_sane(shared)) {

@@ -1,19 +1,19 @@
 #pragma once
 
 // Synchronises all replays of one recorded session on this machine. The recordings of a session's
-// cameras begin at different times, and so do their replays. Nevertheless they must show the same
-// instant, or a moving person appears twice.
+// cameras begin at different times. Nevertheless all replays must show the same instant, or a
+// moving person appears twice.
 //
 // The first replay decides when the session's first instant is due and writes that to a small file
-// of this user. Replays whose recordings overlap it in time use it, too. The file is locked while
-// any of them runs. So the session ends with the last of them, even if it is killed, and nothing
-// has to be cleaned up.
+// of this user. Replays whose recordings overlap it in time use the same file. Every replay locks
+// the file while it runs. So the session ends with its last replay, even if that is killed, and
+// nothing has to be cleaned up.
 //
-// A rule without shared state, from the wall clock and the recorded times alone, has two drawbacks.
-// With --loop, all recordings would need the same length. Without it, a replay would have to begin
-// in the middle of a file.
+// A rule from the wall clock and the recorded times alone would need no file, but has two
+// drawbacks. With --loop, all recordings would need the same length. Without --loop, a replay would
+// have to begin in the middle of a file.
 //
-// Thread: SessionTimeline is a value; a SessionClock belongs to one thread.
+// Thread: one thread at a time per object.
 
 #include <algorithm>
 #include <chrono>
@@ -25,17 +25,18 @@
 
 namespace copresence::sensor {
 
-/// The time span of a recording, microseconds since 1970.
+/// The time span of a recording, in microseconds since 1970.
 struct SessionSpan {
   std::int64_t from_us = 0, to_us = 0;
 
   bool overlaps(const SessionSpan& other) const { return from_us < other.to_us && other.from_us < to_us; }
 };
 
-/// Maps a session's instants to the steady clock. A replay with --loop repeats them in rounds.
+/// Maps a session's instants to the steady clock. A replay with --loop repeats the session in
+/// rounds.
 class SessionTimeline {
  public:
-  /// The session `span` with its first instant at `begin`.
+  /// `span` is the session's time span, and its first instant is due at `begin`.
   SessionTimeline(SessionSpan span, Instant begin) : span_(span), begin_(begin) {}
 
   const SessionSpan& span() const { return span_; }
@@ -47,13 +48,13 @@ class SessionTimeline {
     return since_own_end < Duration::zero() ? 0 : since_own_end / round_length() + 1;
   }
 
-  /// When an instant of the session is due in this round.
+  /// The instant at which a recorded instant of the session is due in this round.
   Instant due(std::int64_t session_us, std::int64_t round) const {
     return begin_ + round * round_length() + std::chrono::microseconds(session_us - span_.from_us);
   }
 
-  /// Whether the session contains this instant. Instants outside the first replay's span are left
-  /// out, so that a round has the same length for all.
+  /// True if the session contains this instant. Instants outside the first replay's span are left
+  /// out, so that a round has the same length for all replays.
   bool contains(std::int64_t session_us) const {
     return session_us >= span_.from_us && session_us < span_.to_us;
   }
@@ -65,12 +66,12 @@ class SessionTimeline {
   Instant begin_;
 };
 
-/// Membership in a replayed session, for this object's lifetime.
+/// Membership in a replayed session. It ends with this object.
 class SessionClock {
  public:
   /// Joins the session that is being replayed on this machine, or starts one at `begin`. `folder`
-  /// holds the session's file and belongs to this user: default_folder(). Nothing if another
-  /// session is being replayed or the file cannot be created. Such a replay keeps its own time.
+  /// holds the session's file, see default_folder(). Returns nothing if another session is being
+  /// replayed or the file cannot be created. The replay is then not synchronised.
   static std::optional<SessionClock> join(const std::string& folder, const SessionSpan& own, Instant begin);
 
   /// $XDG_RUNTIME_DIR, or a folder of this user in /tmp. Empty if neither can be used.
@@ -81,7 +82,7 @@ class SessionClock {
   ~SessionClock();
 
   const SessionTimeline& timeline() const { return timeline_; }
-  /// Whether another replay started the session.
+  /// True if another replay started the session.
   bool is_joined() const { return is_joined_; }
 
  private:

@@ -131,8 +131,7 @@ enum class DepthState : std::uint8_t {
   kFilled = 2,    ///< Depth from hole filling.
 };
 
-using DepthImage =
-    Image<std::uint16_t>;  ///< Along the optical axis in the stream's DepthUnit; 0 = none.
+using DepthImage = Image<std::uint16_t>;  ///< Along the optical axis in the stream's DepthUnit; 0 = none.
 using StateImage = Image<DepthState>;
 using ColorImage = Image<Rgb8>;
 

@@ -17,8 +17,8 @@ namespace copresence {
 
 /// Name and parameters of a depth codec: all that its decoder needs besides the frames.
 struct DepthCodecDescription {
-  std::string name;                          ///< For example quantized or spiral-fold.
-  PixelFormat format = PixelFormat::kGray8;  ///< Format of the depth pictures.
+  std::string name;                                        ///< For example quantized or spiral-fold.
+  PixelFormat format = PixelFormat::kGray8;                ///< Format of the depth pictures.
   std::vector<std::pair<std::string, double>> parameters;  ///< See docs/internals/codecs.md.
 
   friend bool operator==(const DepthCodecDescription&, const DepthCodecDescription&) = default;

@@ -17,12 +17,13 @@
 namespace copresence::scene {
 namespace {
 
-// Metres from the origin to a camera along each axis. A stream has the same limit.
+// Largest distance in metres from the origin to a camera along each axis. A stream has the same
+// limit.
 constexpr double kFarthestM = 10'000;
-// Bytes. The limit of a name is that of capture_server's --name.
+// Limits in bytes. A name has the same limit as capture_server's --name.
 constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 1024;
 
-// Reads the tables of one file. error() is the first error; later ones are ignored.
+// Reads the tables of one file. error() is the first error; later errors are ignored.
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : path_(path) {}
@@ -67,14 +68,14 @@ class Reader {
     return value.value_or("");
   }
 
-  /// A list of kCount numbers; nothing if the key is missing.
+  /// Reads a list of kCount numbers. Returns nothing if the key is missing.
   template <std::size_t kCount>
   std::optional<std::array<double, kCount>> numbers(const toml::table& table, std::string_view key) {
     const toml::node* node = table.get(key);
     return node ? numbers<kCount>(*node, key) : std::nullopt;
   }
 
-  /// kRows lists of kColumns numbers; nothing if the key is missing.
+  /// Reads kRows lists of kColumns numbers. Returns nothing if the key is missing.
   template <int kRows, int kColumns>
   std::optional<Eigen::Matrix<double, kRows, kColumns>> matrix(const toml::table& table,
                                                                std::string_view key) {
@@ -98,7 +99,7 @@ class Reader {
     const auto m = matrix<4, 4>(table, key);
     if (!m) return std::nullopt;
     const Rigid3 rigid{m->topLeftCorner<3, 3>(), m->topRightCorner<3, 1>()};
-    // Many people and tools write few digits, so the nearest rotation is taken.
+    // Many people and tools write few digits, so the nearest rotation is used.
     constexpr double kRounding = 0.01;
     if (!rigid.is_rigid(kRounding) || m->row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
       wrong(*table.get(key),
@@ -221,7 +222,7 @@ Scene read_scene(Reader& reader, const toml::table& root, const std::filesystem:
     scene.up = Eigen::Map<const Eigen::Vector3d>(up->data());
     const double longest = scene.up.cwiseAbs().maxCoeff();
     if (longest < 1e-9) reader.wrong(*root.get("up"), "\"up\" must not be zero");
-    scene.up = (scene.up / longest).normalized();  // the squares of large numbers would overflow
+    scene.up = (scene.up / longest).normalized();  // The squares of large numbers would overflow.
   }
   if (const toml::node* node = root.get("camera")) {
     const toml::array* cameras = node->as_array();

@@ -20,40 +20,41 @@ namespace copresence::scene {
 /// The colour camera of a sensor whose driver does not register depth to colour.
 struct ColorCamera {
   CameraModel model;
-  Rigid3 color_from_depth;  ///< metres
+  Rigid3 color_from_depth;  ///< Translation in metres.
 };
 
 struct Camera {
   std::string name;
-  std::string address;                      ///< HOST:PORT of its capture_server; empty if the file has none
-  CameraModel model;                        ///< of the depth camera
-  std::optional<Rigid3> world_from_camera;  ///< metres
+  std::string address;                      ///< HOST:PORT of its capture_server, or empty.
+  CameraModel model;                        ///< Model of the depth camera.
+  std::optional<Rigid3> world_from_camera;  ///< Translation in metres.
   /// The source that its capture_server opens. A path in the file is relative to the file's folder.
   std::string source;
   std::optional<ColorCamera> color;
   std::optional<Eigen::Matrix<float, 3, 4>>
-      color_matching;  ///< colour correction of RGB values from 0 to 1, to the reference camera
+      /// Colour correction of RGB values from 0 to 1, to the reference camera.
+      color_matching;
   std::optional<double> calibration_error_mm;
 };
 
 struct Box {
-  Eigen::Vector3d min, max;  ///< world, metres
+  Eigen::Vector3d min, max;  ///< In the world frame, in metres.
 };
 
 struct Scene {
-  Eigen::Vector3d up{0, -1, 0};  ///< the up direction of the world, a unit vector
+  Eigen::Vector3d up{0, -1, 0};  ///< Up direction of the world, a unit vector.
   std::vector<Camera> cameras;
-  std::optional<Box> clip;  ///< the part of the world to show
+  std::optional<Box> clip;  ///< The part of the world to show.
 
-  const Camera* find(std::string_view name) const;  ///< nullptr if no camera has this name
+  const Camera* find(std::string_view name) const;  ///< Returns nullptr if no camera has this name.
 };
 
 /// Reads a scene file. Fails with `PATH:LINE: reason` for bad TOML, unknown keys, missing or
-/// impossible values and repeated camera names.
+/// impossible values, and repeated camera names.
 Result<Scene> load(const std::filesystem::path& path);
 
-/// The same for a text. `path` is the file's path in error messages; paths in the text are relative
-/// to its folder.
+/// Like load(), but for a text. `path` is the file's path in error messages. Paths in the text are
+/// relative to its folder.
 Result<Scene> parse(std::string_view text, const std::filesystem::path& path);
 
 }  // namespace copresence::scene

@@ -10,10 +10,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The fewest digits that read back as the same number, with a decimal point or an exponent.
+// Writes the fewest digits that read back as the same number, with a decimal point or an exponent.
 template <class Number>
 std::string exact(Number value) {
-  std::string text = fmt::format("{}", value + Number{0});  // no -0
+  std::string text = fmt::format("{}", value + Number{0});  // Adding 0 turns -0 into 0.
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;
 }

@@ -27,7 +27,6 @@ class EditedText {
   void replace(const toml::node& value, const std::string& by) {
     edits_.push_back({offset(value.source().begin), offset(value.source().end), by});
   }
-  /// Removes whole lines, numbered from 1.
   void remove_lines(std::uint32_t first, std::uint32_t last) {
     edits_.push_back({start_of(first), start_of(last + 1), ""});
   }
@@ -39,7 +38,7 @@ class EditedText {
   }
   void append(const std::string& lines) { insert_after(static_cast<std::uint32_t>(lines_.size()), lines); }
 
-  /// The first of the comment lines directly above `line`; `line` if there are none.
+  /// Returns the first of the comment lines directly above `line`, or `line` if there are none.
   std::uint32_t first_of_comment_above(std::uint32_t line) const {
     while (line > 1 && text_.substr(start_of(line - 1)).starts_with('#')) --line;
     return line;
@@ -79,7 +78,7 @@ class EditedText {
   }
 
   std::string_view text_;
-  std::vector<std::size_t> lines_;  // the position at which each line begins
+  std::vector<std::size_t> lines_;  // Position at which each line begins.
   std::vector<Edit> edits_;
   bool was_cut_ = false;
 };
@@ -107,7 +106,7 @@ std::string clip_block(const Box& clip) {
 void rewrite_camera(EditedText& text, const toml::table& table, const Camera& from, const Camera& to,
                     const fs::path& folder) {
   const auto before = entries(from, folder), after = entries(to, folder);
-  std::uint32_t line = table.source().end.line;  // a missing key is inserted after this line
+  std::uint32_t line = table.source().end.line;  // Missing keys are inserted after this line.
   for (std::size_t i = 0; i < after.size(); ++i) {
     const auto& [key, value] = after[i];
     const auto found = table.find(key);
@@ -237,7 +236,7 @@ Result<void> save(const Scene& scene, const fs::path& path, const fs::path& layo
     text = to_toml(scene, path);
   }
   if (auto readable = check_readable(text, scene, path); !readable) return readable;
-  // If the path is a symbolic link, its target is replaced. The target keeps its permissions.
+  // If the path is a symbolic link, replace its target. The target keeps its permissions.
   std::error_code ignored, problem;
   const fs::path target = fs::exists(path, ignored) ? fs::canonical(path, ignored) : path;
   const auto rights = fs::status(target, ignored).permissions();

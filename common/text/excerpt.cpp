@@ -7,14 +7,15 @@
 namespace copresence::text {
 namespace {
 
-/// Characters that reverse the direction of the text after them. A name with one could make a log
-/// line read differently.
+/// True for characters that reverse the direction of the text after them. A name that contains them
+/// could make a log line read differently.
 bool reverses_text(std::uint32_t code) {
   return code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);
 }
 
-/// Bytes of the printable character that begins `text`; 0 if there is none.
+/// Returns the number of bytes of the printable character at the start of `text`, or 0 if there is
+/// none.
 std::size_t printable_character(std::string_view text) {
   const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t first = byte(0);
@@ -58,7 +59,7 @@ std::string sanitise(std::string_view text, std::size_t max_bytes) {
 
 std::string excerpt(std::string_view text, std::size_t max_bytes) {
   std::string quoted = sanitise(text, max_bytes);
-  // A byte that is not printable becomes one byte, so only a cut makes the text shorter.
+  // Each unprintable byte becomes one byte, so only a cut makes the text shorter.
   return quoted.size() == text.size() ? quoted : fmt::format("{}... ({} bytes)", quoted, text.size());
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Text from other people and machines, made safe for logs, terminals and error messages. Thread:
+// Makes text from other people and machines safe for logs, terminals and error messages. Thread:
 // pure functions.
 
 #include <cstddef>
@@ -9,17 +9,17 @@
 
 namespace copresence::text {
 
-/// True for valid UTF-8 without characters that control a terminal or split a log line: C0 and C1
-/// controls, DEL, Unicode's line and paragraph separators, and the characters that reverse the
-/// direction of text.
+/// True for valid UTF-8 without characters that control a terminal or split a log line. These are
+/// C0 and C1 controls, DEL, Unicode's line and paragraph separators, and characters that reverse
+/// the direction of text.
 bool is_printable(std::string_view text);
 
-/// The text with a `?` for every byte that is not part of a printable character, cut between two
-/// characters to at most `max_bytes`.
+/// Returns the text with a `?` for every byte that is not part of a printable character. The result
+/// is cut between two characters to at most `max_bytes`.
 std::string sanitise(std::string_view text, std::size_t max_bytes);
 
-/// The text for quoting in a message: sanitised, and where it is longer than `max_bytes` cut and
-/// followed by its length: `aaaa... (5000000 bytes)`.
+/// Returns the text for quoting in a message. It is sanitised. Text longer than `max_bytes` is cut
+/// and followed by its length: `aaaa... (5000000 bytes)`.
 std::string excerpt(std::string_view text, std::size_t max_bytes = 80);
 
 }  // namespace copresence::text

@@ -18,7 +18,7 @@ class NestingScan {
  public:
   explicit NestingScan(std::string_view text) : text_(text) {}
 
-  /// The number of the first line that nests too deep; nothing if no line does.
+  /// Returns the number of the first line that nests too deep, if any.
   std::optional<int> first_too_deep() {
     while (at_ < text_.size()) {
       const char c = text_[at_];
@@ -51,11 +51,11 @@ class NestingScan {
     while (at_ < text_.size()) {
       if (is_long ? text_.substr(at_).starts_with(three) : text_[at_] == quote) {
         at_ += is_long ? 3 : 1;
-        // A long string may end with up to two quotes of its own.
+        // The content of a long string may end with up to two quotes.
         for (int own = 0; is_long && own < 2 && text_.substr(at_).starts_with(quote); ++own) ++at_;
         return;
       }
-      if (text_[at_] == '\n' && !is_long) return;  // an unfinished string: the parser will fail on it
+      if (text_[at_] == '\n' && !is_long) return;  // The string is unfinished, so the parser will fail on it.
       if (quote == '"' && text_[at_] == '\\') next_character();
       next_character();
     }

@@ -1,10 +1,8 @@
 #pragma once
 
-// Parses TOML files that other people wrote.
-//
-// toml++ has no limit on dotted keys and frees nested tables by recursion, so a file with
-// `[a.a.a...` overflows the stack. Nesting is therefore checked before toml++ sees the text.
-// Thread: pure functions.
+// Parses TOML files that other people wrote. toml++ has no limit on dotted keys and frees nested
+// tables by recursion, so a file with `[a.a.a...` overflows the stack. Nesting is therefore checked
+// before toml++ sees the text. Thread: pure functions.
 
 #include <toml++/toml.h>
 
@@ -16,12 +14,11 @@
 
 namespace copresence {
 
-/// The largest number of parts in a dotted key, and of lists and tables inside each other.
+/// Largest number of parts in a dotted key, and of lists and tables inside each other.
 inline constexpr int kMostTomlLevels = 16;
 
-/// Parses `text`; errors name `path`. Fails with kInvalid and `PATH:LINE: reason`, of bounded
-/// length, if the text is no TOML, is larger than text::kMostBytes or nests deeper than
-/// kMostTomlLevels.
+/// Parses `text`. Error messages name `path`. Fails with kInvalid and a bounded `PATH:LINE: reason`
+/// if the text is not TOML, exceeds text::kMostBytes or nests deeper than kMostTomlLevels.
 Result<toml::table> parse_toml(std::string_view text, const std::filesystem::path& path);
 
 }  // namespace copresence

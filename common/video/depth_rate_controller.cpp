@@ -6,29 +6,29 @@
 namespace copresence::video {
 namespace {
 
-/// Target share of the rate. With the rest, a second that contains a keyframe stays within 10 % of
-/// the rate.
+/// Target share of the rate. The unused share keeps a second with a keyframe within 10 % of the
+/// rate.
 constexpr double kShare = 0.99;
-/// x264's buffer, in frames. Below 3, so that no frame exceeds three times the mean. It is small
-/// enough that a second which begins with small frames and ends with a keyframe stays below 1.1
-/// times the rate.
+/// Size of x264's buffer, in frames. A value below 3 keeps every frame below three times the mean.
+/// It also keeps a second that begins with small frames and ends with a keyframe below 1.1 times
+/// the rate.
 constexpr double kBufferFrames = 2.5;
 /// Saved bits are spent within about kSpendFrames. At most kMostSaved frames' worth are saved, so
 /// that they and a keyframe fit into one second. Spending them in 8 frames would be too slow: if
 /// every picture differs from the one before, x264 leaves a quarter of its rate unused.
 constexpr double kSpendFrames = 5;
 constexpr double kMostSaved = 1.5;
-/// The bucket drains within about kDrainFrames after a keyframe, which fills it by up to
-/// kUsualLevel frames' worth. If it drained faster and the mask took most of the rate, the next
-/// pictures would get almost no bits. What is above that level drains in kDrainExcessFrames.
+/// A keyframe fills the bucket by up to kUsualLevel frames' worth, which drains within about
+/// kDrainFrames. If it drained faster and the mask took most of the rate, the next pictures would
+/// get almost no bits. Any excess above that level drains in kDrainExcessFrames.
 constexpr double kDrainFrames = 40;
 constexpr double kDrainExcessFrames = 8;
 constexpr double kUsualLevel = 2;
-/// Highest level of the bucket in frames. If the side data alone exceeds the rate for long, the
-/// picture recovers within a second afterwards.
+/// Highest level of the bucket, in frames. It bounds the recovery of the picture to a second after
+/// the side data alone has exceeded the rate for long.
 constexpr double kMostLevel = 30;
-/// If the side data alone exceeds the rate, the picture still gets this share, since x264 needs
-/// some bits.
+/// Share that the picture still gets if the side data alone exceeds the rate, since x264 needs some
+/// bits.
 constexpr double kLeastShare = 0.05;
 
 }  // namespace
@@ -46,7 +46,7 @@ void DepthRateController::set_kbps(int kbps) {
   assert(kbps > 0);
   const double before = frame_bits();
   kbps_ = kbps;
-  bucket_bits_ *= frame_bits() / before;  // the level in frames stays the same
+  bucket_bits_ *= frame_bits() / before;  // Keep the level in frames.
 }
 
 PictureRate DepthRateController::picture_rate(std::size_t side_bytes) const {

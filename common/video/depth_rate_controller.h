@@ -1,11 +1,10 @@
 #pragma once
 
-// Rate controller for depth: keeps picture and side data together at a bit rate.
-//
-// x264 keeps the pictures below its rate, but spends a little less than allowed, and does not count
-// the side data. So each picture gets a rate of its own: the nominal rate less the side data,
-// corrected by the bucket level. The bucket level is what the frames so far have spent above the
-// rate (a leaky bucket). Thread: a value.
+// Rate controller for depth: keeps picture and side data together at a bit rate. |
+// x264 keeps the pictures below its rate, but it spends slightly less than allowed and does not
+// count the side data. So each picture gets its own rate: the nominal rate minus the side data,
+// corrected by the level of a leaky bucket. The level is the number of bits that earlier frames
+// spent above the rate. Thread: a value.
 
 #include <cstddef>
 
@@ -20,18 +19,18 @@ class DepthRateController {
 
   void set_kbps(int kbps);
 
-  /// The rate for the picture of a frame with so many bytes of side data.
+  /// Returns the rate for the picture of a frame that has `side_bytes` bytes of side data.
   PictureRate picture_rate(std::size_t side_bytes) const;
 
-  /// Counts the size of the whole frame.
+  /// Counts `bytes`, the size of a whole frame.
   void spent(std::size_t bytes);
 
  private:
-  double frame_bits() const;  // bits per frame at the rate
+  double frame_bits() const;  // Bits per frame at the rate.
 
   double kbps_;
   double frames_per_second_;
-  double bucket_bits_ = 0;  // bits spent above the rate; negative: saved
+  double bucket_bits_ = 0;  // Bits spent above the rate; negative if saved.
 };
 
 }  // namespace copresence::video

@@ -1,11 +1,9 @@
 #pragma once
 
-// Decodes H.264 to frames; the inverse of FrameEncoder. Each call decodes one frame or fails.
-//
-// A frame is an error if it is damaged, cut or out of order, if a frame before it is missing, or if
-// its two pictures are of different frames. Every frame after it is an error, too, until the next
-// keyframe. So a wrong picture is never returned.
-// Thread: one at a time; different decoders are independent.
+// Decodes H.264 to frames; the inverse of FrameEncoder. Each call decodes one frame or fails. |
+// A call fails if the frame is damaged, cut or out of order, if an earlier frame is missing, or if
+// the two pictures belong to different frames. All later calls fail until the next keyframe, so a
+// wrong picture is never returned. Thread: one at a time; different decoders are independent.
 
 #include <cstdint>
 #include <optional>
@@ -23,10 +21,9 @@ class FrameDecoder {
   /// Fails with kUnsupported if libavcodec has no H.264 decoder.
   static Result<FrameDecoder> open(const StreamDescription& stream);
 
-  /// Uses only the bytes of `depth` and `color`. Keyframe and sequence of the result are those
-  /// inside the access unit. A frame may have no colour although the stream has it, if the camera
-  /// had no colour for it.
-  /// Fails with kCorrupt: request a keyframe then.
+  /// Decodes the bytes `depth` and `color` and ignores the other members. Keyframe flag and
+  /// sequence of the result come from the access unit. If the camera had no colour for a frame, the
+  /// frame has none although the stream does. Fails with kCorrupt; then request a keyframe.
   Result<PlanarFrame> decode(const EncodedFrame& encoded);
 
  private:
@@ -37,7 +34,8 @@ class FrameDecoder {
   std::optional<PictureDecoder> color_;
   Rigid3 world_from_camera_;
   std::optional<std::uint64_t>
-      previous_;  // sequence of the last decoded frame; if absent, a keyframe is needed
+      // Sequence of the last decoded frame. If absent, a keyframe is needed.
+      previous_;
 };
 
 }  // namespace copresence::video

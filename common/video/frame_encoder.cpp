@@ -10,7 +10,8 @@ namespace copresence::video {
 
 namespace {
 
-/// x264's buffer for colour, in frames: the delay that a keyframe may cause on a link of that rate.
+/// Size of x264's buffer for colour, in frames. A keyframe may cause this delay on a link with the
+/// same rate.
 constexpr double kColorBufferFrames = 3;
 
 PictureRate color_rate(int kbps, double frames_per_second) {

@@ -20,27 +20,25 @@ namespace copresence::video {
 
 class FrameEncoder {
  public:
-  /// Fails with kInvalid for settings out of range, with kUnsupported if libx264 is missing or
-  /// rejects the settings.
+  /// Fails with kInvalid for settings out of range. Fails with kUnsupported if libx264 is missing
+  /// or rejects the settings.
   static Result<FrameEncoder> open(const StreamDescription& stream, const VideoSettings& settings);
 
   /// Encodes a keyframe exactly if frame.depth.keyframe is set. Durations are copied; the caller
-  /// adds its own.
-  /// Requires a depth picture of the stream's format and size, or residuals and no picture.
-  /// Requires a keyframe at the beginning, after a failure, and at a change between pictures and
-  /// residuals. Sequence numbers start at 1 and rise.
+  /// adds its own. Requires a depth picture of the stream's format and size, or residuals and no
+  /// picture. Requires a keyframe at the beginning, after a failure, and at a change between
+  /// pictures and residuals. Sequence numbers start at 1 and rise.
   Result<EncodedFrame> encode(const PlanarFrame& frame);
 
   /// Encodes the colour of the next frame before encode() is called, so that colour need not wait
   /// for depth. If depth later forces a keyframe, encode() encodes colour again. If the frame is
-  /// dropped, the next frame must be a keyframe.
-  /// Thread: may run concurrently with anything that does not use this encoder.
+  /// dropped, the next frame must be a keyframe. Thread: may run concurrently with anything that
+  /// does not use this encoder.
   void encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe);
 
-  /// Changes rates or QP from the next frame on; the preset must stay the same. Returns true if
-  /// that frame must be a keyframe: when the QP changes, or between QP and bit rate. A new bit rate
-  /// alone needs none.
-  /// Fails as open() does, and changes nothing then.
+  /// Changes rates or QP from the next frame on. The preset must stay the same. Returns true if the
+  /// next frame must be a keyframe: after a change of the QP, or between QP and bit rate. A new bit
+  /// rate alone needs no keyframe. Fails as open() does, and then changes nothing.
   Result<bool> change(const VideoSettings& settings);
 
  private:
@@ -52,7 +50,7 @@ class FrameEncoder {
 
   VideoSettings settings_;
   PictureEncoder depth_;
-  std::optional<bitstream::BlankPictureWriter> blank_;  // instead of depth_, since the last keyframe
+  std::optional<bitstream::BlankPictureWriter> blank_;  // Used instead of depth_ for blank pictures.
   std::optional<DepthRateController> rate_controller_;
   std::optional<PictureEncoder> color_;
   struct Ahead {
@@ -61,9 +59,9 @@ class FrameEncoder {
     Result<AccessUnit> color;
   };
   std::optional<Ahead> color_ahead_;
-  std::uint64_t previous_ = 0;  // sequence of the last frame, 0 before the first
+  std::uint64_t previous_ = 0;  // Sequence of the last frame; 0 before the first frame.
   std::optional<Rigid3> previous_pose_;
-  bool color_keyframe_needed_ = true;  // set until the first colour picture after a keyframe
+  bool color_keyframe_needed_ = true;  // True until the first colour picture after a keyframe.
 };
 
 }  // namespace copresence::video

@@ -13,8 +13,8 @@
 namespace copresence::video {
 namespace {
 
-/// True if the frame's planes hold `format`. Depending on its version, FFmpeg decodes 4:0:0 as
-/// grey, or with chroma planes of mid grey.
+/// True if the frame's planes hold `format`. Depending on its version, FFmpeg decodes 4:0:0 as grey
+/// or adds chroma planes of mid grey.
 bool holds(AVPixelFormat decoded, PixelFormat format) {
   switch (format) {
     case PixelFormat::kGray8:
@@ -29,9 +29,9 @@ bool holds(AVPixelFormat decoded, PixelFormat format) {
   return false;
 }
 
-/// The frame's picture. If its rows have no padding, which holds if the width of every plane is a
-/// multiple of 64 bytes, the picture borrows the decoder's planes; the decoder only reads planes
-/// that it has returned. Otherwise the planes are copied. Empties the frame.
+/// Returns the frame's picture and empties the frame. If rows have no padding, the picture borrows
+/// the decoder's planes. This is the case if the width of every plane is a multiple of 64 bytes.
+/// Borrowing is safe since the decoder only reads returned planes. Otherwise the planes are copied.
 Picture take_picture(AVFrame& frame, PixelFormat format, int width, int height) {
   const std::shared_ptr<AVFrame> taken(av_frame_alloc(), AvFrameDeleter());
   av_frame_move_ref(taken.get(), &frame);

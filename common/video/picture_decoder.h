@@ -1,10 +1,9 @@
 #pragma once
 
 // Decodes H.264 to pictures; the inverse of PictureEncoder. Each call decodes one access unit or
-// fails.
-//
+// fails. |
 // The bytes may be untrusted: the result is an error, or a picture of the expected format and size.
-// After an error only a keyframe is accepted, since other pictures depend on the one that failed.
+// After an error only a keyframe is accepted, since other pictures depend on the failed picture.
 // Thread: one at a time; different decoders are independent.
 
 #include <cstdint>
@@ -19,13 +18,13 @@ namespace copresence::video {
 
 class PictureDecoder {
  public:
-  /// Fails with kUnsupported if this machine's libavcodec has no H.264 decoder.
+  /// Fails with kUnsupported if libavcodec has no H.264 decoder.
   static Result<PictureDecoder> open(PixelFormat format, int width, int height);
 
-  /// Fails with kCorrupt: request a keyframe then.
+  /// Fails with kCorrupt; then request a keyframe.
   Result<Picture> decode(std::span<const std::uint8_t> access_unit);
 
-  /// Accepts only a keyframe next, as at the beginning.
+  /// Makes the decoder accept only a keyframe next, as at the beginning.
   void reset();
 
  private:
@@ -39,7 +38,7 @@ class PictureDecoder {
   CodecContext context_;
   AvFrame frame_;
   AvPacket packet_;
-  std::vector<std::uint8_t> padded_;  // essential NAL units, and the padding that libavcodec may read
+  std::vector<std::uint8_t> padded_;  // Essential NAL units, and padding for libavcodec.
   bool keyframe_needed_ = true;
 };
 

@@ -13,8 +13,8 @@
 namespace copresence::video {
 namespace {
 
-constexpr int kMaxQp = 63;          // at 10 bit
-constexpr int kInfinite = 1 << 30;  // x264's value for an unlimited group of pictures
+constexpr int kMaxQp = 63;          // At 10 bits.
+constexpr int kInfinite = 1 << 30;  // In x264 this value means an unlimited group of pictures.
 
 void set(AVCodecContext& context, const char* key, const std::string& value) {
   [[maybe_unused]] const int code = av_opt_set(context.priv_data, key, value.c_str(), 0);
@@ -35,9 +35,10 @@ constexpr const char* kDepthOptions =
     // Psychovisual optimisation and adaptive quantisation move error to where eyes do not see it.
     // In depth, error is visible everywhere.
     ":psy=0:aq-mode=0"
-    // Depth is smooth between sharp edges, which 4x4 transforms follow; 8x8 transforms cost 6 %
-    // more bits. Small partitions save 12 % of the bits at the same error, and a strong deblocking
-    // filter 4 to 8 % of the error. Weighted prediction is for fades, which depth does not have.
+    // Depth is smooth between sharp edges. 4x4 transforms follow these edges; 8x8 transforms cost 6
+    // % more bits. Small partitions save 12 % of the bits at the same error. A strong deblocking
+    // filter saves 4 to 8 % of the error. Weighted prediction is for fades, which depth does not
+    // have.
     ":no-8x8dct=1:analyse=i4x4,p8x8,p4x4:deblock=2,2:weightp=0:subme=0"
     // Rounding closer to the nearest step instead of towards zero gives a third fewer large errors
     // at the same rate.
@@ -49,26 +50,26 @@ constexpr const char* kColorOptions =
     // Of the intra modes, 8x8 alone is as good as all. Weighted prediction is for fades.
     ":analyse=i8x8:weightp=0";
 
-// For machines with little free processor time. Small partitions and CABAC take most time, so they
-// are off.
+// Options for machines with little free CPU time. Small partitions and CABAC take most time, so
+// they are off.
 constexpr const char* kLiveDepthOptions =
     "scenecut=0:psy=0:aq-mode=0:analyse=i4x4:deblock=2,2:no-deblock=0:deadzone-inter=11:deadzone-intra=11";
 constexpr const char* kLiveColorOptions = "scenecut=0:aq-mode=0";
 
 /// True if the deblocking filter can change a sample. Its threshold is 0 up to an index of 15
 /// (H.264 table 8-16). The index is the QP on the scale of 8 bits, plus twice the presets' offset
-/// of 2. Otherwise the filter is switched off, which saves time at both ends and gives the same
-/// pictures.
+/// of 2. At lower indices the filter is switched off, which saves time at both ends and gives the
+/// same pictures.
 bool can_deblock(const PictureSettings& settings) {
   constexpr int kFirstIndex = 16, kPresetOffset = 2 * 2, kTenBitOffset = 12;
   const int bits_offset = settings.format == PixelFormat::kGray10 ? kTenBitOffset : 0;
   return settings.rate || settings.qp - bits_offset + kPresetOffset >= kFirstIndex;
 }
 
-/// Processors of the first generation with AVX-512 (Skylake, Cascade Lake) lower a core's clock for
-/// a while after its widest instructions. This slows down everything else on that core: hole
-/// filling, decoding, rendering. Without them x264 writes the same bits, and two live cameras take
-/// 1 % less time in all (docs/internals/video.md).
+/// True for the first processors with AVX-512 (Skylake, Cascade Lake). They lower a core's clock
+/// for a while after their widest instructions. This slows down everything else on that core: hole
+/// filling, decoding, rendering. Without these instructions x264 writes the same bits, and two live
+/// cameras take 1 % less time in all (docs/internals/video.md).
 bool slows_down_by_avx512() {
   const int flags = av_get_cpu_flags();
   return (flags & AV_CPU_FLAG_AVX512) != 0 && (flags & AV_CPU_FLAG_AVX512ICL) == 0;
@@ -85,7 +86,7 @@ void set_presets(AVCodecContext& context, const PictureSettings& settings) {
     if (!can_deblock(settings)) options += ":no-deblock=1";
   } else {
     options = live ? kLiveColorOptions : kColorOptions;
-    context.colorspace = AVCOL_SPC_SMPTE170M;  // the BT.601 matrix of common/color
+    context.colorspace = AVCOL_SPC_SMPTE170M;  // The BT.601 matrix of common/color.
     context.color_primaries = AVCOL_PRI_BT709;
     context.color_trc = AVCOL_TRC_IEC61966_2_1;
   }
@@ -93,18 +94,20 @@ void set_presets(AVCodecContext& context, const PictureSettings& settings) {
   set(context, "x264-params", options);
   if (settings.rate) {
     apply_rate(context, *settings.rate);
-    // Lower QPs cost more bits than lossless coding, and the gain is less than one depth code.
+    // Lower QPs cost more bits than lossless coding, and reduce the error by less than one depth
+    // code.
     if (settings.kind == PictureKind::kDepth) context.qmin = settings.format == PixelFormat::kGray10 ? 8 : 4;
   } else {
     set(context, "qp", std::to_string(settings.qp));
   }
 }
 
-/// The mean QP that libx264 reports; 0 if it reports none. The decoder then does not repair edges.
+/// Returns the mean QP that libx264 reports, or 0 if it reports none. With 0 the receiver does not
+/// repair edges.
 int qp_of(const AVPacket& packet) {
   std::size_t size = 0;
   const std::uint8_t* const stats = av_packet_get_side_data(&packet, AV_PKT_DATA_QUALITY_STATS, &size);
-  std::int32_t lambda = 0;  // the first four bytes, little-endian
+  std::int32_t lambda = 0;  // The first four bytes, little-endian.
   for (std::size_t i = 0; stats && size >= 4 && i < 4; ++i) lambda |= stats[i] << (8 * i);
   return std::clamp(lambda / FF_QP2LAMBDA, 0, kMaxQp);
 }
@@ -119,7 +122,8 @@ void refer_to(const Picture& picture, AVFrame& frame) {
     const std::size_t row_bytes =
         static_cast<std::size_t>(picture.plane_width(plane)) * picture.bytes_per_sample();
     auto* const bytes =
-        const_cast<std::uint8_t*>(first);  // never written, because of AV_BUFFER_FLAG_READONLY
+        // AV_BUFFER_FLAG_READONLY prevents writing.
+        const_cast<std::uint8_t*>(first);
     frame.buf[plane] = av_buffer_create(
         bytes, row_bytes * picture.plane_height(plane), [](void*, std::uint8_t*) {}, nullptr,
         AV_BUFFER_FLAG_READONLY);
@@ -189,7 +193,7 @@ Result<std::vector<std::uint8_t>> PictureEncoder::encode(const Picture& picture,
 void PictureEncoder::set_rate(const PictureRate& rate) {
   assert(settings_.rate && rate.kbps > 0 && rate.buffer_kbit > 0);
   settings_.rate = rate;
-  apply_rate(*context_, rate);  // libavcodec passes changes on with the next picture
+  apply_rate(*context_, rate);  // libavcodec applies changes with the next picture.
 }
 
 }  // namespace copresence::video

@@ -1,12 +1,11 @@
 #pragma once
 
-// Encodes pictures to H.264, one access unit for each, without delay: libx264 without B frames,
-// lookahead or threads.
-//
-// The first picture is a keyframe (IDR, with its parameter sets), and later ones only on request.
-// Samples are full range and are not copied for x264. Equal inputs give equal outputs. At QP 0 the
-// decoder returns exactly the same samples.
-// Thread: one at a time; different encoders are independent.
+// Encodes pictures to H.264 without delay, one access unit for each. Uses libx264 without B frames,
+// lookahead or threads. |
+// The first picture is a keyframe (IDR, with its parameter sets). Later keyframes are made only on
+// request. Samples are full range and are not copied for x264. Equal inputs give equal outputs. At
+// QP 0 the decoder returns exactly the same samples. Thread: one at a time; different encoders are
+// independent.
 
 #include <cstdint>
 #include <optional>
@@ -31,21 +30,20 @@ struct PictureSettings {
   PictureKind kind = PictureKind::kDepth;
   Preset preset = Preset::kDense;
   PixelFormat format = PixelFormat::kGray8;
-  int width = 0;  ///< even
+  int width = 0;  ///< Even.
   int height = 0;
-  double frames_per_second = 30;  ///< nominal; a rate in kbit/s is divided by it
-  int qp = 0;                     ///< constant QP, if there is no rate
+  double frames_per_second = 30;  ///< Nominal rate; converts kbit/s to bits per picture.
+  int qp = 0;                     ///< Constant QP, used if there is no rate.
   std::optional<PictureRate> rate = std::nullopt;
 };
 
 class PictureEncoder {
  public:
-  /// Fails with kUnsupported if this machine's libavcodec has no libx264, or if libx264 rejects the
-  /// settings.
+  /// Fails with kUnsupported if libavcodec has no libx264, or if libx264 rejects the settings.
   static Result<PictureEncoder> open(const PictureSettings& settings);
 
-  /// The picture's access unit, Annex B. Requires a picture of the settings' format and size. Fails
-  /// if libx264 does; the next picture is then a keyframe.
+  /// Returns the picture's access unit in Annex B form. Requires a picture of the settings' format
+  /// and size. Fails if libx264 does; the next picture is then a keyframe.
   Result<std::vector<std::uint8_t>> encode(const Picture& picture, bool keyframe);
 
   /// Changes the rate from the next picture on. Requires an encoder opened with a rate, and numbers
@@ -54,7 +52,7 @@ class PictureEncoder {
 
   const PictureSettings& settings() const { return settings_; }
 
-  /// QP of the picture encoded last, on the scale of depth_qp. Requires an encoded picture.
+  /// QP of the last encoded picture, on the scale of depth_qp. Requires an encoded picture.
   int qp() const { return qp_; }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// The video settings that a user may choose. All other settings are fixed by the preset
+// Video settings that a user may choose. The preset fixes all other settings
 // (docs/internals/video.md).
 
 #include <optional>
@@ -9,26 +9,25 @@
 
 namespace copresence::video {
 
-/// Trade-off between processor time and bits, for both pictures. Equal QPs give equal errors with
+/// Trade-off between CPU time and bits, for depth and colour. Equal QPs give equal errors with
 /// either preset.
 enum class Preset {
-  kDense,  ///< fewest bits at a speed that still keeps up with one camera; for benchmarks and fast machines
-  kLive,   ///< two thirds of the time at both ends; a tenth more bits for depth, 3 dB less for colour
+  kDense,  ///< Fewest bits; still keeps up with one camera. For benchmarks and fast machines.
+  kLive,   ///< Two thirds of the time; 10 % more depth bits, 3 dB less for colour.
 };
 
 struct VideoSettings {
   Preset preset = Preset::kDense;
-  /// QP of the depth pictures, 0 (lossless) to 51. At 10 bits a QP is as coarse as one that is
-  /// lower by 12 at 8 bits. QPs from 1 to 7 cost more bits than lossless coding. Not used if
-  /// depth_kbps is set.
+  /// QP of the depth pictures, 0 (lossless) to 51. A QP q at 10 bits is as coarse as q - 12 at 8
+  /// bits. QPs from 1 to 7 cost more bits than lossless coding. Not used if depth_kbps is set.
   int depth_qp = 12;
-  /// Bit rate of all of depth (picture, mask and codebook) at the stream's nominal frame rate,
-  /// kbit/s.
+  /// Bit rate of all of depth (picture, mask and codebook) in kbit/s, at the stream's nominal frame
+  /// rate.
   std::optional<int> depth_kbps = std::nullopt;
   int color_kbps = 2500;
 };
 
-/// Fails with kInvalid; the message names the number and its range.
+/// Fails with kInvalid. The message names the number and its range.
 Result<void> check(const VideoSettings& settings);
 
 inline constexpr int kMaxDepthQp = 51;

@@ -1,14 +1,15 @@
 #pragma once
 
-// Input events of a window. Positions are pixels of the window's picture from its top left corner,
-// with fractions, also if the window system counts in coarser units.
+// Input events of a window. Positions are in pixels of the window's picture from its top left
+// corner. They have fractions, also if the window system counts in coarser units.
 
 #include <cstdint>
 #include <variant>
 
 namespace copresence::window {
 
-/// The value of a printable key is its character on a US keyboard, letters in upper case: Key{'R'}.
+/// The value of a printable key is its character on a US keyboard, with letters in upper case:
+/// Key{'R'}.
 enum class Key : std::uint16_t {
   kUnknown = 0,
   kSpace = ' ',
@@ -49,7 +50,7 @@ struct MoveEvent {
   Modifiers modifiers;
 };
 
-/// A wheel or a touchpad was moved, in wheel notches; y > 0 is away from the user.
+/// A wheel or a touchpad moved by this number of wheel notches. y > 0 is away from the user.
 struct ScrollEvent {
   double x, y;
 };
@@ -57,11 +58,11 @@ struct ScrollEvent {
 struct KeyEvent {
   Key key;
   bool pressed;
-  bool repeated;  ///< the system repeats a pressed key
+  bool repeated;  ///< True if the system repeats a pressed key.
   Modifiers modifiers;
 };
 
-/// The window has a new picture size, in pixels; 0 while it is minimised.
+/// The window's picture has a new size in pixels. The size is 0 while the window is minimised.
 struct ResizeEvent {
   int width, height;
 };

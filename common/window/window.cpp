@@ -62,7 +62,9 @@ Result<GLFWwindow*> make_window(const std::string& title, int width, int height,
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, debug == gl::Debug::kOn);
   glfwWindowHint(GLFW_ALPHA_BITS,
-                 0);  // pixels of a view without a surface are transparent; the window must be opaque
+                 // Pixels without a surface are transparent in the view, but the window must be
+                 // opaque.
+                 0);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   // Some drivers have only EGL.
@@ -123,7 +125,7 @@ struct Window::Callbacks {
 Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height,
                                              gl::Debug debug) {
   assert(width > 0 && height > 0);
-  // GLFW tries Wayland first, and libwayland prints an error of its own if there is no display.
+  // GLFW tries Wayland first, and libwayland prints its own error message if there is no display.
   const bool has_display = std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
   if (!has_display || !glfwInit()) {
     return fail(ErrorCode::kUnavailable, "no display: set DISPLAY or use --headless");

@@ -1,7 +1,7 @@
 #pragma once
 
-// A window with an OpenGL context that shows pictures and returns the user's input. Thread: the
-// main thread, as window systems require. One window at a time.
+// A window with an OpenGL context that shows pictures and returns the user's input. Only one window
+// may exist at a time. Thread: the main thread, as window systems require.
 
 #include <chrono>
 #include <cstdint>
@@ -30,17 +30,18 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// It is current on the main thread while the window exists.
+  /// The window's context. It is current on the main thread while the window exists.
   gl::Context& context() { return *context_; }
 
-  /// The size of the picture in pixels of the display; 0 while the window is minimised.
+  /// Size of the picture in pixels of the display; 0 while the window is minimised.
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// The refresh rate of the display; 60 if it is unknown.
+  /// Refresh rate of the display; 60 if unknown.
   double refresh_rate_hz() const;
 
-  /// The events since the last call, oldest first. Waits up to `timeout` for the first one.
+  /// Returns the events since the last call, oldest first. Waits up to `timeout` for the first
+  /// event.
   std::vector<Event> poll(std::chrono::duration<double> timeout = {});
 
   /// True after a click on the window's close button, or after request_close().
@@ -51,9 +52,9 @@ class Window {
   void set_fullscreen(bool fullscreen);
   bool is_fullscreen() const;
 
-  /// With vsync (the default) present() waits for the display, so that no picture is torn. If the
-  /// display does not make it wait, for instance while the window is minimised, it sleeps. A loop
-  /// of present() therefore runs at refresh_rate_hz() at most.
+  /// With vsync (the default) present() waits for the display, which avoids tearing. If the display
+  /// does not make it wait, for instance while the window is minimised, present() sleeps. So a loop
+  /// of present() runs at refresh_rate_hz() at most.
   void set_vsync(bool vsync);
 
   /// Shows a picture, scaled to the window with its aspect ratio kept and a black border. The first
@@ -62,8 +63,8 @@ class Window {
   void present(const gl::Texture& texture) { present(texture.id(), texture.width(), texture.height()); }
   void present(const Image<Rgba8>& image);
 
-  /// Shows the last picture again, after a resize or for the next refresh. Does nothing if there
-  /// was no picture. Requires that the texture of the last present() still exists.
+  /// Shows the last picture again, after a resize or for the next refresh. Does nothing without a
+  /// last picture. Requires that the texture of the last present() still exists.
   void present_again();
 
  private:
@@ -77,8 +78,8 @@ class Window {
 
   GLFWwindow* window_;
   std::unique_ptr<gl::Context> context_;
-  std::unique_ptr<gl::Texture> host_picture_;          // the texture of present(Image)
-  gl::Name<gl::delete_framebuffer> read_framebuffer_;  // the source of the blit
+  std::unique_ptr<gl::Texture> host_picture_;          // Texture of present(Image).
+  gl::Name<gl::delete_framebuffer> read_framebuffer_;  // Source of the blit.
   struct Shown {
     std::uint32_t texture = 0;
     int width = 0, height = 0;
@@ -88,8 +89,9 @@ class Window {
   std::vector<Event> events_;
   int width_ = 0;
   int height_ = 0;
-  double pixels_per_unit_ = 1;  // unit of the window system's coordinates
-  int x_before_ = 0, y_before_ = 0, width_before_ = 0, height_before_ = 0;  // before full screen
+  double pixels_per_unit_ = 1;  // Pixels per unit of the window system.
+  int x_before_ = 0, y_before_ = 0, width_before_ = 0,
+      height_before_ = 0;  // Before full screen.
 };
 
 }  // namespace copresence::window

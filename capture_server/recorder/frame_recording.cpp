@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr microseconds kLatestTime{std::int64_t{1} << 55};  // of a recording
+constexpr microseconds kLatestTime{std::int64_t{1} << 55};  // Largest time in a recording.
 constexpr microseconds kLongestPause{std::chrono::hours(24)};
 
 }  // namespace
@@ -39,7 +39,7 @@ Result<FrameRecording> FrameRecording::open(const std::string& path, const senso
   }
   content.color = sensor.has_color ? std::optional(recording::ColorCoding::kJpeg) : std::nullopt;
   content.frames_per_second = std::clamp(static_cast<int>(std::lround(sensor.frames_per_second)), 1, 1000);
-  content.max_depth = 65535;  // whatever the sensor gives
+  content.max_depth = 65535;  // The sensor may report any depth.
   auto writer = recording::OniWriter::create_numbered(path, content);
   if (!writer) return fail(writer.error());
   return FrameRecording(std::move(*writer), sensor);
@@ -67,8 +67,8 @@ Result<void> FrameRecording::write(const RgbdFrame& frame) {
   if (auto written = writer_.write_depth(times.depth + offset, frame.depth); !written) return written;
   ++frames_;
   if (!has_color_ || !frame.color || times.color_is_repeated) return {};
-  // Colour from before a restart of the sensor's clock gets the time of the colour picture before
-  // it.
+  // A colour picture from before a restart of the sensor's clock gets the time of the previous
+  // colour picture.
   last_color_ = std::max(times.color + offset, last_color_);
   return writer_.write_color(last_color_, *frame.color);
 }

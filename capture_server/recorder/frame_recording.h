@@ -1,12 +1,12 @@
 #pragma once
 
-// Records the sensor's frames: each depth picture bit by bit, each colour picture once, both with
-// the sensor's own times. Frames are recorded before registration, range and hole filling, so that
-// a replay runs all of these stages again.
+// Records the sensor's frames with the sensor's own times: each depth picture without loss, each
+// colour picture once. Frames are recorded before registration, range and hole filling, so that a
+// replay runs these stages again.
 //
-// If the requested file exists, the first free name of `name-2.oni`, `name-3.oni` and so on is
-// used. A recording never overwrites a file, not even after a crash or when several servers start
-// at once.
+// A recording never overwrites a file. If the requested file exists, the first free name of
+// `name-2.oni`, `name-3.oni` and so on is used. This holds after a crash and when several servers
+// start at once.
 //
 // Thread: one thread at a time.
 
@@ -22,12 +22,12 @@
 
 namespace copresence::server {
 
-/// Converts the sensor's time into a recording's, which never decreases. If the sensor's clock
-/// restarts (it was plugged in again), the recording continues at its last time plus the time that
-/// has passed since on this process's clock. Thread: a value.
+/// Converts the sensor's times into a recording's times, which never decrease. If the sensor's
+/// clock restarts because the camera was plugged in again, the recording continues at its last time
+/// plus the time that has passed on this process's clock.
 class RecordingClock {
  public:
-  /// The recording's time zero minus the sensor's, for this frame and later ones.
+  /// Offset from the sensor's times to the recording's, for this frame and later frames.
   std::chrono::microseconds offset_for(std::chrono::microseconds sensor_time, Instant captured_at);
 
  private:
@@ -38,24 +38,24 @@ class RecordingClock {
 
 class FrameRecording {
  public:
-  /// `camera_name` becomes part of the camera metadata. The start of the recording (UTC) is noted
+  /// `camera_name` becomes part of the camera metadata. The start of the recording (UTC) is written
   /// with its first frame. A copy of a recording keeps the original's start; every other recording
   /// starts now.
-  /// Fails (kUnavailable, kInvalid) if the file cannot be created.
+  /// Fails with kUnavailable or kInvalid if the file cannot be created.
   static Result<FrameRecording> open(const std::string& path, const sensor::SensorDescription& sensor,
                                      const std::string& camera_name);
 
   const std::string& path() const { return writer_.path(); }
 
-  /// Fails  kInvalid, kUnsupported: this frame is left out; kUnavailable: nothing more can be
-  ///        written, call finish().
+  /// Writes a frame. Fails with kInvalid or kUnsupported if this frame is left out. Fails with
+  /// kUnavailable if nothing more can be written; call finish() then.
   Result<void> write(const RgbdFrame& frame);
 
-  /// The frames written so far then survive the death of this process.
+  /// Makes sure that the frames written so far survive the end of this process.
   Result<void> checkpoint() { return writer_.checkpoint(); }
 
-  /// Call once, at the end. The file is then checked as for a replay, up to kMostChecked frames:
-  /// checking longer ones takes more time than a stop has.
+  /// Completes the file and checks it as for a replay. Call it once, at the end. A file of more
+  /// than kMostChecked frames is not checked, because a stop has too little time for that.
   Result<void> finish();
 
   std::uint64_t frames() const { return frames_; }

@@ -15,7 +15,6 @@ using std::chrono::steady_clock;
 constexpr milliseconds kCheckpointEvery{500};
 constexpr milliseconds kSayEvery{5000};
 
-// Copies the parts of a frame that a recording needs.
 RgbdFrame copy_for_recording(const RgbdFrame& frame) {
   RgbdFrame copy;
   copy.metadata = frame.metadata;
@@ -78,7 +77,7 @@ void RecordingThread::end(milliseconds drain_for) {
 
 void RecordingThread::run() {
   pthread_setname_np(pthread_self(), "record");
-  checkpoint_at_ = steady_clock::now();  // a checkpoint right after the first frame
+  checkpoint_at_ = steady_clock::now();  // The first checkpoint follows the first frame.
   while (const auto frame = waiting_.take()) {
     const Instant now = steady_clock::now();
     if (over_ || now > give_up_at_.load()) {

@@ -1,9 +1,9 @@
 #pragma once
 
-// Records in parallel to the stream, on a thread of its own with a bounded queue. If the disk is
-// slow or full, the recording loses frames, which are counted and logged. The stream never does.
+// Records in parallel to the stream, on its own thread with a bounded queue. If the disk is slow or
+// full, the recording loses frames, which are counted and logged, but the stream loses none.
 //
-// Thread: created, used and destroyed by the pipeline; offer() only by the capture thread.
+// Thread: the pipeline creates, uses and destroys it. Only the capture thread calls offer().
 
 #include <atomic>
 #include <chrono>
@@ -20,29 +20,29 @@ namespace copresence::server {
 
 class RecordingThread {
  public:
-  /// Frames that may wait for the disk: one second, 50 MB at 640x480.
+  /// Capacity of the queue in frames: one second, 50 MB at 640x480.
   static constexpr std::size_t kMostWaiting = 32;
 
-  /// Begins to record. The recording's progress is logged.
+  /// Begins to record and logs its progress.
   explicit RecordingThread(FrameRecording recording);
 
-  /// Waits until the frames that end() left are written, however long the disk takes, and logs that
-  /// it waits. Without end(), frames in the queue are dropped.
+  /// Waits until the frames that end() left in the queue are written, however long the disk takes,
+  /// and logs that it waits. Without end(), frames in the queue are dropped.
   ~RecordingThread();
   RecordingThread(const RecordingThread&) = delete;
   RecordingThread& operator=(const RecordingThread&) = delete;
 
-  /// Copies the frame into the queue, or counts it as left out if the queue is full. With
-  /// `may_wait`, for sources that can wait, it waits for room, however long the disk takes, and
-  /// logs that it waits.
+  /// Copies the frame into the queue. If the queue is full, the frame is counted as left out. With
+  /// `may_wait`, for sources that can wait, it instead waits for room, however long the disk takes,
+  /// and logs that.
   void offer(const RgbdFrame& frame, bool may_wait, std::stop_token stop);
 
-  /// Ends the queue. Of the frames in it, those are written that can be within `drain_for`.
+  /// Closes the queue. The recording thread writes the remaining frames for at most `drain_for`.
   void end(std::chrono::milliseconds drain_for);
 
   const std::string& path() const { return recording_.path(); }
 
-  /// Frames that were offered but are not in the recording.
+  /// Number of frames that were offered but are not in the recording.
   std::uint64_t left_out() const { return left_out_; }
 
  private:
@@ -57,10 +57,10 @@ class RecordingThread {
   flow::BoundedQueue<RgbdFrame> waiting_{kMostWaiting};
   std::atomic<std::uint64_t> left_out_ = 0;
   std::atomic<Instant> give_up_at_ = Instant::max();
-  std::atomic<bool> over_ = false;   ///< nothing more can be written
-  std::uint64_t said_left_out_ = 0;  ///< of the capture thread, like the next member
+  std::atomic<bool> over_ = false;   ///< True if nothing more can be written.
+  std::uint64_t said_left_out_ = 0;  ///< Only for the capture thread, like the next member.
   Instant said_left_out_at_{};
-  Instant said_refused_at_{}, checkpoint_at_{};  ///< of the recording thread
+  Instant said_refused_at_{}, checkpoint_at_{};  ///< Only for the recording thread.
   std::promise<void> written_;
   std::jthread thread_;
 };

@@ -28,7 +28,7 @@ namespace copresence::sensor {
 /// A source's properties, known before its first frame.
 struct SensorDescription {
   std::string name;  ///< Name of the device or the file, for messages.
-  std::string uri;   ///< of a device: open_device() opens this very device by it
+  std::string uri;   ///< URI by which open_device() opens this very device.
   CameraModel depth;
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthNoise noise;         ///< A Kinect v1's, since no driver or recording reports its own.

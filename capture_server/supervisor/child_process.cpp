@@ -27,7 +27,7 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 constexpr milliseconds kBetweenLooks{100}, kBetweenLooksWhileStopping{20};
-constexpr int kStarvedSilence = 6;  // multiple of the usual limit, see SupervisorPolicy
+constexpr int kStarvedSilence = 6;  // In multiples of the usual limit, see SupervisorPolicy.
 constexpr milliseconds kKilledWithin{2000};
 
 double seconds(nanoseconds time) {
@@ -39,7 +39,7 @@ bool is_fatal(int signal) {
   return std::find(kFatal.begin(), kFatal.end(), signal) != kFatal.end();
 }
 
-// Suspended by a signal ('T') or by a debugger ('t').
+// True if a signal ('T') or a debugger ('t') has suspended the process.
 bool is_suspended(pid_t process) {
   std::ifstream file(fmt::format("/proc/{}/stat", process));
   std::string line;
@@ -115,11 +115,11 @@ ChildProcess::ChildProcess(const SupervisorPolicy& policy, const BlockedSignals&
                            const Predecessor& predecessor, const std::function<int(Heartbeat&)>& child_main)
     : policy_(policy), signals_(signals), report_(report) {
   const pid_t parent = ::getpid();
-  std::fflush(nullptr);  // else both processes write what is still buffered
+  std::fflush(nullptr);  // Else both processes would write the buffered text.
   id_ = ::fork();
   if (id_ != 0) return;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) std::_Exit(1);  // the parent died before prctl()
+  if (::getppid() != parent) std::_Exit(1);  // The parent died before prctl().
   Heartbeat heartbeat(report_, predecessor);
   heartbeat.note_crashes();
   signals_.restore_in_child();
@@ -132,11 +132,11 @@ ChildEnd ChildProcess::wait() {
   starved_ = policy_.starvation ? [this] { return policy_.starvation(id_); }
                                 : std::function<nanoseconds()>([&account] { return account.look(); });
   flow::WatchedTime time;
-  auto last = time.look(nanoseconds(0));  // value of `time`
+  auto last = time.look(nanoseconds(0));  // The previous value of `time`.
   while (true) {
     const milliseconds look = between_looks();
     const auto arrived = signals_.wait(look);
-    // A late look, because this process was suspended or got no CPU, counts no more than twice.
+    // If this process was suspended or got no CPU, a step counts as at most twice its length.
     const auto now = time.look(2 * look);
     const nanoseconds step = now - std::exchange(last, now);
     if (arrived.hangup) ::kill(id_, SIGHUP);
@@ -168,7 +168,7 @@ void ChildProcess::ask_to_stop() {
   stop_asked_at_ = Clock::now();
   stopping_.begin_again(starved_());
   ::kill(id_, SIGTERM);
-  ::kill(id_, SIGCONT);  // a suspended child does not receive the SIGTERM
+  ::kill(id_, SIGCONT);  // A suspended child does not receive the SIGTERM.
 }
 
 std::optional<ChildEnd> ChildProcess::reap() {
@@ -203,7 +203,7 @@ ChildEnd ChildProcess::ended(int status) {
     return describe(ChildEnd::Kind::kExited, WEXITSTATUS(status));
   if (WIFEXITED(status)) {
     ChildEnd end = describe(ChildEnd::Kind::kKilled, SIGTERM);
-    end.stage = Stage::kRunning;  // it was running and ended only because of the signal
+    end.stage = Stage::kRunning;  // The child was running and ended only because of the signal.
     return end;
   }
   ChildEnd end = describe(own_crash ? ChildEnd::Kind::kCrashed : ChildEnd::Kind::kKilled, signal);
@@ -254,7 +254,7 @@ std::optional<ChildEnd> ChildProcess::look_at_threads(nanoseconds step) {
     }
     const milliseconds usual = pace == Pace::kOpening ? policy_.opening : policy_.silence;
     if (!watched.silence.is_over(step, usual, kStarvedSilence * usual, starved_)) continue;
-    if (is_suspended(id_)) {  // by a debugger; waitpid() reports a suspension by a signal
+    if (is_suspended(id_)) {  // By a debugger. waitpid() reports a suspension by a signal.
       watched.silence.begin_again();
       continue;
     }
@@ -266,7 +266,7 @@ std::optional<ChildEnd> ChildProcess::look_at_threads(nanoseconds step) {
   return std::nullopt;
 }
 
-// Gives up after kKilledWithin: the kernel may not let go of a process that waits for a device.
+// Gives up after kKilledWithin, because the kernel may keep a process that waits for a device.
 void ChildProcess::kill_at_once() const {
   ::kill(id_, SIGKILL);
   for (const auto until = Clock::now() + kKilledWithin; Clock::now() < until;) {

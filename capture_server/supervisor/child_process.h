@@ -1,6 +1,6 @@
 #pragma once
 
-// A child process of the supervisor: its start, the observation of its threads, and its end.
+// A child process of the supervisor: its start, the monitoring of its threads, and its end.
 //
 // Thread: the supervisor's only thread.
 
@@ -20,7 +20,7 @@
 
 namespace copresence::server {
 
-/// The signals that the parent waits for instead of being interrupted by them.
+/// Blocks the signals that the parent process waits for.
 class BlockedSignals {
  public:
   explicit BlockedSignals(bool hangup_too);
@@ -28,16 +28,16 @@ class BlockedSignals {
   BlockedSignals(const BlockedSignals&) = delete;
   BlockedSignals& operator=(const BlockedSignals&) = delete;
 
-  /// Ignores SIGINT and then unblocks it: a pending Ctrl-C is for the parent to pass on.
+  /// Ignores SIGINT and then unblocks it, because the parent handles a pending Ctrl-C.
   void restore_in_child() const;
 
   struct Arrived {
-    bool stop = false;       ///< SIGTERM or SIGINT
-    bool interrupt = false;  ///< SIGINT
+    bool stop = false;       ///< SIGTERM or SIGINT arrived.
+    bool interrupt = false;  ///< SIGINT arrived.
     bool hangup = false;
   };
 
-  /// The signals that arrived within `time`. The end of a child ends the wait, too.
+  /// Returns the signals that arrived within `time`. The wait also ends when a child ends.
   Arrived wait(std::chrono::milliseconds time) const;
 
  private:
@@ -45,7 +45,7 @@ class BlockedSignals {
   int descriptor_ = -1;
 };
 
-/// A ChildReport in shared memory of parent and children. Each child begins with a new one.
+/// A ChildReport in shared memory of parent and children. Each child starts with a new one.
 class SharedReport {
  public:
   SharedReport();
@@ -54,7 +54,7 @@ class SharedReport {
   SharedReport& operator=(const SharedReport&) = delete;
 
   bool has_memory() const;
-  /// Requires has_memory().
+  /// Clears the report for the next child. Requires has_memory().
   ChildReport& begin_anew();
 
  private:
@@ -66,25 +66,25 @@ struct ChildEnd {
   enum class Kind {
     kNotStarted,
     kExited,
-    kStopped,        ///< after a stop request, in whichever way
-    kWouldNotStop,   ///< killed: it did not stop in time
-    kStoppedAtOnce,  ///< killed on a second stop request
-    kCrashed,        ///< by its own fault
-    kKilled,         ///< by a signal from another process
+    kStopped,        ///< Ended after a stop request, in any way.
+    kWouldNotStop,   ///< Killed, because it did not stop in time.
+    kStoppedAtOnce,  ///< Killed on a second stop request.
+    kCrashed,        ///< Crashed by its own fault.
+    kKilled,         ///< Killed by a signal from another process.
     kHung,
   };
   Kind kind = Kind::kExited;
-  int code = 0;        ///< exit status, or the signal's number
-  bool crash = false;  ///< whether it crashed after a stop request
+  int code = 0;        ///< Exit status, or the signal's number.
+  bool crash = false;  ///< True if it crashed after a stop request.
   Stage stage = Stage::kPreparing;
   std::string activity{}, remedy{};
   std::uint64_t frames = 0;
-  std::string thread{};                ///< that crashed or hung; empty if unknown
-  pid_t sender = 0;                    ///< of the signal that killed it; 0 if unknown
-  std::chrono::nanoseconds silent{0};  ///< of one that hung
+  std::string thread{};                ///< The thread that crashed or hung. Empty if it is unknown.
+  pid_t sender = 0;                    ///< Process that sent the killing signal, or 0.
+  std::chrono::nanoseconds silent{0};  ///< How long the hung thread was silent.
 };
 
-/// A deadline that is extended by the time in which the child got no CPU.
+/// A time limit that grows by the time in which the child got no CPU.
 class Countdown {
  public:
   void begin_again(std::optional<std::chrono::nanoseconds> starved_before = std::nullopt) {
@@ -93,8 +93,8 @@ class Countdown {
   }
   std::chrono::nanoseconds passed() const { return passed_; }
 
-  /// Whether it is over after `step` more. `starved` is called only once a fourth of `usual` has
-  /// passed.
+  /// Adds `step` and returns true if the limit has passed. The limit is `usual` plus the result of
+  /// `starved`, at most `most`. `starved` is called only after a fourth of `usual`.
   bool is_over(std::chrono::nanoseconds step, std::chrono::nanoseconds usual, std::chrono::nanoseconds most,
                const std::function<std::chrono::nanoseconds()>& starved);
 
@@ -105,11 +105,11 @@ class Countdown {
 
 class ChildProcess {
  public:
-  /// Forks; `child_main` runs in the child. All arguments outlive this.
+  /// Forks and runs `child_main` in the child. All arguments outlive this object.
   ChildProcess(const SupervisorPolicy& policy, const BlockedSignals& signals, ChildReport& report,
                const Predecessor& predecessor, const std::function<int(Heartbeat&)>& child_main);
 
-  /// Passes signals on and watches the child until it has ended.
+  /// Passes signals on and monitors the child until it has ended.
   ChildEnd wait();
 
  private:

@@ -31,8 +31,8 @@ std::string doing(const ChildEnd& end) {
   }
 }
 
-// A crash of another thread, such as the encoder, is not the recording's fault. If the thread is
-// unknown, it may be the capture thread.
+// True if the recording may have caused the crash. A crash of a thread other than the capture
+// thread, such as the encoder's, has another cause.
 bool is_of_capture(const ChildEnd& end) {
   return end.thread.empty() || end.thread == "capture";
 }

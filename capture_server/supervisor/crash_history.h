@@ -1,6 +1,7 @@
 #pragma once
 
-// Evaluates how child processes ended: the messages about it, and whether to start another child.
+// Evaluates how child processes ended: it writes the messages and decides whether to start another
+// child.
 //
 // Thread: the supervisor's only thread.
 
@@ -15,19 +16,19 @@ namespace copresence::server {
 /// Prints a sentence on standard error.
 void say(const std::string& sentence);
 
-/// What happened to a child, as the beginning of a sentence: "x.oni: capture crashed (...) after 12
-/// frames".
+/// Describes the end of a child as the beginning of a sentence: "x.oni: capture crashed (...) after
+/// 12 frames".
 std::string what_happened(const SupervisorPolicy& policy, const ChildEnd& end);
 
-/// Crashes and hangs over the lives of several children.
+/// The crashes and hangs of several children in a row.
 class CrashHistory {
  public:
   explicit CrashHistory(const SupervisorPolicy& policy) : policy_(policy) {}
 
-  /// Why another child makes no sense, as the end of a sentence; nothing if it does.
+  /// The reason why no other child is started, as the end of a sentence. Nothing if one is started.
   std::optional<std::string> verdict(const ChildEnd& end, std::chrono::nanoseconds lived);
 
-  /// How long to wait before the next child.
+  /// The pause before the next child.
   std::chrono::milliseconds pause() const;
 
  private:

@@ -13,12 +13,12 @@ namespace {
 
 constexpr int kFatalSignals[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS};
 
-// Used by the signal handler; set before it is installed.
+// The report for the signal handler. It is set before the handler is installed.
 ChildReport* noted_in = nullptr;
 struct sigaction actions_before[NSIG];
 
-// Notes the first fatal signal and passes it on to the former handler: a sanitizer's, or the
-// default, which ends the process.
+// Stores the first fatal signal in the report and passes it on to the former handler. That is a
+// sanitizer's handler or the default one, which ends the process.
 void note_and_pass_on(int number, siginfo_t* info, void*) {
   int none = 0;
   if (noted_in->fatal_signal.compare_exchange_strong(none, number)) {
@@ -29,7 +29,7 @@ void note_and_pass_on(int number, siginfo_t* info, void*) {
     noted_in->sender = was_sent ? info->si_pid : 0;
   }
   ::sigaction(number, &actions_before[number], nullptr);
-  // A fault recurs on return. A signal that was sent does not, so it is raised again.
+  // A fault occurs again after the return. A sent signal does not, so it is raised again.
   if (info->si_code <= 0) ::raise(number);
 }
 
@@ -58,7 +58,7 @@ Heartbeat::Activity Heartbeat::doing(std::string_view what, std::string_view rem
 
 void Heartbeat::note_crashes() {
   noted_in = &report_;
-  // The handler needs a stack of its own: the crash may be an overflow of this thread's.
+  // The handler needs its own stack, because the crash may be a stack overflow.
   static std::array<char, 64 * 1024> stack_of_handler;
   stack_t stack{};
   stack.ss_sp = stack_of_handler.data();

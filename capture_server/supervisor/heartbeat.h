@@ -1,11 +1,10 @@
 #pragma once
 
-// Reports of a supervised child to its parent, in shared memory: the progress of its threads, its
-// present activity and, after a crash, the crashed thread. The parent can read it at any time, even
-// after the child's death.
+// Reports from a supervised child process to its parent, in shared memory: the progress of its
+// threads, its present activity and, after a crash, the crashed thread. The parent can read them at
+// any time, even after the child's death.
 //
-// Thread: all functions may be called from any thread of the child. A Pulse belongs to one thread
-// at a time.
+// Thread: any thread of the child may call all functions. A Pulse belongs to one thread at a time.
 
 #include <sys/types.h>
 
@@ -19,8 +18,8 @@
 
 namespace copresence::server {
 
-/// Text of fixed size that one process writes and another reads. A text that is read during a write
-/// may be a mixture.
+/// Text of limited size that one process writes and another reads. A text that is read during a
+/// write may be a mixture of the old and the new text.
 template <std::size_t kSize>
 class SharedText {
  public:
@@ -43,23 +42,22 @@ class SharedText {
   std::array<std::atomic<char>, kSize> bytes_{};
 };
 
-/// How long a thread may go without a beat.
+/// How long a thread may be silent.
 enum class Pace : int {
-  kUnused,   ///< no thread reports here
-  kResting,  ///< it waits for another thread, for any time
-  kWorking,  ///< SupervisorPolicy::silence
-  kOpening,  ///< SupervisorPolicy::opening
+  kUnused,   ///< No thread reports here.
+  kResting,  ///< It waits for another thread, for any time.
+  kWorking,  ///< At most SupervisorPolicy::silence.
+  kOpening,  ///< At most SupervisorPolicy::opening.
 };
 
-/// The phases of a child's life.
 enum class Stage : int {
-  kPreparing,  ///< reads files, opens what frames pass through
-  kOpening,    ///< opens the camera or the recording
-  kRunning,    ///< frames come
-  kEnding,     ///< finishes what it has begun
+  kPreparing,  ///< Reads files and opens the encoders.
+  kOpening,    ///< Opens the camera or the recording.
+  kRunning,    ///< Captures and streams frames.
+  kEnding,     ///< Completes the work in progress.
 };
 
-/// The shared memory. The parent creates it before the child starts; initially all zero.
+/// The shared memory. The parent creates it before the child starts. Initially all bytes are zero.
 struct ChildReport {
   static constexpr std::size_t kMostThreads = 8;
 
@@ -75,21 +73,21 @@ struct ChildReport {
   std::atomic<std::uint64_t> frames{0};
   SharedText<512> activity, remedy;
 
-  // About a fatal signal, from its handler.
+  // The handler of a fatal signal writes these members.
   std::atomic<int> fatal_signal{0};
-  std::atomic<pid_t> sender{0};  ///< the process that sent the signal; 0 for a fault
+  std::atomic<pid_t> sender{0};  ///< The process that sent the signal; 0 for a fault.
   SharedText<16> crashed_thread;
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<Pace>::is_always_lock_free);
 
-/// Signs of life of one thread.
+/// Reports that one thread makes progress.
 class Pulse {
  public:
   explicit Pulse(ChildReport::Thread& thread) : thread_(&thread) {}
 
-  /// The thread made progress. The next beat follows within SupervisorPolicy::silence.
+  /// The thread made progress. The next call follows within SupervisorPolicy::silence.
   void beat() { set(Pace::kWorking); }
-  /// The thread waits for another thread, a viewer or a disk: silence is no fault.
+  /// The thread waits for another thread, a viewer or a disk, so silence is no fault.
   void rest() { set(Pace::kResting); }
   /// The thread is about to open or close a camera, which may take SupervisorPolicy::opening.
   void open() { set(Pace::kOpening); }
@@ -103,10 +101,10 @@ class Pulse {
   ChildReport::Thread* thread_;
 };
 
-/// The child before this one.
+/// Facts about the previous child process.
 struct Predecessor {
   bool existed = false;
-  std::string crashed_while;  ///< its activity if it crashed, else empty
+  std::string crashed_while;  ///< Its activity if it crashed, else empty.
 };
 
 class Heartbeat {
@@ -114,21 +112,21 @@ class Heartbeat {
   /// `report` outlives this.
   Heartbeat(ChildReport& report, Predecessor predecessor);
 
-  /// The pulse of the first thread. It begins in the state "opening".
+  /// The pulse of the main thread. It begins in the state Pace::kOpening.
   Pulse& main() { return main_; }
 
-  /// A pulse for a further thread. `name`: up to 15 characters, for messages. Requires at most
-  /// ChildReport::kMostThreads in all.
+  /// Creates a pulse for another thread. `name` has up to 15 characters and appears in messages.
+  /// Requires at most ChildReport::kMostThreads threads in all.
   Pulse pulse(std::string_view name);
 
   void enter(Stage stage) { report_.stage = stage; }
 
-  /// The number of captured frames so far: the place in a recording at which a crash happens.
+  /// Reports the number of captured frames. It tells at which place in a recording a crash happens.
   void captured(std::uint64_t frames) { report_.frames.store(frames, std::memory_order_relaxed); }
 
   const Predecessor& predecessor() const { return predecessor_; }
 
-  /// Marks an activity that a message about the child's death should name. It lasts as long as this
+  /// Marks an activity that a message about the child's death names. It lasts as long as this
   /// object, also across stages.
   class Activity {
    public:
@@ -144,12 +142,13 @@ class Heartbeat {
     ChildReport* report_;
   };
 
-  /// `what`: "reading the scene file lab.toml". `remedy`: advice if it crashes repeatedly, such as
-  /// "mend that file". One at a time.
+  /// Begins an activity. `what` describes it, such as "reading the scene file lab.toml". `remedy`
+  /// is the advice after repeated crashes, such as "mend that file". Only one activity may exist at
+  /// a time.
   [[nodiscard]] Activity doing(std::string_view what, std::string_view remedy);
 
-  /// Installs handlers that note fatal signals (SIGSEGV, SIGABRT and others) in the report before
-  /// they end the process.
+  /// Installs handlers that write fatal signals (SIGSEGV, SIGABRT and others) into the report
+  /// before the process ends.
   void note_crashes();
 
  private:

@@ -39,13 +39,13 @@ int supervise(const SupervisorPolicy& policy, const std::function<int(Heartbeat&
       case ChildEnd::Kind::kStoppedAtOnce:
         return 128 + end.code;
       case ChildEnd::Kind::kWouldNotStop:
-        if (end.stage == Stage::kOpening || end.stage == Stage::kPreparing) return 0;  // nothing was lost
+        if (end.stage == Stage::kOpening || end.stage == Stage::kPreparing) return 0;  // Nothing was lost.
         say(what_happened(policy, end));
         return 1;
       default:
         break;
     }
-    if (end.stage == Stage::kEnding) {  // its work was done
+    if (end.stage == Stage::kEnding) {  // Its work was done.
       say(what_happened(policy, end));
       return 1;
     }
@@ -58,7 +58,7 @@ int supervise(const SupervisorPolicy& policy, const std::function<int(Heartbeat&
     for (const auto until = Clock::now() + history.pause(); Clock::now() < until;) {
       const auto left = std::chrono::ceil<milliseconds>(until - Clock::now());
       if (signals.wait(std::max(left, milliseconds(1))).stop)
-        return 0;  // a new child reads the settings file anyway, so SIGHUP needs no action
+        return 0;  // A new child reads the settings file, so SIGHUP needs no action.
     }
   }
 }

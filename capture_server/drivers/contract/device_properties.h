@@ -1,41 +1,42 @@
 #pragma once
 
-// Properties of this project's drivers beyond OpenNI2's own. Their numbers do not overlap with
-// OpenNI2's and PrimeSense's. A wrong size is refused with ONI_STATUS_BAD_PARAMETER.
-//
-// Thread: values.
+// Properties of this project's drivers in addition to OpenNI2's own. Their numbers do not overlap
+// with those of OpenNI2 and PrimeSense. A request with a wrong size fails with
+// ONI_STATUS_BAD_PARAMETER.
 
 #include <array>
 
 namespace copresence::drivers {
 
-/// Device, read: the pose world_from_camera as three rows of three rotation columns and the
-/// translation in metres. Only simulated cameras know it.
+/// Property of a device, read-only: the pose world_from_camera as three rows of three rotation
+/// columns and the translation in metres. Only simulated cameras have it.
 inline constexpr int kPose = 0x43500001;
 using Pose = std::array<double, 12>;
 
-/// Stream, read: fx, fy, cx, cy in pixels, if the driver knows more than a field of view.
+/// Property of a stream, read-only: fx, fy, cx and cy in pixels. Drivers that know only a field of
+/// view lack it.
 inline constexpr int kIntrinsics = 0x43500002;
 using Intrinsics = std::array<double, 4>;
 
-/// Depth stream, read: an std::uint16_t for each disparity, its depth in the stream's unit, or 0.
-/// This is PrimeSense's property XN_STREAM_PROPERTY_S2D_TABLE of PS1080.h, which third-party
-/// cameras and recordings have, too.
+/// Property of a depth stream, read-only: for each disparity, its depth as std::uint16_t in the
+/// stream's unit, or 0. It is XN_STREAM_PROPERTY_S2D_TABLE of PrimeSense's PS1080.h, which
+/// third-party cameras and recordings also have.
 inline constexpr int kDepthOfDisparity = 0x10801010;
 
-/// Device, read and write, double: degrees of the camera's tilt above the horizon, -30 to 30.
+/// Property of a device, read and write, double: tilt of the camera above the horizon, -30 to 30
+/// degrees.
 inline constexpr int kTilt = 0x43500003;
 
-/// Device, write, int: the light on its front, a value of Light.
+/// Property of a device, write-only, int: the light on its front, a value of Light.
 inline constexpr int kLight = 0x43500004;
 enum class Light { kOff = 0, kGreen = 1, kRed = 2, kYellow = 3, kBlinkingGreen = 4, kBlinkingRedYellow = 6 };
 
-/// Device, read and write, int 0 or 1: depth from 0.4 m instead of 0.8 m. Kinect for Windows only;
-/// any other device answers ONI_STATUS_NOT_SUPPORTED.
+/// Property of a device, read and write, int: 1 if depth starts at 0.4 m instead of 0.8 m, else 0.
+/// Only Kinect for Windows has it; other devices answer ONI_STATUS_NOT_SUPPORTED.
 inline constexpr int kNearMode = 0x43500005;
 
-/// Device, read and write, int 0 or 1: whether its projector is on. It is on when the device is
-/// opened. Without its projector a camera has no depth: its depth pictures are empty or missing.
+/// Property of a device, read and write, int: 1 if its projector is on, else 0. It is on when the
+/// device is opened. While it is off, depth pictures are empty or missing.
 inline constexpr int kProjector = 0x43500006;
 
 }  // namespace copresence::drivers

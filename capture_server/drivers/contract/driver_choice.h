@@ -1,14 +1,13 @@
 #pragma once
 
-// Which camera drivers are active in a process. OpenNI2 loads every driver in its folder, and the
-// shutdown of PS1080 alone takes up to 0.4 s. So the drivers of this project do nothing unless they
-// are chosen.
+// The choice of camera drivers that are active in a process. OpenNI2 loads every driver in its
+// folder, and the shutdown of PS1080 alone takes up to 0.4 s. So the drivers of this project do
+// nothing unless they are chosen.
 //
-// The choice is passed in an environment variable, set before OpenNI2 is initialised: a driver is a
-// separate library and shares nothing else with its process. Unset means all, so that other
-// programs (NiViewer2) find every camera.
+// The choice is passed in an environment variable, set before OpenNI2 is initialised, because a
+// driver is a separate library and shares nothing else with its process. If the variable is not
+// set, all drivers are active, so that other programs (NiViewer2) find every camera.
 //
-// Thread: values.
 
 #include <algorithm>
 #include <cstdlib>
@@ -19,14 +18,13 @@ namespace copresence::drivers {
 inline constexpr const char* kChoiceVariable = "COPRESENCE_DRIVERS";
 inline constexpr std::string_view kPrimeSense = "primesense", kKinectV1 = "kinect_v1",
                                   kSimulated = "simulated",
-                                  kInstalled =
-                                      "installed";  ///< drivers that a user has installed for OpenNI2
-/// Names, joined by commas.
+                                  kInstalled = "installed";  ///< Drivers that a user has installed.
+/// Several names, joined by commas.
 inline constexpr std::string_view kOtherThanKinects = "primesense,installed",
                                   kRealCameras = "primesense,kinect_v1,installed",
                                   kEveryDriver = "primesense,kinect_v1,installed,simulated";
 
-/// The driver of a camera by its URI in OpenNI2. Most third-party drivers use
+/// The driver of a camera by its OpenNI2 URI. Most third-party URIs have the form
 /// VENDOR/PRODUCT@BUS/ADDRESS.
 inline std::string_view driver_of(std::string_view uri) {
   if (uri.starts_with("simulated:")) return kSimulated;
@@ -34,7 +32,7 @@ inline std::string_view driver_of(std::string_view uri) {
   return uri.starts_with("1d27/") ? kPrimeSense : kInstalled;
 }
 
-/// Whether the driver with this name is active in this process.
+/// True if the driver with this name is active in this process.
 inline bool is_chosen(std::string_view driver) {
   const char* const variable = std::getenv(kChoiceVariable);
   if (!variable) return true;

@@ -1,8 +1,8 @@
 #pragma once
 
-// A third-party camera driver inside a driver of this project. It is a library of its own, loaded
-// from its installed path and only if it is needed. Its devices and streams are passed on
-// unchanged: OpenNI2's driver interface gives them the same virtual functions in every driver.
+// Embeds a third-party camera driver in a driver of this project. Its library is loaded from its
+// installed path, and only if it is needed. Its devices and streams are passed on unchanged,
+// because OpenNI2's driver interface gives them the same virtual functions in every driver.
 //
 // Thread: as OpenNI2 calls a driver.
 
@@ -18,11 +18,11 @@ namespace copresence::drivers {
 class ForeignDriver {
  public:
   /// Loads the library. It stays loaded until the process ends, since threads of PS1080 were seen
-  /// to run in it after its shutdown. Returns nothing if the file is missing or is no driver for
-  /// OpenNI2.
+  /// to run in its code after its shutdown. Returns nothing if the file is missing or is no OpenNI2
+  /// driver.
   static std::optional<ForeignDriver> load(const std::string& path);
 
-  /// The functions that a driver's library exports.
+  /// These functions forward to those that the driver's library exports.
   void create(OniDriverServices* services) const { create_(services); }
   OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
                        oni::driver::DeviceDisconnectedCallback disconnected,
@@ -52,10 +52,10 @@ class ForeignDriver {
   void (*destroy_)() = nullptr;
 };
 
-/// Base of a driver that passes OpenNI2's calls on to third-party drivers.
+/// Base of a driver that forwards OpenNI2's calls to third-party drivers.
 class ForeignDriverHost : public oni::driver::DriverBase {
  public:
-  /// `name` is one of driver_choice.h.
+  /// `name` is one of the names in driver_choice.h.
   ForeignDriverHost(OniDriverServices* services, std::string_view name)
       : DriverBase(services), services_(services), name_(name) {}
 

@@ -2,7 +2,7 @@
 
 // A thread that calls a function periodically until it is destroyed.
 //
-// Thread: created and destroyed by its owner; the function runs on the new thread.
+// Thread: its owner creates and destroys it. The function runs on the new thread.
 
 #include <chrono>
 #include <condition_variable>
@@ -14,7 +14,7 @@ namespace copresence::drivers {
 
 class PeriodicThread {
  public:
-  /// Calls `look` every `period`; the first call is after one period.
+  /// Calls `look` every `period`, for the first time after one period.
   PeriodicThread(std::chrono::milliseconds period, std::function<void()> look)
       : thread_([period, look = std::move(look)](const std::stop_token& stop) {
           std::mutex sleeping;
@@ -27,7 +27,7 @@ class PeriodicThread {
         }) {}
 
  private:
-  std::jthread thread_;  // joins at the end
+  std::jthread thread_;  // Its destructor stops the thread and joins it.
 };
 
 }  // namespace copresence::drivers

@@ -91,7 +91,7 @@ std::optional<PushStream::Picture> PushStream::next_picture() {
 void PushStream::no_picture() {
   const std::lock_guard lock(mutex_);
   on_its_way_ = false;
-  given_back_.notify_all();  // with the lock held: the waiting thread may destroy the stream
+  given_back_.notify_all();  // Call it with the lock held: the waiting thread may destroy the stream.
 }
 
 void PushStream::Picture::GiveBack::operator()(OniFrame* frame) const {
@@ -156,7 +156,8 @@ OniStatus PushStream::getProperty(int property, void* data, int* size) {
       return give(row_bytes());
     case ONI_STREAM_PROPERTY_MIRRORING:
       return give(OniBool{FALSE});
-    case ONI_STREAM_PROPERTY_CROPPING:  // without cropping, OpenNI2's player drops every frame of a recording
+    // OpenNI2's player drops every frame of a recording that lacks this property.
+    case ONI_STREAM_PROPERTY_CROPPING:
       return give(OniCropping{});
     case ONI_STREAM_PROPERTY_MAX_VALUE:
       return max_value_ > 0 ? give(max_value_) : ONI_STATUS_NOT_SUPPORTED;

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kServedOtherwise[] = {"PS1080", "FreenectDriver", "OniFile", "DummyDevice"};
 
-// The part between "lib" and ".so" of a library's name; empty if it has no such name.
+// The part of a library's name between "lib" and ".so". Empty if the name has no such parts.
 std::string_view stem_of(std::string_view file) {
   const auto end = file.find(".so");
   const bool is_library = file.starts_with("lib") && end != std::string_view::npos &&
@@ -45,7 +45,7 @@ std::vector<std::string> installed_drivers(const std::vector<std::string>& folde
   std::vector<std::string> found;
   std::set<std::string, std::less<>> names;
   for (const std::string& folder : folders) {
-    std::set<fs::path> files;  // libX.so before libX.so.0
+    std::set<fs::path> files;  // Sorted, so that libX.so comes before libX.so.0.
     std::error_code none;
     fs::directory_iterator entries(folder, none);
     for (; !none && entries != fs::directory_iterator(); entries.increment(none))
@@ -55,7 +55,7 @@ std::vector<std::string> installed_drivers(const std::vector<std::string>& folde
       const std::string_view stem = stem_of(name);
       if (!is_wanted(stem) || !names.emplace(stem).second) continue;
       const fs::path real = fs::canonical(file, none);
-      // A link may have another name than its target.
+      // A symbolic link may have another name than its target.
       if (none || !is_wanted(stem_of(real.filename().string()))) continue;
       if (std::find(found.begin(), found.end(), real.string()) == found.end()) found.push_back(real);
     }

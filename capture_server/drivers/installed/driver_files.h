@@ -10,14 +10,14 @@
 namespace copresence::drivers {
 
 /// Folders in which OpenNI2 or a vendor's installer puts drivers, in order of precedence:
-/// OPENNI2_DRIVERS_PATH (a folder of drivers), OPENNI2_REDIST (a folder that contains
-/// OpenNI2/Drivers), `system_folder` (Debian's), and the usual ones of /usr and /usr/local.
+/// OPENNI2_DRIVERS_PATH, OpenNI2/Drivers in OPENNI2_REDIST, `system_folder` (Debian's), and the
+/// usual folders in /usr and /usr/local.
 std::vector<std::string> driver_folders(const std::string& system_folder);
 
 /// Full paths of the drivers in these folders, sorted within each folder. Of two drivers with the
-/// same name, the first folder's counts. Left out are drivers whose cameras this project's drivers
-/// serve (PS1080, FreenectDriver), the player of recordings (OniFile), OpenNI2's example
-/// (DummyDevice), and this project's drivers.
+/// same name, the one in the first folder is used. The list leaves out drivers for cameras that
+/// this project's drivers serve (PS1080, FreenectDriver), the player of recordings (OniFile),
+/// OpenNI2's example (DummyDevice), and this project's drivers.
 std::vector<std::string> installed_drivers(const std::vector<std::string>& folders);
 
 }  // namespace copresence::drivers

@@ -1,6 +1,6 @@
-// Cameras of the drivers that a user has installed for OpenNI2 (Orbbec's, for example). OpenNI2
-// itself searches only this project's private folder. So this driver loads the others and passes
-// OpenNI2's calls on to the owner of each camera.
+// A driver for the cameras of all drivers that a user has installed for OpenNI2 (Orbbec's, for
+// example). OpenNI2 itself searches only this project's private folder. So this driver loads the
+// others and forwards OpenNI2's calls to the driver of each camera.
 
 #include <functional>
 #include <list>
@@ -25,7 +25,7 @@ class InstalledDrivers final : public ForeignDriverHost {
                  oni::driver::DeviceStateChangedCallback, void*) override {
     for (const std::string& path : installed_drivers(driver_folders(COPRESENCE_OPENNI_DRIVERS))) {
       const auto driver = ForeignDriver::load(path);
-      if (!driver) continue;  // most likely built for another system; the others still work
+      if (!driver) continue;  // It was probably built for another system.
       Loaded& loaded = drivers_.emplace_back(Loaded{*driver, this});
       driver->create(services());
       if (driver->initialize(on_connected, on_disconnected, on_changed, &loaded) != ONI_STATUS_OK)
@@ -69,7 +69,7 @@ class InstalledDrivers final : public ForeignDriverHost {
   }
 
   // OpenNI2 does not say to which driver the streams belong, so this works only with a single
-  // driver. Frames are also paired by their times, without it.
+  // driver. Without hardware sync, frames are paired by their times.
   void* enableFrameSync(StreamBase** streams, int count) override {
     return drivers_.size() == 1 ? drivers_.front().driver.enable_sync(streams, count) : nullptr;
   }
@@ -88,8 +88,8 @@ class InstalledDrivers final : public ForeignDriverHost {
     InstalledDrivers* owner;
   };
 
-  // A driver announces its cameras to this driver, which notes the owner and announces them to
-  // OpenNI2 as its own.
+  // An installed driver announces its cameras here. This driver stores which driver owns each
+  // camera and announces it to OpenNI2.
   static void on_connected(const OniDeviceInfo* info, void* cookie) {
     Loaded& loaded = *static_cast<Loaded*>(cookie);
     loaded.owner->note(info->uri, loaded);
@@ -107,8 +107,8 @@ class InstalledDrivers final : public ForeignDriverHost {
     announced_by_[uri] = &loaded;
   }
 
-  std::list<Loaded> drivers_;  // a list: the elements' addresses must not change
-  std::mutex mutex_;           // guards the maps
+  std::list<Loaded> drivers_;  // A list, because the elements' addresses must not change.
+  std::mutex mutex_;           // Guards the maps.
   std::map<std::string, const Loaded*, std::less<>> announced_by_;
   std::map<DeviceBase*, const Loaded*> opened_by_;
 };

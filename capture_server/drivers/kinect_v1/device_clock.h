@@ -1,11 +1,11 @@
 #pragma once
 
 // A Kinect's clock as microseconds that never wrap. The camera's timestamps are 32 bits of a 60 MHz
-// counter, which wraps every 71.6 s. The time that has passed on the host tells the number of
-// wraps, however long nothing came.
+// counter, which wraps every 71.6 s. The time that has passed on the host gives the number of
+// wraps, even after a long gap.
 //
 // Source: the OpenKinect protocol documentation (60 MHz).
-// Thread: a value.
+// Thread: one thread at a time per object.
 
 #include <cstdint>
 
@@ -15,13 +15,13 @@ class DeviceClock {
  public:
   static constexpr std::int64_t kTicksPerUs = 60;
 
-  /// When the picture with timestamp `ticks` was taken, from an arbitrary zero. `host_us`: the
-  /// present time on this machine's monotonic clock. It may be wrong by half a wrap, 35 s. Streams
-  /// of one device have the same clock and zero.
+  /// Converts the timestamp `ticks` of a picture to microseconds since an arbitrary zero. `host_us`
+  /// is the present time on this machine's monotonic clock, with an error of at most half a wrap,
+  /// 35 s. All streams of one device have the same clock and zero.
   std::uint64_t to_us(std::uint32_t ticks, std::int64_t host_us) {
     if (!begun_) {
       begun_ = true;
-      ticks_ = (std::int64_t{1} << 32) + ticks;  // the first picture of another stream may be older
+      ticks_ = (std::int64_t{1} << 32) + ticks;  // The first picture of another stream may be older.
       host_us_ = host_us;
     }
     const std::int64_t expected = ticks_ + (host_us - host_us_) * kTicksPerUs;

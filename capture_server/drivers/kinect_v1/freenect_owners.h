@@ -1,9 +1,9 @@
 #pragma once
 
-// An owner of libfreenect's context, and libfreenect's messages. libfreenect reports the reason of
-// a failure only in its log.
+// An owner of libfreenect's context, and access to libfreenect's messages, because libfreenect
+// reports the reason of a failure only in its log.
 //
-// Thread: one context is used by one thread at a time.
+// Thread: one thread at a time per context.
 
 #include <libfreenect.h>
 
@@ -19,14 +19,13 @@ struct ShutDownFreenect {
 };
 using FreenectContext = std::unique_ptr<freenect_context, ShutDownFreenect>;
 
-/// Null if USB cannot be used at all. `parts`: of freenect_device_flags.
+/// Returns null if USB cannot be used at all. `parts` is a mask of freenect_device_flags.
 FreenectContext make_freenect_context(int parts);
 
-/// The last error that libfreenect logged on this thread, on one line; "no reason given" if there
-/// was none.
+/// The last error that libfreenect logged on this thread, on one line, or "no reason given".
 std::string last_freenect_error();
 
-/// Serial numbers of the Kinects that report one; nothing if the bus cannot be read now.
+/// Serial numbers of the Kinects that report one. Nothing if the bus cannot be read now.
 std::optional<std::vector<std::string>> list_serials(freenect_context& context);
 
 }  // namespace copresence::drivers

@@ -7,8 +7,8 @@
 namespace copresence::drivers {
 namespace {
 
-constexpr int kInterrupted = -10;  // libusb's code for an interruption by a signal: no error
-constexpr long kSliceUs = 5000;    // longest time that work waits for the thread
+constexpr int kInterrupted = -10;  // libusb's code for an interruption by a signal, which is no error.
+constexpr long kSliceUs = 5000;    // Longest time that a call of run() waits for the thread.
 
 }  // namespace
 
@@ -36,7 +36,8 @@ Result<std::unique_ptr<FreenectThread>> FreenectThread::open(const std::string& 
 
 FreenectThread::~FreenectThread() = default;
 
-// Opens the motor, too, if there is one: that of a Kinect for Windows does not open this way.
+// Opens the camera and its motor. Without a motor, or with that of a Kinect for Windows, it opens
+// only the camera.
 bool FreenectThread::open_device(Shared& shared) {
   for (const int parts : {FREENECT_DEVICE_CAMERA | FREENECT_DEVICE_MOTOR, int{FREENECT_DEVICE_CAMERA}}) {
     shared.context = make_freenect_context(parts);

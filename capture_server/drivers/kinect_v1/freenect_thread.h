@@ -1,9 +1,9 @@
 #pragma once
 
-// The only thread that talks to one Kinect: calls of libfreenect for a device and its transfers
-// must not be mixed between threads. Other threads pass work to it and wait.
+// The only thread that uses one Kinect. libfreenect's calls for a device and its transfers must run
+// on the same thread. Other threads pass work to it and wait.
 //
-// Thread: run() may be called from any other thread.
+// Thread: any other thread may call run().
 
 #include <libfreenect.h>
 
@@ -22,27 +22,26 @@ namespace copresence::drivers {
 
 class FreenectThread {
  public:
-  /// Time limit for opening: some of libfreenect's transfers have no limit of their own.
+  /// Time limit for opening. Some of libfreenect's transfers have no limit of their own.
   static constexpr std::chrono::milliseconds kOpensWithin{20'000};
 
-  /// Opens the Kinect with this serial number and keeps its transfers going. `on_lost` is called
-  /// once, on the thread, when the transfers fail. From then on run() fails.
-  /// Fails  kUnavailable with libfreenect's message, or if the Kinect does not answer within
-  ///        `opens_within`. In that case the thread stays until the Kinect answers, and then closes
-  ///        it.
+  /// Opens the Kinect with this serial number and processes its transfers. `on_lost` is called
+  /// once, on the new thread, when the transfers fail. After that run() fails.
+  /// Fails with kUnavailable and libfreenect's message, or if the Kinect does not answer within
+  /// `opens_within`. In the second case the thread waits until the Kinect answers, and then closes
+  /// it.
   static Result<std::unique_ptr<FreenectThread>> open(const std::string& serial,
                                                       std::function<void()> on_lost,
                                                       std::chrono::milliseconds opens_within = kOpensWithin);
-  /// Closes the device.
   ~FreenectThread();
   FreenectThread(const FreenectThread&) = delete;
   FreenectThread& operator=(const FreenectThread&) = delete;
 
-  /// Runs `work` on the thread and returns its result; -1 if the camera is lost.
+  /// Runs `work` on the thread and returns its result, or -1 if the camera is lost.
   int run(const std::function<int(freenect_device*)>& work);
 
  private:
-  // The thread's data. It outlives the object if the thread does not answer.
+  // The thread's data. It outlives the object if the Kinect does not answer.
   struct Shared {
     std::string serial;
     std::function<void()> on_lost;
@@ -53,7 +52,7 @@ class FreenectThread {
     std::condition_variable changed;
     enum class State { kOpening, kRefused, kOpen, kLost } state = State::kOpening;
     std::string refusal;
-    const std::function<int(freenect_device*)>* work = nullptr;  // that somebody waits for
+    const std::function<int(freenect_device*)>* work = nullptr;  // The work that run() waits for.
     int result = 0;
   };
 
@@ -63,7 +62,7 @@ class FreenectThread {
   static void do_work(Shared& shared);
 
   const std::shared_ptr<Shared> shared_;
-  std::mutex one_at_a_time_;  // of the threads that pass work
+  std::mutex one_at_a_time_;  // Held by run(), so that calls take turns.
   std::jthread thread_;
 };
 

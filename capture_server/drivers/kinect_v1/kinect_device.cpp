@@ -13,13 +13,13 @@ namespace copresence::drivers {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480, kFps = 30;
-constexpr int kMaxDepth = FREENECT_DEPTH_MM_MAX_VALUE + 1;  // greater than every pixel's
+constexpr int kMaxDepth = FREENECT_DEPTH_MM_MAX_VALUE + 1;  // Greater than every depth value.
 constexpr std::int64_t kPeriodUs = 1'000'000 / kFps;
 constexpr double kMostTilt = 30;
-constexpr int kDisparities = 2048;  // of 11 bits
+constexpr int kDisparities = 2048;  // Disparities have 11 bits.
 
-// Nominal values, without a calibration of the device: 575.8 pixels of focal length for depth (a
-// PrimeSense sensor's), 525 for colour (OpenKinect, ROS openni_camera).
+// Nominal fields of view in radians, without a calibration of the device. The focal lengths are
+// 575.8 px for depth (a PrimeSense sensor's) and 525 px for colour (OpenKinect, ROS openni_camera).
 constexpr Lens kDepthLens{1.0144686f, 0.7898090f, {}};
 constexpr Lens kColorLens{1.0942216f, 0.8579859f, {}};
 
@@ -62,7 +62,6 @@ Lens KinectDevice::lens_of(OniSensorType type) const {
   return type == ONI_SENSOR_DEPTH ? depth_lens() : type == ONI_SENSOR_COLOR ? kColorLens : kDepthLens;
 }
 
-// Registered depth has the colour camera's viewpoint.
 Lens KinectDevice::depth_lens() const {
   return registered_ ? kColorLens : kDepthLens;
 }
@@ -72,7 +71,7 @@ void KinectDevice::deliver(bool is_depth, const void* picture, std::uint32_t tic
   std::uint64_t now_us;
   int index;
   {
-    const std::lock_guard lock(running_mutex_);  // a stream that ends waits for its picture
+    const std::lock_guard lock(running_mutex_);  // A stream that ends waits here for its picture.
     Running& running = is_depth ? depth_ : video_;
     now_us = clock_.to_us(ticks, host_us());
     if (!running.stream) return;
@@ -83,7 +82,7 @@ void KinectDevice::deliver(bool is_depth, const void* picture, std::uint32_t tic
     sent = running.stream->next_picture();
   }
   if (!sent) return;
-  // An infrared picture has eight rows more than OpenNI2's mode; they are dropped.
+  // An infrared picture has eight rows more than OpenNI2's mode. The last rows are dropped.
   const auto bytes = sent->pixels<std::byte>();
   std::memcpy(bytes.data(), picture, bytes.size());
   sent->send(now_us, index);
@@ -129,7 +128,7 @@ OniStatus KinectDevice::begin(PushStream& stream) {
     }
     running = {&stream, 0, 0};
   }
-  if (is_depth && !projector_) return ONI_STATUS_OK;  // it sends once the projector may be on
+  if (is_depth && !projector_) return ONI_STATUS_OK;  // set_projector() starts the stream later.
   if (is_depth ? start_depth() : start_video(stream.type() == ONI_SENSOR_IR)) return ONI_STATUS_OK;
   explain_(
       "the Kinect does not start its transfers; it needs a USB controller of its own and its power supply");
@@ -166,7 +165,7 @@ OniStatus KinectDevice::set_registration(int mode) {
   return start_depth() ? ONI_STATUS_OK : ONI_STATUS_ERROR;
 }
 
-// libfreenect has no switch for the projector, which is on while depth is sent.
+// libfreenect has no switch for the projector, but the projector is on only while depth is sent.
 OniStatus KinectDevice::set_projector(bool shines) {
   const std::lock_guard lock(settings_);
   if (shines == projector_) return ONI_STATUS_OK;
@@ -257,7 +256,7 @@ OniStatus KinectDevice::setProperty(int property, const void* data, int size) {
   }
 }
 
-// libfreenect computes millimetres with this table, registered or not.
+// libfreenect computes millimetres with this table, whether depth is registered or not.
 OniStatus KinectDevice::depth_of_disparity(void* data, int* size) {
   std::vector<std::uint16_t> table;
   thread_->run([&](freenect_device* kinect) {

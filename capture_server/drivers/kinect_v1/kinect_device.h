@@ -1,10 +1,10 @@
 #pragma once
 
-// One Kinect v1 as a device of OpenNI2, all streams with 640x480 at 30 frames a second: depth in 1
-// mm, optionally registered to colour, and either colour (RGB888) or infrared (GRAY8), which are
-// one camera. It also has tilt, light, near mode, exposure and white balance.
+// One Kinect v1 as a device of OpenNI2. All streams have 640x480 pixels and 30 frames a second.
+// Depth is in 1 mm, optionally registered to colour. The other camera gives either colour (RGB888)
+// or infrared (GRAY8). The device also has tilt, light, near mode, exposure and white balance.
 //
-// Thread: OpenNI2 calls it from the threads of its users; pictures come from the device's own
+// Thread: OpenNI2 calls it from the threads of its users. Pictures come from the device's own
 // thread.
 
 #include <functional>
@@ -22,9 +22,9 @@ namespace copresence::drivers {
 
 class KinectDevice final : public PushDevice {
  public:
-  using Explain = std::function<void(const std::string&)>;  ///< appends a sentence to OpenNI2's last error
+  using Explain = std::function<void(const std::string&)>;  ///< Appends a sentence to OpenNI2's last error.
 
-  /// Fails  as FreenectThread::open().
+  /// Fails as FreenectThread::open() does.
   static Result<std::unique_ptr<KinectDevice>> open(const std::string& serial, std::function<void()> on_lost,
                                                     Explain explain);
 
@@ -39,7 +39,7 @@ class KinectDevice final : public PushDevice {
   OniStatus set_of(PushStream& stream, int property, const void* data, int size) override;
 
  private:
-  // A started stream and its picture count.
+  // A started stream and the number of its pictures.
   struct Running {
     PushStream* stream = nullptr;
     int index = 0;
@@ -56,20 +56,20 @@ class KinectDevice final : public PushDevice {
   OniStatus set_projector(bool shines);
   OniStatus set_flag(freenect_flag flag, bool on, const char* what);
   Lens lens_of(OniSensorType type) const override;
-  Lens depth_lens() const;  // with settings_ held
+  Lens depth_lens() const;  // Requires settings_.
   OniStatus depth_of_disparity(void* data, int* size);
 
   const std::string serial_;
   const Explain explain_;
 
-  mutable std::mutex settings_;  // of the next ones
+  mutable std::mutex settings_;  // Guards the five flags below.
   bool registered_ = false, projector_ = true;
   bool near_mode_ = false, auto_exposure_ = true, auto_white_balance_ = true;
 
   std::mutex running_mutex_;
   Running depth_, video_;
   DeviceClock clock_;
-  std::unique_ptr<FreenectThread> thread_;  // the first to go
+  std::unique_ptr<FreenectThread> thread_;  // Last, so that it is destroyed first.
 };
 
 }  // namespace copresence::drivers

@@ -1,8 +1,8 @@
-// Kinect v1 cameras over Debian's libfreenect, as cameras of OpenNI2. Their URIs contain their
-// serial numbers, freenect://A00366..., independent of their place on the bus. They may be plugged
-// in and out; a failing transfer counts as unplugged.
+// The driver of Kinect v1 cameras for OpenNI2, by Debian's libfreenect. A camera's URI contains its
+// serial number, freenect://A00366..., and does not depend on its place on the bus. Cameras may be
+// plugged in and out, and a failing transfer counts as unplugged.
 //
-// Threads: one watches the bus; each open device has its own.
+// Thread: one thread watches the bus, and each open device has its own thread.
 
 #include <chrono>
 #include <cstdio>
@@ -34,7 +34,7 @@ class KinectDriver final : public oni::driver::DriverBase {
     DriverBase::initialize(connected, disconnected, changed, cookie);
     if (!is_chosen(kKinectV1)) return ONI_STATUS_OK;
     bus_ = make_freenect_context(FREENECT_DEVICE_CAMERA);
-    if (!bus_) return ONI_STATUS_OK;  // a machine without USB has no Kinect, but may have other cameras
+    if (!bus_) return ONI_STATUS_OK;  // A machine without USB may have other cameras.
     look_at_bus();
     watch_.emplace(kWatchEvery, [this] { watch(); });
     return ONI_STATUS_OK;
@@ -79,10 +79,10 @@ class KinectDriver final : public oni::driver::DriverBase {
     return info;
   }
 
-  // Calls OpenNI2 without holding mutex_: OpenNI2 may be calling this driver under a lock of its
+  // Calls OpenNI2 without mutex_, because OpenNI2 may call this driver while it holds a lock of its
   // own.
   void look_at_bus() {
-    std::map<std::string, bool> told;  // true: plugged in
+    std::map<std::string, bool> told;  // By serial number; true if the camera was plugged in.
     {
       const std::lock_guard lock(mutex_);
       devices_seen_ = freenect_num_devices(bus_.get());
@@ -106,7 +106,8 @@ class KinectDriver final : public oni::driver::DriverBase {
     came ? deviceConnected(&info) : deviceDisconnected(&info);
   }
 
-  // An open device's transfers failed. If it is still there, the next look announces it again.
+  // Called if an open device's transfers failed. If the device is still there, the next
+  // look_at_bus() announces it again.
   void lose(const std::string& serial) {
     {
       const std::lock_guard lock(mutex_);
@@ -118,8 +119,8 @@ class KinectDriver final : public oni::driver::DriverBase {
     tell(serial, false);
   }
 
-  // Counting devices is cheap. Reading serial numbers opens every device, so that is done only if
-  // the count changed.
+  // Counts the devices, which is cheap. Reading serial numbers opens every device, so it is done
+  // only if the count changed.
   void watch() {
     std::unique_lock lock(mutex_);
     const bool changed = lost_any_ || freenect_num_devices(bus_.get()) != devices_seen_;
@@ -128,8 +129,8 @@ class KinectDriver final : public oni::driver::DriverBase {
   }
 
   std::mutex mutex_;
-  FreenectContext bus_;                    // for enumerating; each open device has its own
-  std::map<std::string, bool> announced_;  // by serial number
+  FreenectContext bus_;                    // For enumerating devices only.
+  std::map<std::string, bool> announced_;  // By serial number.
   int devices_seen_ = 0;
   bool lost_any_ = false;
   std::optional<PeriodicThread> watch_;

@@ -1,5 +1,5 @@
-// PrimeSense and Asus Xtion cameras by Debian's PS1080 driver. It is loaded only if it is chosen,
-// since its shutdown takes up to 0.4 s.
+// The driver of PrimeSense and Asus Xtion cameras, by Debian's PS1080 driver. PS1080 is loaded only
+// if it is chosen, since its shutdown takes up to 0.4 s.
 
 #include <optional>
 
@@ -22,7 +22,7 @@ class PrimeSenseDriver final : public ForeignDriverHost {
                  oni::driver::DeviceDisconnectedCallback disconnected,
                  oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
     ps1080_ = ForeignDriver::load(kPs1080);
-    if (!ps1080_) return ONI_STATUS_OK;  // without it there is no such camera, but there may be others
+    if (!ps1080_) return ONI_STATUS_OK;  // Without PS1080 there may be other cameras.
     ps1080_->create(services());
     return ps1080_->initialize(connected, disconnected, changed, cookie);
   }

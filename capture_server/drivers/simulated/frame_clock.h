@@ -1,10 +1,10 @@
 #pragma once
 
 // The frame clock of all simulated cameras of a machine. Frame n is captured n / 30 s after the
-// epoch of the system clock, so all cameras capture at the same instants. The same holds for
-// several machines as far as their clocks agree.
+// epoch of the system clock, so all cameras capture at the same instants. Cameras on several
+// machines do so too, as far as the machines' clocks agree.
 //
-// Thread: a value.
+// Thread: one thread at a time per object.
 
 #include <algorithm>
 #include <cstdint>
@@ -19,9 +19,9 @@ class FrameClock {
     return (frame * 1'000'000 + kPerSecond / 2) / kPerSecond;
   }
 
-  /// The next frame to capture at time `now_us`, in microseconds since the epoch. It is the first
-  /// frame after this time and after the previous frame. Frames whose time has passed are skipped.
-  /// If the clock was set back by more than a second, frame numbers go back, too.
+  /// Returns the first frame after the time `now_us` and after the previous frame. `now_us` is in
+  /// microseconds since the epoch. Frames whose time has passed are skipped. If the clock was set
+  /// back by more than a second, frame numbers decrease.
   std::int64_t next(std::int64_t now_us) {
     std::int64_t frame = now_us * kPerSecond / 1'000'000 + 1;
     if (taken_ > 0 && frame <= last_ && last_ - frame < kPerSecond) frame = last_ + 1;

@@ -24,7 +24,7 @@ bool is_alive(std::uint32_t process) {
 
 Result<SharedProjectors> SharedProjectors::open(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  // ftruncate() keeps the content of a file that has this size already.
+  // ftruncate() keeps the content of a file that already has this size.
   const bool sized = file >= 0 && ::ftruncate(file, kBytes) == 0;
   void* const mapped =
       sized ? ::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;

@@ -1,9 +1,9 @@
 #pragma once
 
-// Which projectors of a simulated world are on, shared between processes. Every camera of the world
-// maps the same small file. The projector of a camera whose process has ended counts as off.
+// Shares between processes which projectors of a simulated world are on. Every camera of the world
+// maps the same small file. If a camera's process has ended, its projector counts as off.
 //
-// Thread: any; only one process may write the entry of a camera.
+// Thread: any thread; only one process may write a camera's entry.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace copresence::drivers {
 class SharedProjectors {
  public:
   /// Maps the file, and creates it if it does not exist.
-  /// Fails  kUnavailable, with the name of the file.
+  /// Fails with kUnavailable and the name of the file.
   static Result<SharedProjectors> open(const std::string& path);
   ~SharedProjectors();
   SharedProjectors(SharedProjectors&& other) noexcept;
@@ -30,7 +30,7 @@ class SharedProjectors {
  private:
   explicit SharedProjectors(std::uint32_t* entries) : entries_(entries) {}
 
-  std::uint32_t* entries_;  // per camera: the process if its projector is on, otherwise 0
+  std::uint32_t* entries_;  // Per camera: its process if its projector is on, else 0.
 };
 
 }  // namespace copresence::drivers

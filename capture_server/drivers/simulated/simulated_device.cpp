@@ -18,7 +18,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::system_clock;
 
-constexpr int kMaxDepth = 10000;  // greater than every depth value
+constexpr int kMaxDepth = 10000;  // Greater than every depth value.
 
 std::int64_t now_us() {
   return std::chrono::duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
@@ -116,7 +116,7 @@ OniStatus SimulatedDevice::begin(PushStream& stream) {
 }
 
 void SimulatedDevice::end(PushStream& stream) {
-  std::jthread ending;  // joins after the lock is released
+  std::jthread ending;  // Joins after the lock is released.
   const std::lock_guard lock(mutex_);
   streams_.remove(&stream);
   if (!streams_.empty()) return;
@@ -133,8 +133,8 @@ Lens SimulatedDevice::lens_of(OniSensorType) const {
           Intrinsics{model.fx, model.fy, model.cx, model.cy}};
 }
 
-// Tells the other cameras of the world if this projector is on. It is off while the camera does not
-// run. Requires mutex_.
+// Shows the other cameras of the world whether this projector is on. It is off while the camera
+// does not run. Requires mutex_.
 void SimulatedDevice::share_projector_state(bool is_running) {
   if (projectors_) projectors_->set(static_cast<std::size_t>(uri_.camera), is_running && is_projector_on_);
 }
@@ -145,7 +145,7 @@ simulation::Projectors SimulatedDevice::projectors_on() const {
   return on;
 }
 
-// Sends no frames while the camera is unplugged. The driver reports that to OpenNI2.
+// Sends no frames while the camera is unplugged. The driver reports that state to OpenNI2.
 void SimulatedDevice::create_frames(const std::stop_token& stop) {
   pthread_setname_np(pthread_self(), "simulated");
   FrameClock clock;
@@ -164,7 +164,8 @@ void SimulatedDevice::create_frames(const std::stop_token& stop) {
   }
 }
 
-// Creates both pictures before it sends one, so that a reader of one stream soon gets the other.
+// Creates both pictures before it sends the first, so that a reader of one stream soon gets the
+// other.
 void SimulatedDevice::send_frame(std::uint64_t number, std::uint64_t timestamp_us, int index) {
   auto pictures = next_pictures();
   for (auto& [type, picture] : pictures) {
@@ -179,8 +180,8 @@ void SimulatedDevice::send_frame(std::uint64_t number, std::uint64_t timestamp_u
   for (auto& [type, picture] : pictures) picture.send(timestamp_us, index);
 }
 
-// A picture keeps its stream alive, so the lock is not needed after this function. It must not be
-// held while pictures are sent, because OpenNI2 then takes a lock of its own.
+// A picture keeps its stream alive, so the lock is not needed after this function. The lock must
+// not be held while pictures are sent, because OpenNI2 then takes a lock of its own.
 std::vector<std::pair<OniSensorType, PushStream::Picture>> SimulatedDevice::next_pictures() {
   const std::lock_guard lock(mutex_);
   std::vector<std::pair<OniSensorType, PushStream::Picture>> pictures;

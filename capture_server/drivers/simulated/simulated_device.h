@@ -1,10 +1,10 @@
 #pragma once
 
-// A simulated Kinect as a device of OpenNI2: 640x480 at 30 frames per second, depth in 1 mm
-// registered to colour. Timestamps are those of the system clock, in microseconds.
+// A simulated Kinect as a device of OpenNI2: 640x480 pixels at 30 frames per second, depth in 1 mm
+// registered to colour. Timestamps are microseconds of the system clock.
 //
-// Thread: OpenNI2 calls from its users' threads. While streams are started, a thread of the device
-// creates their frames.
+// Thread: OpenNI2 calls it from its users' threads. While streams are started, a thread of the
+// device creates their frames.
 
 #include <atomic>
 #include <functional>
@@ -39,13 +39,13 @@ class SimulatedDevice final : public PushDevice {
  public:
   static constexpr int kWidth = 640, kHeight = 480;  // pixels
 
-  /// A camera with its precomputed frames. It outlives the device, so that reopening the device is
-  /// fast.
+  /// A camera with its precomputed frames. It outlives the device, so that opening the device again
+  /// is fast.
   using Camera = std::shared_ptr<simulation::SimulatedKinect>;
 
-  /// `make_camera` is called when the first stream starts. The first call takes seconds. It returns
-  /// null on failure. `projectors` is the state that the cameras of a world share; without it all
-  /// projectors are on.
+  /// `make_camera` is called when the first stream starts. It returns null on failure, and its
+  /// first call takes seconds. `projectors` is the state that the cameras of a world share. Without
+  /// it all projectors are on.
   SimulatedDevice(SimulatedUri uri, std::function<Camera()> make_camera,
                   std::optional<SharedProjectors> projectors);
 
@@ -70,7 +70,7 @@ class SimulatedDevice final : public PushDevice {
   std::atomic<bool> is_projector_on_ = true;
   Camera camera_;
   std::mutex mutex_;
-  std::list<PushStream*> streams_;  // started ones
+  std::list<PushStream*> streams_;  // The started streams.
   std::jthread thread_;
 };
 

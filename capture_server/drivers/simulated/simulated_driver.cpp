@@ -1,8 +1,8 @@
-// The driver of simulated cameras for OpenNI2: simulated:WORLD?camera=N, see
+// The driver of simulated cameras for OpenNI2. Their URIs are described in
 // contract/simulated_uri.h.
 //
-// Thread: OpenNI2 calls from its users' threads. If a camera has a control file, one thread of the
-// driver watches it.
+// Thread: OpenNI2 calls it from its users' threads. If a camera has a control file, one thread of
+// the driver watches that file.
 
 #include <chrono>
 #include <cstdio>
@@ -34,7 +34,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
                        oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
     DriverBase::initialize(connected, disconnected, changed, cookie);
     chosen_ = is_chosen(kSimulated);
-    if (chosen_) tryDevice("simulated:room?camera=0");  // so that --list shows a simulated camera
+    if (chosen_) tryDevice("simulated:room?camera=0");  // One camera for --list.
     return ONI_STATUS_OK;
   }
 
@@ -73,7 +73,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
 
   void shutdown() override {
-    std::optional<PeriodicThread> ending;  // joins after the lock is released
+    std::optional<PeriodicThread> ending;  // Joins after the lock is released.
     const std::lock_guard lock(mutex_);
     ending.swap(watch_);
   }
@@ -82,10 +82,10 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   struct Known {
     SimulatedUri uri;
     bool announced = false;
-    Camera camera;  // null until it is opened
+    Camera camera;  // Null until the camera is opened.
   };
 
-  // Stores a message as the last error of OpenNI2.
+  // Stores an error's message as OpenNI2's last error.
   std::nullptr_t report(const Error& error) {
     getServices().errorLoggerAppend("%s", error.what.c_str());
     return nullptr;
@@ -120,10 +120,10 @@ class SimulatedDriver final : public oni::driver::DriverBase {
     return known.camera;
   }
 
-  // Reports cameras whose control file appeared or disappeared. OpenNI2 is called without mutex_,
-  // because it may call this driver while it holds a lock of its own.
+  // Reports cameras whose control file appeared or disappeared. Calls OpenNI2 without mutex_,
+  // because OpenNI2 may call this driver while it holds a lock of its own.
   void check_controls() {
-    std::map<std::string, bool> changed;  // by URI; true if the camera was plugged in
+    std::map<std::string, bool> changed;  // By URI; true if the camera was plugged in.
     {
       const std::lock_guard lock(mutex_);
       for (auto& [text, known] : known_) {

@@ -16,11 +16,11 @@ namespace copresence::calibrate {
 namespace {
 
 constexpr std::chrono::milliseconds kConnectTimeout{2000};
-constexpr int kMostLost = 90;  // Frames in a row that may fail to decode.
-// A camera that is unplugged and plugged in again needs less.
+constexpr int kMostLost = 90;  // Most frames in a row that may fail to decode.
+// Longer than a camera needs after it is plugged in again.
 constexpr std::chrono::seconds kFrameTimeout{10};
 
-// A running capture_server as a source of frames.
+// Reads frames from a running capture_server.
 class StreamSource : public sensor::FrameSource {
  public:
   StreamSource(const std::string& address, wire::FrameClient client, decoding::FrameDecoding decoding)

@@ -1,10 +1,9 @@
 #pragma once
 
-// Input of all commands: recordings, or streams of running servers, one per camera. Both give
-// frames with colour and depth in one camera model.
-//
-// A stream has been through the server's codecs; a mean over frames removes most of their error.
-// Depth that hole filling made up is removed again.
+// Reads the input of all commands: one recording or one stream of a running server per camera.
+// Frames have colour and depth in one camera model. Video coding adds errors to the frames of a
+// stream, and a mean over frames removes most of them. Depth that the server made by hole filling
+// is removed.
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -22,16 +21,15 @@
 
 namespace copresence::calibrate {
 
-/// NAME=FILE.oni or NAME=HOST:PORT on the command line.
+/// A source on the command line: NAME=FILE.oni or NAME=HOST:PORT.
 struct NamedSource {
   std::string name;        ///< The camera's name in the scene file.
   std::string from;        ///< Path of a recording, or address of a capture_server.
-  bool is_stream = false;  ///< `from` is an address.
+  bool is_stream = false;  ///< True if `from` is an address.
 };
 
-/// Adds `--recording NAME=FILE.oni` and `--stream NAME=HOST:PORT`, which may be mixed. The command
-/// line is rejected if a source has another form, if a name occurs twice, or if there are fewer
-/// than `fewest` or more than `most`. Returns both options.
+/// Adds the options `--recording NAME=FILE.oni` and `--stream NAME=HOST:PORT`. Parsing fails for a
+/// source of another form, a repeated name, or fewer than `fewest` or more than `most` sources.
 struct SourceOptions {
   CLI::Option *recording, *stream;
 };
@@ -48,8 +46,8 @@ class Capture {
 
   /// known   the camera in the scene file; may be null. Its intrinsics and pose replace those of
   ///         the source.
-  /// A stream is always registered: its server does that. Opening waits up to two seconds for a
-  /// server to answer.
+  /// A stream is always registered by its server. Opening waits up to two seconds for the server's
+  /// answer.
   /// Fails   as open_source() or wire::FrameClient::connect(); kUnsupported for an unknown codec;
   ///         kInvalid if the scene file has another picture size.
   static Result<Capture> open(const NamedSource& source, const scene::Camera* known,
@@ -57,7 +55,8 @@ class Capture {
 
   const std::string& name() const { return name_; }
   bool is_stream() const { return is_stream_; }
-  const CameraModel& model() const { return sensor_.depth; }  ///< Of depth, and of registered colour.
+  /// Camera model of depth and of registered colour.
+  const CameraModel& model() const { return sensor_.depth; }
   DepthUnit unit() const { return sensor_.unit; }
   bool has_color() const { return sensor_.has_color; }
   const std::optional<Rigid3>& world_from_camera() const { return sensor_.world_from_camera; }
@@ -65,8 +64,8 @@ class Capture {
   /// The sensor before registration, as the source and the scene file describe it.
   const sensor::SensorDescription& sensor() const { return sensor_; }
 
-  /// Fails  kEndOfStream after the last frame; kTimeout if a server sends no frame for ten seconds,
-  ///        with the server's own message; otherwise as FrameSource::next().
+  /// Fails  kEndOfStream after the last frame; kTimeout with the server's own message if a server
+  ///        sends no frame for ten seconds; otherwise as FrameSource::next().
   Result<RgbdFrame> next();
 
  private:
@@ -80,20 +79,19 @@ class Capture {
   registration::Registration registration_;
 };
 
-/// Opens and closes each source, so that a missing one is reported before frames are read from the
-/// others.
+/// Opens and closes each source, so that a missing one is reported before any frames are read.
 /// Fails  as Capture::open().
 Result<void> check_sources(std::span<const NamedSource> sources, const scene::Scene* scene);
 
 /// Number of frames that for_each_frame() will read: `most`, or all frames of a shorter recording.
 std::size_t frames_to_read(const Capture& capture, std::size_t most);
 
-/// True for about `wanted` of the numbers from 0 to `all` - 1, evenly spread. Always true for 0.
+/// True for about `wanted` evenly spaced values of `number` from 0 to `all` - 1. Always true for 0.
 bool is_sampled(std::size_t wanted, std::size_t number, std::size_t all);
 
-/// Calls `visit` with at most `most` frames: evenly spread over a recording, or `pause` apart in a
-/// stream. Prints the text that `visit` returns to standard error, with the frame's number, unless
-/// it is empty. Returns the number of frames.
+/// Calls `visit` with at most `most` frames: evenly spaced in a recording, or `pause` apart in a
+/// stream. Prints the text that `visit` returns, if any, with the frame's number to standard error.
+/// Returns the number of frames.
 /// Fails  as Capture::next(), except at the end of a recording; kCorrupt if there is no frame. The
 ///        frames before an error have been visited.
 using Visit = std::function<std::string(RgbdFrame)>;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The commands of the program `calibrate`, and options that several of them share. Each command is
-// a subcommand of the command line and has one source file, in the folder of its subject.
+// The commands of the program `calibrate`, and options that several commands share. Each command is
+// a subcommand of the command line. Its source file lies in the folder of its subject.
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -13,8 +13,9 @@
 namespace copresence::calibrate {
 
 struct Command {
-  const CLI::App* parser = nullptr;  ///< Its parsed() is true if this command was given.
-  /// Call after parsing. Writes results to standard output and files, progress to standard error.
+  const CLI::App* parser = nullptr;  ///< The command's parser; parsed() is true if the user gave the command.
+  /// Runs the command; call it after parsing. Writes results to standard output and files, and
+  /// progress to standard error.
   /// Fails  with one sentence that says what to do; the program then exits with 1.
   std::function<Result<void>()> run;
 };
@@ -25,18 +26,18 @@ Command refine_command(CLI::App& program);
 Command check_command(CLI::App& program);
 Command print_command(CLI::App& program);
 
-/// Adds `--overwrite`: replace output files that exist.
+/// Adds the flag `--overwrite`, which allows replacing existing output files.
 CLI::Option* add_overwrite(CLI::App& parser, bool& overwrite);
 
 /// Fails  kInvalid, naming the file, if one of `files` exists and `overwrite` is false. Ignores
-///        empty names, and files that are not regular (/dev/stdout).
+///        empty names and special files such as /dev/stdout.
 Result<void> refuse_existing(std::initializer_list<std::string> files, bool overwrite);
 
-/// The same for a scene file. A scene file that exists is accepted, because it is updated.
+/// Like refuse_existing(), but accepts an existing scene file, because the command updates it.
 /// Fails  kInvalid if `file` exists, is no scene file, and `overwrite` is false.
 Result<void> refuse_other_than_scene(const std::string& file, bool overwrite);
 
-/// Adds `--dictionary`, in our spelling, OpenCV's or AprilTag's, and `--border-bits`.
+/// Adds `--dictionary` (see canonical_dictionary()) and `--border-bits`.
 void add_dictionary(CLI::App& parser, std::string& dictionary, int& border_bits, const std::string& help);
 
 }  // namespace copresence::calibrate

@@ -15,8 +15,8 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
-constexpr double kHuber = 2.5;     // sigmas
-constexpr double kNearest = 0.01;  // metres; bounds the depth of points while the solver searches.
+constexpr double kHuber = 2.5;     // Residuals beyond this many sigmas get less weight.
+constexpr double kNearest = 0.01;  // Least depth of a point while the solver searches, metres.
 
 // `step` is a rotation vector, then a translation, both in the camera's own frame.
 Rigid3 moved(const Rigid3& pose, const Vector6& step) {
@@ -24,7 +24,7 @@ Rigid3 moved(const Rigid3& pose, const Vector6& step) {
           pose.rotation * step.tail<3>() + pose.translation};
 }
 
-// The three errors of one observation, in sigmas, and their derivatives by pose and point.
+// The three errors of one observation, in sigmas, and their derivatives by pose and by point.
 struct Linearized {
   Eigen::Vector3d error;
   Matrix36 by_pose;
@@ -78,7 +78,7 @@ class Adjustment {
         seen_.emplace_back();
         if (observation.part == 0) middles_[observation.marker] = entry->second;
       }
-      // A depth without a sigma is a first guess: it gets the weight of a sensor's depth.
+      // An unknown depth is a first guess. It gets the weight of a sensor's depth.
       const double weight = 1 / (std::pow(observation.z_m, 4));
       points_[entry->second] += weight * (poses_[observation.camera] * observation.point_in_camera());
       weights[entry->second] += weight;
@@ -97,7 +97,7 @@ class Adjustment {
     return sum;
   }
 
-  /// Makes the cameras' normal equations, with the points eliminated and damped by `lambda`.
+  /// Builds the cameras' normal equations. The points are eliminated, and `lambda` damps them.
   void reduce(double lambda) {
     const auto size = static_cast<Eigen::Index>(6 * poses_.size());
     normal_ = Eigen::MatrixXd::Zero(size, size);
@@ -119,8 +119,8 @@ class Adjustment {
     normal_.diagonal() *= 1 + lambda;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       PointShare& share = shares_[i];
-      // A point seen by one camera without depth is free along its ray. The prior of 1 m is weaker
-      // than any observation.
+      // A point that one camera sees without depth can move freely along its ray. The prior of 1 m
+      // fixes the point and is weaker than any observation.
       share.normal.diagonal() = share.normal.diagonal() * (1 + lambda) + Eigen::Vector3d::Ones();
       share.inverse = share.normal.inverse();
       for (std::size_t a = 0; a < seen_[i].size(); ++a) {
@@ -180,7 +180,7 @@ class Adjustment {
     fit.covariance = normal_.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
     fit.covariance.block<6, 6>(fixed, fixed).setZero();
     // Degrees of freedom: 2 or 3 residuals per observation, less 6 per pose and 3 per point. A
-    // point that is seen once has no more unknowns than residuals.
+    // point that only one observation shows adds no more unknowns than residuals.
     double residuals = 0, unknowns = 6.0 * static_cast<double>(poses_.size() - 1);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       double here = 0;
@@ -188,7 +188,7 @@ class Adjustment {
       residuals += here;
       unknowns += std::min(here, 3.0);
     }
-    // A few observations may fit well by chance: they do not prove that there is little noise.
+    // A few observations may fit well by chance, which does not prove that the noise is small.
     constexpr double kLeastRatio = 0.5;
     fit.noise_ratio = residuals > unknowns
                           ? std::max(kLeastRatio, std::sqrt(cost(poses_, points_) / (residuals - unknowns)))
@@ -200,7 +200,7 @@ class Adjustment {
   struct PointShare {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), inverse;
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    std::vector<Eigen::Matrix<double, 6, 3>> with_pose;  // In the order of seen_[point].
+    std::vector<Eigen::Matrix<double, 6, 3>> with_pose;  // Same order as seen_[point].
   };
 
   static Eigen::Index row(std::size_t camera) { return static_cast<Eigen::Index>(6 * camera); }
@@ -209,8 +209,8 @@ class Adjustment {
   std::vector<Rigid3> poses_;
   std::size_t reference_;
   std::vector<Eigen::Vector3d> points_;
-  std::vector<std::vector<const Observation*>> seen_;  // per point
-  std::map<std::size_t, std::size_t> middles_;         // marker -> point
+  std::vector<std::vector<const Observation*>> seen_;  // Observations of each point.
+  std::map<std::size_t, std::size_t> middles_;         // Point index of each marker's centre.
   Eigen::MatrixXd normal_;
   Eigen::VectorXd right_;
   std::vector<PointShare> shares_;

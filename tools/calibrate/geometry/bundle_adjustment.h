@@ -1,8 +1,8 @@
 #pragma once
 
-// Bundle adjustment: the poses of all cameras and the positions of all markers that agree best with
-// all observations, each weighted by its expected error. It closes the loops of a rig of many
-// cameras, and estimates its own error.
+// Bundle adjustment: finds the camera poses and marker positions that agree best with all
+// observations. Each observation is weighted by its expected error. The result includes an estimate
+// of its own error.
 //
 // Thread: pure functions.
 
@@ -18,18 +18,17 @@ namespace copresence::calibrate {
 struct BundleAdjustment {
   std::vector<Rigid3> world_from_camera;
   std::vector<Eigen::Vector3d>
-      marker_in_world;  ///< centres, by marker; NaN for a marker that no camera sees.
-  /// Covariance of the cameras' poses, from the observations' sigmas. Six numbers per camera, in
-  /// the camera's own frame: a rotation vector (radians), then a translation (metres). The
-  /// reference camera's rows are 0.
+      marker_in_world;  ///< Marker centres, metres; NaN for a marker that no camera sees.
+  /// Covariance of the cameras' poses, from the observations' sigmas. Each camera has six numbers
+  /// in its own frame: a rotation vector (radians), then a translation (metres). The reference
+  /// camera's rows are 0.
   Eigen::MatrixXd covariance;
   /// Size of the residuals relative to the observations' sigmas: 1 if the noise is as expected.
   double noise_ratio = 1;
 
-  /// Standard deviation, metres, of the position that `camera` gives to a point of the world: by
-  /// the covariance and the noise ratio.
+  /// Standard deviation (metres) of a world point as `camera` measures it, due to the pose's error.
   double expected_shift_m(std::size_t camera, const Eigen::Vector3d& point_in_world) const;
-  /// The same for the camera's orientation, radians.
+  /// Standard deviation of the camera's orientation, radians.
   double expected_turn(std::size_t camera) const;
 };
 

@@ -40,8 +40,8 @@ Extent extent_of(std::span<const NamedPoint> points) {
   return most;
 }
 
-// The marker nearest to the centre. Moving it sideways improves the layout most, and it stays in
-// view.
+// The marker nearest to the centre. Moving this marker sideways improves the layout most, and keeps
+// it in view.
 const NamedPoint& most_central(std::span<const NamedPoint> points, const Eigen::Vector3d& middle) {
   return *std::min_element(points.begin(), points.end(), [&](const NamedPoint& a, const NamedPoint& b) {
     return (a.position - middle).norm() < (b.position - middle).norm();
@@ -74,7 +74,7 @@ Result<void> check_layout(std::span<const NamedPoint> points, Solver solver, con
   for (const NamedPoint& point : points) {
     scatter += (point.position - middle) * (point.position - middle).transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);  // ascending
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);  // Eigenvalues in ascending order.
   const Eigen::Vector3d along = axes.eigenvectors().col(2), across = axes.eigenvectors().col(0);
   double off_line = 0, off_plane = 0;
   for (const NamedPoint& point : points) {

@@ -12,21 +12,20 @@
 namespace copresence::calibrate {
 
 enum class Solver {
-  kRigid,   ///< Needs points that are not on one line.
-  kLinear,  ///< Needs points that are not in one plane either.
+  kRigid,   ///< Rigid fit; needs points that are not on one line.
+  kLinear,  ///< Linear fit; needs points that are not in one plane.
 };
 
 struct NamedPoint {
   std::string name;          ///< The marker's name, for messages.
-  Eigen::Vector3d position;  ///< metres, in any frame.
+  Eigen::Vector3d position;  ///< Position in metres, in any frame.
 };
 
-/// Limits of a layout, metres. In a smaller layout the noise of depth dominates the pose.
-inline constexpr double kLeastExtent = 0.6;     ///< Greatest distance between two markers.
-inline constexpr double kLeastOffLine = 0.15;   ///< Of the farthest marker from the line that fits best.
-inline constexpr double kLeastOffPlane = 0.10;  ///< Of the farthest marker from the plane that fits best.
-inline constexpr std::size_t kFewestMarkers =
-    4;  ///< Three determine a pose, but leave no residual to judge it by.
+/// Least extents of a layout, metres. In a smaller layout, depth noise makes poses too inaccurate.
+inline constexpr double kLeastExtent = 0.6;       ///< Greatest distance between two markers.
+inline constexpr double kLeastOffLine = 0.15;     ///< Distance of the farthest marker from the best line.
+inline constexpr double kLeastOffPlane = 0.10;    ///< Distance of the farthest marker from the best plane.
+inline constexpr std::size_t kFewestMarkers = 4;  ///< Three markers determine a pose, but leave no residual.
 
 /// points   the markers that two cameras see in common, or that one camera shares with any other.
 /// cameras  names the cameras at the beginning of a message: "left and right".

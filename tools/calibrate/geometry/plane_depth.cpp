@@ -8,13 +8,13 @@
 namespace copresence::calibrate {
 namespace {
 
-constexpr double kStep = kKinectV1Noise.inverse_step();  // One disparity step, in 1/z, 1/m.
-// A mean of many frames errs less than a single pixel's step, but a Kinect's fixed pattern stays in
-// it.
+constexpr double kStep = kKinectV1Noise.inverse_step();  // One disparity step of 1/z, in 1/m.
+// Largest distance of a pixel from its plane. A mean over frames has less noise than one step, but
+// a Kinect's fixed error pattern remains.
 constexpr double kOnPlane = 1.5 * kStep;
 
 struct Sample {
-  Eigen::Vector3d ray;  // (x, y, 1)
+  Eigen::Vector3d ray;  // Ray (x, y, 1).
   double inverse_z;
 };
 
@@ -47,12 +47,12 @@ std::vector<Sample> samples_in(const DepthAverage& depth, const CameraModel& mod
   return samples;
 }
 
-// Least squares over the samples that lie on `plane`. Returns their number, and the sum of their
-// squared errors before the fit in `squares`.
+// Least squares over the samples that lie on `plane`. Returns their number. `squares` receives the
+// sum of their squared errors before the fit.
 int refit(std::span<const Sample> samples, Eigen::Vector3d& plane, double& squares) {
   PlaneLeastSquares<double> sums;
-  // Rays are taken relative to the first: in a small outline all are alike, and the equations would
-  // lose digits.
+  // Rays are relative to the first one. In a small outline all rays are nearly equal, so absolute
+  // rays would lose precision.
   const Eigen::Vector3d origin = samples.front().ray;
   squares = 0;
   for (const Sample& sample : samples) {
@@ -147,7 +147,7 @@ Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
     const Sample &p = samples[any(random)], &q = samples[any(random)], &r = samples[any(random)];
     Eigen::Matrix3d rays;
     rays << p.ray.transpose(), q.ray.transpose(), r.ray.transpose();
-    if (std::abs(rays.determinant()) < 1e-6) continue;  // Nearly on one line of the picture.
+    if (std::abs(rays.determinant()) < 1e-6) continue;  // The pixels are nearly on one line.
     const Eigen::Vector3d plane = rays.inverse() * Eigen::Vector3d(p.inverse_z, q.inverse_z, r.inverse_z);
     const auto on_plane =
         static_cast<int>(std::count_if(samples.begin(), samples.end(), [&](const Sample& s) {

@@ -1,10 +1,10 @@
 #pragma once
 
-// Mean depth of a still scene, and planes in it.
+// Computes the mean depth of a still scene, and finds planes in it.
 //
-// Both work on 1/z. A Kinect's noise has the same standard deviation everywhere in 1/z, and 1/z of
-// a plane is linear over the picture. So a mean of 1/z and a linear least-squares fit to it are the
-// best estimates.
+// Both work on 1/z, because a Kinect's noise has the same standard deviation everywhere in 1/z, and
+// 1/z of a plane is linear over the picture. So a mean of 1/z and a linear least-squares fit to 1/z
+// are the best estimates.
 //
 // Thread: one thread per object; the functions are pure.
 
@@ -25,9 +25,9 @@ namespace copresence::calibrate {
 /// Mean depth of every pixel over the frames of a still scene. Keeps running sums, so its size does
 /// not depend on the number of frames.
 ///
-/// A pixel's mean is over one surface. Values more than kSameSurface_steps from the mean belong to
-/// something else: a person who walked by, or a flickering edge. When they are as many as the
-/// values of the mean, the mean starts again with the latest one.
+/// Each pixel averages one surface. Values farther than kSameSurface_steps from the mean belong to
+/// another surface, such as a passing person or a flickering edge. Once these are as many as the
+/// averaged values, the mean starts again with the latest value.
 class DepthAverage {
  public:
   static constexpr double kSameSurface_steps = 3;
@@ -45,23 +45,22 @@ class DepthAverage {
   /// Mean of 1/z, in 1/m; 0 if fewer than a quarter of the frames belong to it.
   double inverse_depth(int x, int y) const;
 
-  /// Depth of the pixels that kept still, metres along the optical axis; 0 for the others. A pixel
-  /// kept still if at least half of the frames measured it and four fifths of these values belong
-  /// to its mean.
+  /// Depth of the still pixels, metres along the optical axis; 0 for the others. A pixel is still
+  /// if at least half of the frames measured it and four fifths of these values belong to its mean.
   Image<float> still_depth() const;
 
   /// Share of all pixels in which depth was measured, mean over the frames.
   double measured_share() const;
 
-  /// Share of the pixels measured in at least half of the frames that did not keep still: moving
-  /// objects, and edges at which the sensor flickers.
+  /// Share of the pixels measured in at least half of the frames that are not still. The causes are
+  /// moving objects and edges at which the sensor flickers.
   double unsteady_share() const;
 
  private:
   struct Counts {
-    std::uint16_t measured = 0;  ///< frames with depth
-    std::uint16_t agreeing = 0;  ///< Values in the sum.
-    std::uint16_t against = 0;   ///< Values of other surfaces since the mean began.
+    std::uint16_t measured = 0;  ///< Number of frames with depth.
+    std::uint16_t agreeing = 0;  ///< Number of values in the sum.
+    std::uint16_t against = 0;   ///< Number of values of other surfaces since the mean began.
   };
   bool is_measured(const Counts& counts) const {
     return counts.measured > 0 && 2 * counts.measured >= frames_;
@@ -74,12 +73,11 @@ class DepthAverage {
   Image<Counts> counts_;
 };
 
-/// Least-squares fit of value = x_slope x + y_slope y + offset to samples that are added one by
-/// one.
+/// Least-squares fit of value = x_slope x + y_slope y + offset to samples that are added singly.
 template <class Scalar>
 class PlaneLeastSquares {
  public:
-  using Coefficients = Eigen::Matrix<Scalar, 3, 1>;  ///< x slope, y slope, offset.
+  using Coefficients = Eigen::Matrix<Scalar, 3, 1>;  ///< X slope, y slope, offset.
 
   void add(Scalar x, Scalar y, Scalar value) {
     n_ += 1;
@@ -95,8 +93,8 @@ class PlaneLeastSquares {
 
   Scalar count() const { return n_; }
 
-  /// False if the samples lie on a line: if the determinant of the normal equations is below
-  /// `least` per sample.
+  /// Returns false if the samples lie on a line: if the determinant of the normal equations is
+  /// below `least` per sample.
   bool solve(Scalar least, Coefficients& plane) const {
     Eigen::Matrix<Scalar, 3, 3> normal;
     normal << xx_, xy_, x_, xy_, yy_, y_, x_, y_, n_;
@@ -109,21 +107,20 @@ class PlaneLeastSquares {
   Scalar n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0, v_ = 0, vx_ = 0, vy_ = 0;
 };
 
-/// 1/z = slope . ray + offset, in 1/m, for rays (x, y, 1) of the camera.
+/// A plane: 1/z = slope . (x, y) + offset, in 1/m, along the camera's ray (x, y, 1).
 struct PlaneFit {
   Eigen::Vector2d slope{0, 0};
   double offset = 0;
   int pixels = 0;        ///< Number of pixels on the plane.
-  double share = 0;      ///< Of the outline's pixels with depth that are on the plane, 0 to 1.
-  double rms_steps = 0;  ///< Root mean square distance of those pixels from the plane, in disparity steps.
+  double share = 0;      ///< Share of the outline's measured pixels that are on the plane, 0 to 1.
+  double rms_steps = 0;  ///< RMS distance of those pixels from the plane, in disparity steps.
 
-  /// Depth of the plane along a ray, metres. Requires that the plane lies in front of the camera
-  /// there.
+  /// Depth of the plane along a ray, metres. The plane must lie in front of the camera there.
   double z_along(const Eigen::Vector2d& ray) const { return 1 / (slope.dot(ray) + offset); }
 };
 
-/// Fits a plane to the pixels inside a convex outline (pixels, in order). A random search finds the
-/// plane that most pixels lie on; least squares over those refines it.
+/// Fits a plane to the depth inside a convex outline, given by its corners in order, pixels. RANSAC
+/// finds the plane that most pixels lie on. Least squares over those pixels refines it.
 ///
 /// Fails   kNotFound: fewer than `kFewestPixels` of the pixels have depth, or fewer than half of
 ///         those lie on one plane.

@@ -7,8 +7,7 @@
 
 namespace copresence::calibrate {
 
-/// The value below which `share` (0 to 1) of the values lie, without interpolation; 0 for no
-/// values.
+/// The value below which `share` (0 to 1) of the values lie, without interpolation; 0 if none.
 template <class Value>
 Value quantile(std::vector<Value> values, double share) {
   if (values.empty()) return 0;

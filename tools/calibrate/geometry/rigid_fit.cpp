@@ -25,7 +25,7 @@ Centroids centroids_of(std::span<const PointPair> pairs) {
   return {sum.in_a / weight, sum.in_b / weight};
 }
 
-// U diag(1, 1, det) V^T: the rotation nearest to m, and never a reflection.
+// The rotation nearest to m, never a reflection: U diag(1, 1, det) V^T by the SVD of m.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());

@@ -1,8 +1,8 @@
 #pragma once
 
-// The pose of one camera relative to another, from points that both have measured. Two methods:
-// rigid least squares, and the thesis's linear equations for 12 unknowns. The linear form lets
-// scale and shear absorb noise, and needs points that are not in one plane.
+// Finds the pose of one camera relative to another from points that both have measured. There are
+// two methods: rigid least squares, and the thesis's linear equations for 12 unknowns. The linear
+// method also fits scale and shear, which absorb noise. It needs points that are not in one plane.
 //
 // Thread: pure functions.
 
@@ -14,28 +14,28 @@
 namespace copresence::calibrate {
 
 struct PointPair {
-  Eigen::Vector3d in_a, in_b;  ///< metres
+  Eigen::Vector3d in_a, in_b;  ///< One point in both cameras' frames, metres.
   double weight = 1;           ///< Inverse variance, in any unit.
 };
 
-/// b_from_a with the smallest weighted sum of squared distances. Requires three pairs that are not
-/// on one line.
+/// Finds b_from_a with the smallest weighted sum of squared distances. Requires three pairs that
+/// are not on one line.
 /// Source   Umeyama 1991, without scale and with weights, which Eigen::umeyama() does not have.
 Rigid3 fit_rigid(std::span<const PointPair> pairs);
 
 /// The affine map from points of a to points of b, and the rigid transform nearest to it.
 struct LinearFit {
   Eigen::Matrix<double, 3, 4> b_from_a;    ///< The solution of the linear equations, metres.
-  Rigid3 rigid;                            ///< With the nearest rotation; maps centroid to centroid.
-  double least_scale = 1, most_scale = 1;  ///< Singular values of its 3x3: 1 and 1 for a rotation.
+  Rigid3 rigid;                            ///< The nearest rotation; it maps centroid to centroid.
+  double least_scale = 1, most_scale = 1;  ///< Singular values of its 3x3 part; a rotation has 1 and 1.
 };
 
-/// The thesis's 12 unknowns by unweighted least squares. Requires four pairs that are not in one
-/// plane.
+/// Solves for the thesis's 12 unknowns by unweighted least squares. Requires four pairs that are
+/// not in one plane.
 /// Source   thesis appendix A.2, eq. 3.4 and 3.5; its 3n x 12 system separates into three of n x 4.
 LinearFit fit_linear(std::span<const PointPair> pairs);
 
-/// Root mean square distance of the pairs after `b_from_a`, metres.
+/// Root mean square distance of the pairs after applying `b_from_a`, metres.
 double rms_distance(const Rigid3& b_from_a, std::span<const PointPair> pairs);
 
 /// The matrix M with M x = v cross x.
@@ -44,7 +44,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 /// The rotation about the axis `v` by the angle |v|, radians.
 Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& v);
 
-/// The nearest rotation to a product of rotations that rounding has made inexact.
+/// The rotation nearest to a product of rotations that rounding has made inexact.
 Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& rotation);
 
 }  // namespace copresence::calibrate

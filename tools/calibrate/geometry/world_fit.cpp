@@ -76,7 +76,7 @@ std::vector<Link> fit_pairs(const Seen& seen, const RigNames& names, const World
   return links;
 }
 
-// Initial poses: adds one camera after the other, by the pair that shares most markers.
+// Finds initial poses. Adds one camera at a time, by the pair that shares most markers.
 Result<std::vector<Rigid3>> poses_along_tree(std::vector<Link>& links, const RigNames& names,
                                              const WorldSettings& settings) {
   std::vector<std::optional<Rigid3>> poses(names.cameras.size());
@@ -110,7 +110,7 @@ Result<std::vector<Rigid3>> poses_along_tree(std::vector<Link>& links, const Rig
 }
 
 void add(Spread& spread, double distance, std::size_t at) {
-  spread.rms += distance * distance;  // The sum of squares until finish().
+  spread.rms += distance * distance;  // Holds the sum of squares until finish().
   if (spread.count == 0 || distance > spread.worst) {
     spread.worst = distance;
     spread.worst_at = at;
@@ -122,8 +122,7 @@ void finish(Spread& spread) {
   if (spread.count > 0) spread.rms = std::sqrt(spread.rms / static_cast<double>(spread.count));
 }
 
-// Position of a marker as the mean over all cameras but `without`, weighted by their depths'
-// variances.
+// Mean position of a marker over all cameras except `without`, weighted by the depths' variances.
 std::optional<Eigen::Vector3d> mean_position(const Seen& seen, std::span<const Rigid3> poses,
                                              std::size_t marker, std::optional<std::size_t> without) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -142,7 +141,7 @@ std::size_t markers_of(const Seen& seen, std::size_t camera) {
                                                 [](const Observation* s) { return s != nullptr; }));
 }
 
-// The poses fitted without a marker; nothing if a camera has too few markers then.
+// Fits the poses without one marker. Returns nothing if a camera then has too few markers.
 std::optional<std::vector<Rigid3>> poses_without(std::span<const Observation> observations, const Seen& seen,
                                                  const RigNames& names, std::size_t marker,
                                                  std::span<const Rigid3> start,

@@ -1,9 +1,9 @@
 #pragma once
 
-// Finds the poses of all cameras from their observations of markers, and how good they are.
+// Finds the poses of all cameras from their observations of markers, and estimates the errors.
 //
-// Each pair of cameras that shares enough markers is solved alone. The pairs form a tree from the
-// reference camera, which gives initial poses. A bundle adjustment then fits everything together.
+// Each pair of cameras that shares enough markers is first fitted alone. A tree of pairs from the
+// reference camera gives initial poses. A bundle adjustment then fits all cameras together.
 //
 // Thread: pure functions.
 
@@ -20,26 +20,26 @@
 
 namespace copresence::calibrate {
 
-/// Root mean square and worst of some distances, metres.
+/// Root mean square and largest of some distances, metres.
 struct Spread {
   double rms = 0, worst = 0;
-  std::size_t worst_at = 0;  ///< Index of the worst marker (of a camera) or camera (of a marker).
+  std::size_t worst_at = 0;  ///< Index of the worst marker (for a camera) or camera (for a marker).
   std::size_t count = 0;
 };
 
 struct CameraFit {
   Rigid3 world_from_camera;
-  Spread residual;  ///< Distances of its markers from their common positions.
-  /// Distance of each marker from where the other cameras put it, after a fit without that marker.
+  Spread residual;  ///< Distances of the camera's markers from their fitted positions.
+  /// Distance of each marker from the other cameras' position of it, in a fit without that marker.
   Spread leave_one_out;
-  /// Standard deviation of a point among the markers, relative to the reference camera.
+  /// Standard deviation of a point among the markers, metres, relative to the reference camera.
   double expected_shift_m = 0;
-  double expected_turn = 0;  ///< The same of the orientation, radians.
+  double expected_turn = 0;  ///< Standard deviation of the orientation, radians.
 };
 
 struct MarkerFit {
-  Eigen::Vector3d in_world{0, 0, 0};  ///< NaN if no camera sees it.
-  Spread residual;                    ///< Over the cameras that see it.
+  Eigen::Vector3d in_world{0, 0, 0};  ///< Position, metres; NaN if no camera sees the marker.
+  Spread residual;                    ///< Distances over the cameras that see the marker.
 };
 
 /// Two cameras that share enough markers, and the fits to this pair alone.
@@ -47,8 +47,8 @@ struct PairFit {
   std::size_t a = 0, b = 0, markers = 0;
   bool in_tree = false;
   double rigid_rms_m = 0;
-  /// Of the rigid transform nearest to the linear solution. Empty if the markers do not allow the
-  /// linear solver.
+  /// Residual of the rigid transform nearest to the linear solution. Empty if the markers do not
+  /// allow the linear solver.
   std::optional<double> linear_rms_m;
   std::string no_linear;                   ///< Why the linear solver cannot be used; may be empty.
   double least_scale = 1, most_scale = 1;  ///< Scales of the linear solution.
@@ -67,11 +67,11 @@ struct RigNames {
 };
 
 struct WorldSettings {
-  std::size_t reference = 0;  ///< camera
+  std::size_t reference = 0;  ///< Index of the reference camera.
   Rigid3 world_from_reference;
   Solver solver = Solver::kRigid;
-  /// The points are corners of one rigid board. Its known size gives their depth better than a
-  /// sensor, so a layout may be smaller than check_layout() requires.
+  /// True if the points are corners of one rigid board. Its known size gives better depth than a
+  /// sensor, so the layout may be smaller than check_layout() requires.
   bool is_board = false;
 };
 

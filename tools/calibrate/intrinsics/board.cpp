@@ -30,7 +30,8 @@ double sharpness_of(const cv::Mat& gray, const std::vector<cv::Point2f>& corners
   return edge_deviation[0] * edge_deviation[0] / (contrast * contrast);
 }
 
-constexpr int kQuickSide = 640;  // Longer side for findChessboardCorners(), which takes 0.01 to 0.2 s there.
+// Longer side of the picture for findChessboardCorners(), which then takes 0.01 to 0.2 s.
+constexpr int kQuickSide = 640;
 
 // Smallest distance between neighbouring corners of a full chessboard, pixels.
 double spacing(const std::vector<cv::Point2f>& corners, int columns) {
@@ -43,7 +44,7 @@ double spacing(const std::vector<cv::Point2f>& corners, int columns) {
   return least;
 }
 
-// A chessboard looks the same after half a turn. It is assumed to stand upright, and not to be
+// A chessboard looks the same after half a turn. This assumes that the board is upright and not
 // mirrored.
 void stand_upright(std::vector<cv::Point2f>& corners, int columns) {
   if (corners.front().y > corners.back().y) std::reverse(corners.begin(), corners.end());
@@ -57,7 +58,7 @@ std::vector<cv::Point2f> find_chessboard(const Board& board, const cv::Mat& gray
   std::vector<cv::Point2f> corners;
   const cv::Size size(board.columns, board.rows);
   const int longer = std::max(gray.cols, gray.rows);
-  float pixel = 1;  // Size of a pixel of the picture that the board was found in.
+  float pixel = 1;  // Full pixels per pixel of the searched picture.
   const auto found_in = [&](int side, bool quickly) {
     const ScaledPicture scaled(gray, side);
     // CALIB_CB_NORMALIZE_IMAGE would amplify the noise of a white rim, and a search would take 7 s.
@@ -88,7 +89,7 @@ std::vector<cv::Point2f> find_chessboard(const Board& board, const cv::Mat& gray
 std::string describe_other_chessboard(const Board& board, const ColorImage& picture) {
   const ScaledPicture scaled(gray_of(picture), kSearchSides[0]);
   std::vector<cv::Point2f> corners;
-  cv::Mat squares;  // Has one entry per corner.
+  cv::Mat squares;  // One entry per corner.
   if (!cv::findChessboardCornersSB(scaled.gray(), cv::Size(3, 3), corners, cv::CALIB_CB_LARGER, squares) ||
       (squares.cols == board.columns && squares.rows == board.rows) ||
       (squares.cols == board.rows && squares.rows == board.columns)) {
@@ -196,7 +197,7 @@ std::vector<BoardView> select_views(std::vector<BoardView> views, int width,
     }
   }
   if (kept.size() <= kMostViews) return kept;
-  std::vector<BoardView> some;  // evenly spread
+  std::vector<BoardView> some;  // Evenly spread.
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const bool is_chosen = i * kMostViews / kept.size() != (i + 1) * kMostViews / kept.size();
     if (is_chosen) {

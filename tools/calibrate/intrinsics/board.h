@@ -19,7 +19,7 @@ struct Board {
   Kind kind = Kind::kChessboard;
   int columns = 9, rows = 6;  ///< Inner corners of a chessboard; squares of a ChArUco board.
   double square_m = 0.025;    ///< Side of a square, metres.
-  double marker_m = 0;        ///< Of a ChArUco board's markers.
+  double marker_m = 0;        ///< Side of a ChArUco board's markers, metres.
   std::string dictionary = "4x4_50";
   int border_bits = 1;  ///< Width of the markers' black border, in cells.
 };
@@ -27,49 +27,49 @@ struct Board {
 /// Positions of the markers on a ChArUco board. OpenCV 4.6 changed them for boards with an even
 /// number of rows.
 enum class CharucoLayout {
-  kBlackCorner,   ///< Black top left square: since OpenCV 4.6, and all odd numbers of rows.
-  kMarkerCorner,  ///< Marker 0 at the top left: before OpenCV 4.6, even numbers of rows.
+  kBlackCorner,   ///< Black top left square: OpenCV 4.6 and later, or an odd number of rows.
+  kMarkerCorner,  ///< Marker 0 at the top left: older OpenCV and an even number of rows.
 };
 
 /// Parses "9x6" into columns and rows, each from 3 to 40. Returns an error message, or nothing.
 std::string parse_board_size(const std::string& text, Board& board);
 
-/// Checks whether such a board can exist. Returns an error message, or nothing. Requires a known
+/// Checks whether the board can exist. Returns an error message, or nothing. Requires a known
 /// dictionary.
 std::string problem_of(const Board& board);
 
 /// The corners of a board in one picture: positions on the board (metres, z = 0) and in the picture
 /// (pixels).
 struct BoardView {
-  std::string picture;  ///< Its name or number, for messages.
+  std::string picture;  ///< The picture's name or number, for messages.
   std::vector<Eigen::Vector2d> on_board, pixels;
   /// Variance of the Laplacian over the board, relative to its contrast. Blurred pictures have
   /// small values.
   double sharpness = 0;
-  CharucoLayout layout = CharucoLayout::kBlackCorner;  ///< Of a ChArUco board.
+  CharucoLayout layout = CharucoLayout::kBlackCorner;  ///< Layout of a ChArUco board.
 };
 
 /// Finds the board in a scaled-down picture, then refines its corners in the full one. So a picture
 /// of 12 megapixels takes about as long as a small one. Squares smaller than 1/20 of a large
-/// picture may be missed. Nothing if the picture shows no board, or fewer than six of its corners.
+/// picture may be missed. Returns nothing for fewer than six visible corners.
 std::optional<BoardView> find_board(const Board& board, const ColorImage& picture, const std::string& name);
 
-/// Describes a board in the picture that differs from `board`, and the flag to give for it: another
-/// number of corners, or another dictionary. Empty if there is none. Slower than find_board().
+/// Looks for a board with another number of corners or another dictionary. Returns its description
+/// and the flag to give, or an empty text. Slower than find_board().
 std::string describe_other_board(const Board& board, const ColorImage& picture);
 
-/// A view that is left out, and the reason.
+/// A view that is not used, and the reason.
 struct DroppedView {
   std::string picture, why;
 };
 
-/// The first of `others` that shows the same corners at the same pixels, within `kSameView` of the
-/// picture's width; null if there is none.
+/// Returns the first of `others` that shows the same corners at the same pixels, within `kSameView`
+/// of the picture's width. Returns null if there is none.
 inline constexpr double kSameView = 0.02;
 const BoardView* same_view(const BoardView& view, std::span<const BoardView> others, int width);
 
 /// Leaves out blurred views (sharpness below a third of the median) and repeated ones
-/// (same_view()). Keeps at most kMostViews, because the time of a fit grows with the cube of their
+/// (same_view()). Keeps at most kMostViews, since the time of a fit grows with the cube of their
 /// number.
 inline constexpr std::size_t kMostViews = 100;
 std::vector<BoardView> select_views(std::vector<BoardView> views, int width,

@@ -19,13 +19,13 @@
 namespace copresence::calibrate {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = 1 << 20;  // Size of a file; ROS writes less than 2000 bytes.
+constexpr std::uintmax_t kMostBytes = 1 << 20;  // Largest file size; ROS writes less than 2000 bytes.
 
 // OpenCV's coefficients are k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty. The camera model has the
 // first eight.
 constexpr std::size_t kMostCoefficients = 14;
 
-// Keys of ROS, OpenCV and Kalibr for the same value. The first is that of ROS.
+// Keys of ROS (first), OpenCV and Kalibr for the same value.
 using RigNames = std::initializer_list<const char*>;
 const RigNames kWidth{"image_width", "width"}, kHeight{"image_height", "height"},
     kMatrix{"camera_matrix", "K", "k", "cameraMatrix"},
@@ -108,14 +108,14 @@ class Reader {
 std::string name_in(const YAML::Node& root) {
   const YAML::Node found = Reader::find(root, kName);
   if (found.IsDefined() && found.IsScalar()) return found.Scalar();
-  const YAML::Node header = Reader::find(root, {"header"});  // of a message
+  const YAML::Node header = Reader::find(root, {"header"});  // Only messages have a header.
   if (!header.IsDefined() || !header.IsMap()) return {};
   const YAML::Node frame = Reader::find(header, {"frame_id"});
   return frame.IsDefined() && frame.IsScalar() ? frame.Scalar() : "";
 }
 
-// The calibrator of ROS Melodic wrote the distortion model as camera_model. Elsewhere that key is
-// "pinhole".
+// The calibrator of ROS Melodic wrote the distortion model as camera_model. In other files,
+// camera_model is "pinhole".
 YAML::Node model_in(const YAML::Node& root) {
   const YAML::Node model = Reader::find(root, {"distortion_model"});
   return model.IsDefined() ? model : Reader::find(root, {"camera_model"});
@@ -162,7 +162,7 @@ void read_distortion(Reader& reader, const YAML::Node& root, CameraModel& model)
   std::copy_n(d.begin(), used, model.distortion.begin());
 }
 
-// The numbers describe the whole sensor. Rejects messages for binned or cropped pictures.
+// Rejects messages for binned or cropped pictures: the intrinsics are those of the whole sensor.
 void check_whole_picture(Reader& reader, const YAML::Node& root) {
   for (const char* key : {"binning_x", "binning_y"}) {
     const YAML::Node found = Reader::find(root, {key});

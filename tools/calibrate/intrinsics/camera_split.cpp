@@ -13,16 +13,17 @@
 namespace copresence::calibrate {
 namespace {
 
-constexpr std::ptrdiff_t kSmallestGroup = 3;  // views
-// Least difference of two cameras' focal lengths or principal points, relative to the focal length and
-// in standard deviations.
+constexpr std::ptrdiff_t kSmallestGroup = 3;  // Fewest views in a group.
+// Two cameras differ if a focal length or principal point differs by more than this, relative to
+// the focal length and in standard deviations.
 constexpr double kLeastDifference = 0.012, kLeastSigmas = 5;
-// Scatter of the views in a group that the corners' noise explains, relative to that noise.
+// A group whose views scatter less than this, relative to the corners' noise, is one camera.
 constexpr double kTightScatter = 1.5;
-constexpr double kLeastDistance = 130;  // Between the cameras, relative to the scatter in a group.
+// Least distance between the two cameras' parameters, relative to the scatter in a group.
+constexpr double kLeastDistance = 130;
 
-// Squared error of one view as a function of a small change of the camera, with the board's pose
-// eliminated: squares - 2 gradient . change + change . information change.
+// Squared error of one view as a function of a small change of the camera's parameters: squares - 2
+// gradient . change + change . information change. The board's pose is eliminated.
 struct ViewEquations {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
@@ -47,11 +48,11 @@ ViewEquations linearize(const BoardView& view, const ViewFit& fit, const CameraM
   const cv::Matx33d k(model.fx, 0, model.cx, 0, model.fy, model.cy, 0, 0, 1);
   const cv::Mat d(1, 8, CV_64F, const_cast<double*>(model.distortion.data()));
   std::vector<cv::Point2d> pixels;
-  cv::Mat jacobian;  // columns: rotation, translation, fx fy, cx cy, distortion.
+  cv::Mat jacobian;  // Columns: rotation, translation, fx fy, cx cy, distortion.
   cv::projectPoints(points, rotation_vector, cv::Vec3d(t.x(), t.y(), t.z()), k, d, pixels, jacobian);
   constexpr Eigen::Index kPose = 6;
   const auto rows = static_cast<Eigen::Index>(2 * points.size());
-  Eigen::MatrixXd by_pose(rows, kPose), by_camera(rows, parameters + 1);  // The last column: the errors.
+  Eigen::MatrixXd by_pose(rows, kPose), by_camera(rows, parameters + 1);  // The last column holds the errors.
   for (Eigen::Index row = 0; row < rows; ++row) {
     const int i = static_cast<int>(row);
     for (int c = 0; c < kPose; ++c) by_pose(row, c) = jacobian.at<double>(i, c);
@@ -67,15 +68,15 @@ ViewEquations linearize(const BoardView& view, const ViewFit& fit, const CameraM
   return {camera.transpose() * camera, camera.transpose() * errors, errors.squaredNorm()};
 }
 
-using Groups = std::vector<bool>;  // By view: whether it is in the second group.
+using Groups = std::vector<bool>;  // For each view: true if it is in the second group.
 
-// Two changes of the camera, one for each group of views.
+// Two changes of the camera's parameters, one for each group of views.
 class Mixture {
  public:
   explicit Mixture(std::vector<ViewEquations> views) : views_(std::move(views)) {
     const Eigen::Index size = views_[0].gradient.size();
     prior_ = Eigen::MatrixXd::Zero(size, size);
-    // A group of few views may not determine all coefficients: those stay near the joint fit.
+    // A small group may not determine all coefficients. The prior keeps them near the joint fit.
     for (const ViewEquations& view : views_) prior_ += 0.002 * view.information;
   }
 
@@ -109,9 +110,9 @@ class Mixture {
     return sum;
   }
 
-  /// The best of many starts: all cuts through the views in the order of their own focal lengths,
-  /// then random groups. Deterministic. Returns the sum of squared errors; infinity if no start
-  /// ends with two groups of a few views each.
+  /// Finds the best of many starts: all cuts through the views sorted by focal length, then random
+  /// groups. Deterministic. Returns the sum of squared errors, or infinity if no start ends with
+  /// two groups of a few views each.
   double search(Groups& best) const {
     constexpr std::size_t kRandomStarts = 60;
     const std::size_t count = views_.size();
@@ -140,9 +141,9 @@ class Mixture {
     return least;
   }
 
-  /// Whether the distance between the two cameras is large against the scatter of views within
-  /// their groups. Both are measured along the line between the cameras, in units of `variance`,
-  /// the corners' noise.
+  /// True if the parameters of the two cameras differ much more than those of the views within a
+  /// group. Both are measured along the line between the two parameter sets, in units of
+  /// `variance`, the corners' noise.
   bool is_separate(const Groups& groups, double variance) const {
     const Eigen::VectorXd first = solve(groups, false), way = solve(groups, true) - first;
     double distance = 0, scatter = 0;
@@ -175,7 +176,7 @@ CameraModel changed(CameraModel model, const Eigen::VectorXd& change) {
   model.cy += change[3];
   for (Eigen::Index i = 4; i < change.size(); ++i)
     model.distortion[static_cast<std::size_t>(i - 4)] += change[i];
-  // For a large change the linear solution can be impossible.
+  // For a large change, the linear solution may have a negative focal length.
   return model.fx > 0 && model.fy > 0 ? model : before;
 }
 
@@ -198,7 +199,7 @@ std::optional<CameraSplit> find_two_cameras(std::span<const BoardView> views, co
   if (std::ssize(views) < 2 * kSmallestGroup) return std::nullopt;
   const Eigen::Index parameters = 4 + joint.distortion_terms;
   std::vector<ViewEquations> equations;
-  double numbers = 0;  // of measured coordinates
+  double numbers = 0;  // Number of measured coordinates.
   for (std::size_t i = 0; i < views.size(); ++i) {
     equations.push_back(linearize(views[i], joint.views[i], joint.model, parameters));
     numbers += 2 * static_cast<double>(views[i].pixels.size());
@@ -207,7 +208,7 @@ std::optional<CameraSplit> find_two_cameras(std::span<const BoardView> views, co
   Groups groups;
   const double linear_squares = mixture.search(groups);
   if (groups.empty()) return std::nullopt;
-  // Two cameras have one more set of parameters, and one bit for each view.
+  // Schwarz's criterion: two cameras have one more parameter set and one bit per view.
   const double joint_squares = squared_error(joint, views);
   const double price = static_cast<double>(parameters) * std::log(numbers) +
                        2 * std::numbers::ln2 * static_cast<double>(views.size());

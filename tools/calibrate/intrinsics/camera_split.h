@@ -2,9 +2,10 @@
 
 // Detects views of two cameras among views that should come from one. Thread: pure functions.
 //
-// The reprojection error does not show them. Wrong distances of the boards compensate for much of a
-// wrong focal length: views of fx 580 and fx 550 fit one camera to 0.17 px, and one camera's own views
-// to 0.14 px. But the views fall into two groups, and the views of each group agree with one another.
+// The reprojection error does not reveal two cameras, because wrong distances of the boards
+// compensate for much of a wrong focal length. Views of fx 580 and fx 550 fit one camera to 0.17
+// px; views of a single camera fit to 0.14 px. But the views form two groups, and the views of each
+// group agree.
 
 #include <functional>
 #include <optional>
@@ -16,20 +17,20 @@
 namespace copresence::calibrate {
 
 struct CameraSplit {
-  std::vector<std::size_t> first, second;  ///< indices of views
+  std::vector<std::size_t> first, second;  ///< Indices of the views of each camera.
   CameraModel first_model, second_model;
 };
 
-/// Splits the views into two groups that fit different cameras. Nothing if one camera fits as well.
+/// Splits the views into two groups that fit different cameras. Returns nothing if one camera fits
+/// as well.
 ///
 /// The method fits a mixture of two cameras, linearised at the joint fit, with the boards' poses
-/// eliminated. From many starts it alternates between assigning views and solving for both cameras.
-/// Both groups of the best result are then fitted in full. A split must pass three tests:
-///
+/// eliminated. From many starts, it alternates between assigning views and solving for both
+/// cameras. It then fits both groups of the best result in full. A split must pass three tests:
 /// 1. Schwarz's criterion prefers two cameras.
 /// 2. Their focal lengths or principal points differ by more than their uncertainty.
-/// 3. The distance between the cameras is large relative to the scatter of the views within a group.
-///    A bent board fails this test.
+/// 3. The cameras' parameters differ by much more than the views' within a group. A bent board
+/// fails.
 ///
 /// joint      the fit of all `views` by one camera, in the same order.
 /// fit_group  fits a camera with the same distortion coefficients to some of the views, beginning

@@ -42,9 +42,9 @@ double sides_of(const std::vector<cv::Point2f>& corners) {
   return sides;
 }
 
-// Searches a scaled-down picture, and a larger one if that shows no markers or only small ones.
+// Searches a scaled-down picture. If it shows no markers or only small ones, searches a larger one.
 SeenMarkers find_markers(const Board& board, const cv::Mat& gray) {
-  constexpr double kSmall = 20;  // Pixels of a marker's side; many smaller markers are missed.
+  constexpr double kSmall = 20;  // Side in pixels; many smaller markers are missed.
   const auto dictionary = make_dictionary(board.dictionary);
   const auto parameters = cv::makePtr<cv::aruco::DetectorParameters>();
   parameters->markerBorderBits = board.border_bits;
@@ -68,9 +68,9 @@ SeenMarkers find_markers(const Board& board, const cv::Mat& gray) {
   return best;
 }
 
-// Mean distance of the markers' corners from the best homography of the board, relative to the
-// markers' size. The distortion of a wide lens makes 0.1; a wrong layout makes 1 or more. Nothing
-// if there are too few markers.
+// Mean distance of the markers' corners from the board's best homography, relative to the markers'
+// size. A wide lens's distortion causes 0.1, a wrong layout 1 or more. Returns nothing for too few
+// markers.
 std::optional<double> misfit(const MarkerCorners& markers, const SeenMarkers& seen) {
   std::vector<cv::Point2f> on_board, pixels;
   double sides = 0;
@@ -97,8 +97,8 @@ std::vector<CharucoLayout> layouts_of(const Board& board) {
   return {CharucoLayout::kBlackCorner, CharucoLayout::kMarkerCorner};
 }
 
-// Predicts the inner corners by the homographies of the two markers that touch each corner. Corners
-// that lack one of them are left out.
+// Predicts each inner corner from the homographies of the two markers beside it. Leaves out corners
+// with fewer markers.
 void predict_corners(const Board& board, const MarkerCorners& markers, const SeenMarkers& seen,
                      const cv::Size& size, CharucoCorners& out) {
   const auto square = static_cast<float>(board.square_m);
@@ -115,7 +115,7 @@ void predict_corners(const Board& board, const MarkerCorners& markers, const See
       int count = 0;
       for (const auto& [number, homography] : homographies) {
         const cv::Point2f middle = 0.5f * (markers[number][0] + markers[number][2]);
-        if (cv::norm(middle - corner) > 0.8f * square) continue;  // Those of the touching squares: at 0.71.
+        if (cv::norm(middle - corner) > 0.8f * square) continue;  // Touching squares are at 0.71.
         std::vector<cv::Point2f> pixel;
         cv::perspectiveTransform(std::vector<cv::Point2f>{corner}, pixel, homography);
         sum += pixel[0];

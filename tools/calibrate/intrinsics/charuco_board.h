@@ -14,10 +14,10 @@ namespace copresence::calibrate {
 struct CharucoCorners {
   std::vector<cv::Point2f> pixels;
   std::vector<int> numbers;
-  CharucoLayout layout = CharucoLayout::kBlackCorner;  ///< The one that fits the picture.
+  CharucoLayout layout = CharucoLayout::kBlackCorner;  ///< The layout that fits the picture.
 };
 
-/// Requires a ChArUco board. Empty if the picture does not show it.
+/// Requires a ChArUco board. Returns no corners if the picture does not show it.
 CharucoCorners find_charuco(const Board& board, const cv::Mat& gray);
 
 /// describe_other_board() for a ChArUco board.

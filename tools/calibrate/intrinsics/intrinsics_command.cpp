@@ -31,24 +31,25 @@ struct IntrinsicsSettings {
   double pause_s = 0.5;
   bool depth_to_color = false;
   bool overwrite = false;
-  bool of_color_camera = false;  ///< The camera_info file is for the colour camera.
+  bool of_color_camera = false;  ///< True if the camera_info file is for the colour camera.
 };
 
-// What was found in the pictures of one camera.
+// The result of the search in the pictures of one camera.
 struct Pictures {
   std::string camera;
   int width = 0, height = 0;
   std::vector<BoardView> views;
   BoardPictures shown;
-  bool keeps_shown = false;  ///< Whether `shown` is filled.
+  bool keeps_shown = false;  ///< True if `shown` is filled.
   std::size_t searched = 0, different = 0;
-  bool is_depths_own = true;  ///< Colour is registered to depth, so depth has the same intrinsics.
+  bool is_depths_own = true;  ///< True if colour is registered to depth, so both share intrinsics.
   std::string seen_instead;   ///< describe_other_board() of the first pictures; may be empty.
   int descriptions = 0;       ///< Number of calls of describe_other_board().
 };
 
-constexpr std::size_t kMostPictures = 20;  // For foil markers; more pictures of a still scene add nothing.
-constexpr int kMostDescriptions = 3;       // Each takes a second for a large picture.
+// Number of pictures searched for foil markers. More pictures of a still scene add nothing.
+constexpr std::size_t kMostPictures = 20;
+constexpr int kMostDescriptions = 3;  // Each takes a second for a large picture.
 
 Result<std::optional<scene::Scene>> scene_of(const IntrinsicsSettings& settings) {
   if (settings.scene.empty()) return std::optional<scene::Scene>();
@@ -97,7 +98,7 @@ Result<Pictures> pictures_of_source(const IntrinsicsSettings& settings, const sc
     return search_picture(settings.board, *frame.color,
                           fmt::format("{} {}", source.is_stream ? "picture" : "frame", number), out);
   });
-  // The views so far are kept: a person held up the board for them.
+  // Views collected before an error are kept, because a person held up the board for them.
   if (!looked && out.different < kFewestViews) return fail(looked.error());
   if (!looked || (source.is_stream && *looked < settings.frames)) {
     fmt::print(stderr, "{} ended{}; continuing with the {} pictures so far\n", source.from,
@@ -160,8 +161,8 @@ void print_fit(const IntrinsicsFit& fit, const Pictures& pictures) {
   }
 }
 
-// Changes a camera of the scene file and writes the file. Requires that `change` completes a new
-// camera.
+// Changes a camera of the scene file and writes the file. For a new camera, `change` must set
+// everything that a scene file needs.
 template <class Change>
 Result<void> change_camera(const IntrinsicsSettings& settings, std::optional<scene::Scene> scene,
                            const std::string& name, Change&& change) {

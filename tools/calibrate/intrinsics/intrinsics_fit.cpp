@@ -53,8 +53,8 @@ Rigid3 pose_of(const cv::Mat& turn, const cv::Mat& move) {
   return pose;
 }
 
-// Sets of distortion coefficients to try, the smallest first. With too many, they are correlated,
-// and extrapolate badly outside of the corners.
+// Sets of distortion coefficients to try, the smallest first. Too many coefficients are correlated
+// and extrapolate badly beyond the corners.
 struct Distortion {
   const char* used;
   int flags, coefficients;
@@ -108,15 +108,15 @@ Result<IntrinsicsFit> fit_once(std::span<const BoardView> views, int width, int 
   return fit;
 }
 
-// Chooses the set of coefficients by Schwarz's criterion. The distortion must be valid all over the
-// picture.
+// Chooses the set of coefficients by Schwarz's criterion. The distortion must be valid everywhere
+// in the picture.
 Result<IntrinsicsFit> fit_best(std::span<const BoardView> views, int width, int height) {
   double numbers = 0;
   for (const BoardView& view : views) numbers += 2 * static_cast<double>(view.pixels.size());
   std::optional<Result<IntrinsicsFit>> best;
   double least = 0;
   for (const Distortion& distortion : kDistortions) {
-    // Without the smaller set's result as a start, fits of wide lenses can end in a local minimum.
+    // Starting from the smaller set's result keeps fits of wide lenses out of local minima.
     const bool has_start = best && *best;
     auto fit = fit_once(views, width, height, distortion, has_start ? &(*best)->model : nullptr);
     const bool usable = fit && check(fit->model);
@@ -131,7 +131,7 @@ Result<IntrinsicsFit> fit_best(std::span<const BoardView> views, int width, int 
   return *best;
 }
 
-// Pixel errors grow with the size of the picture: the factor is 1 up to the usual size.
+// Pixel errors grow with the size of the picture. The factor is 1 up to kUsualWidth.
 double size_factor(const CameraModel& model) {
   return std::max(1.0, std::max(model.width, model.height) / kUsualWidth);
 }
@@ -145,7 +145,7 @@ std::string names_of(std::span<const BoardView> views) {
   return views.size() > kShown ? names + ", ..." : names;
 }
 
-// Describes the two cameras in the views. Empty if there is only one.
+// Describes the two cameras in the views. Empty if there is only one camera.
 std::string two_cameras(std::span<const BoardView> views, const IntrinsicsFit& joint) {
   const auto terms = std::find_if(kDistortions.begin(), kDistortions.end(), [&](const Distortion& d) {
     return d.coefficients == joint.distortion_terms;
@@ -203,7 +203,7 @@ constexpr const char* kUsualCauses =
     "flat, are all "
     "pictures of one camera without zoom, and does the lens see less than about 120 degrees";
 
-// The reason why a fit cannot be used; empty if it can.
+// Returns the reason why a fit cannot be used, or an empty text.
 std::string problem_of(const IntrinsicsFit& fit, std::span<const BoardView> views) {
   const CameraModel& m = fit.model;
   const double factor = size_factor(m);
@@ -246,7 +246,7 @@ double times_good_rms(const IntrinsicsFit& fit) {
 }
 
 Result<IntrinsicsFit> fit_intrinsics(std::span<const BoardView> views, int width, int height) {
-  constexpr double kAnyFieldOfView = 1;  // radians; only the size is checked.
+  constexpr double kAnyFieldOfView = 1;  // In radians; only the size is checked.
   if (const auto usable = check(camera_from_field_of_view(width, height, kAnyFieldOfView)); !usable)
     return fail(usable.error());
   if (views.size() < kFewestViews) {
@@ -282,7 +282,7 @@ Result<IntrinsicsFit> fit_intrinsics(std::span<const BoardView> views, int width
   std::string cause = two_cameras(good, *fit);
   double joint_rms_px = fit->rms_px;
   if (cause.empty() && (times_good_rms(*fit) > 1 || !fit->dropped.empty())) {
-    // If the cameras differ much, the fit may have dropped views or found an odd distortion.
+    // If the cameras differ much, the joint fit may have dropped views or found an odd distortion.
     if (const auto simple = fit_once(views, width, height, kDistortions[1])) {
       cause = two_cameras(views, *simple);
       joint_rms_px = simple->rms_px;

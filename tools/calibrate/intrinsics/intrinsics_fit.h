@@ -17,8 +17,8 @@ namespace copresence::calibrate {
 
 struct ViewFit {
   std::string picture;
-  double rms_px = 0;         ///< reprojection error
-  Rigid3 camera_from_board;  ///< metres
+  double rms_px = 0;         ///< Reprojection error.
+  Rigid3 camera_from_board;  ///< Pose of the board, metres.
 };
 
 struct IntrinsicsFit {
@@ -27,31 +27,30 @@ struct IntrinsicsFit {
   int distortion_terms = 0;          ///< Number of coefficients that were fitted: 0, 4, 5 or 8.
   double rms_px = 0;                 ///< Reprojection error over all views.
   double focal_sigma_px = 0;         ///< OpenCV's standard deviation of fx or fy, whichever is larger.
-  double center_sigma_px = 0;        ///< The same of cx and cy.
-  double covered = 0;                ///< Share of the picture's 8 x 6 cells that have a corner.
+  double center_sigma_px = 0;        ///< Standard deviation of cx or cy, whichever is larger.
+  double covered = 0;                ///< Share of the picture's 8 x 6 cells with a corner.
   std::vector<ViewFit> views;        ///< The views that were used.
-  std::vector<DroppedView> dropped;  ///< Views that fit three times worse than the median.
+  std::vector<DroppedView> dropped;  ///< Views whose error is three times the median.
 };
 
 inline constexpr std::size_t kFewestViews = 6;
 
-/// Limits of the error of a good fit and of an accepted one. They are for pictures up to
-/// kUsualWidth wide, and grow in proportion for larger ones.
+/// Largest errors of a good fit and of an accepted fit, for pictures up to kUsualWidth wide. They
+/// grow in proportion for wider pictures.
 inline constexpr double kGoodRmsPx = 0.3, kMostRmsPx = 1.0, kUsualWidth = 1280;
 /// Largest accepted standard deviations: of a focal length relative to itself, and of the principal
 /// point relative to the picture's longer side.
 inline constexpr double kMostFocalSigma = 0.01, kMostCenterSigma = 0.01;
 
-/// rms_px relative to kGoodRmsPx at the picture's size. Up to 1 is good.
+/// The fit's rms_px relative to kGoodRmsPx at the picture's size. Up to 1 is good.
 double times_good_rms(const IntrinsicsFit& fit);
 
 /// Fails  kInvalid: fewer than kFewestViews views, or an error or uncertainty above the limits. The
-///        message has the likely cause: views of two cameras, a board that is hardly tilted or
+///        message names the likely cause: views of two cameras, a board that is hardly tilted or
 ///        small, a wrong board size, or a fisheye lens.
 Result<IntrinsicsFit> fit_intrinsics(std::span<const BoardView> views, int width, int height);
 
-/// Finds the pose of the board for known intrinsics. Fails kInvalid if the corners do not determine
-/// it.
+/// Finds the pose of the board for known intrinsics. Fails kInvalid if the corners do not give it.
 Result<ViewFit> locate_board(const BoardView& view, const CameraModel& model);
 
 }  // namespace copresence::calibrate

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 using Size = std::pair<int, int>;
 
-// "a.jpg, b.jpg, c.jpg and 4 more"
+// Lists the first names: "a.jpg, b.jpg, c.jpg and 4 more".
 std::string some_of(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 3;
   if (names.size() <= kShown) return fmt::format("{}", fmt::join(names, ", "));
@@ -43,9 +43,9 @@ Error of_different_sizes(const fs::path& folder, const std::map<Size, std::vecto
   return {};
 }
 
-// An error message if the size cannot be used, even without the last column or row.
+// Returns an error message if no camera model can have this size, rounded down to even numbers.
 std::string problem_of_size(int width, int height) {
-  constexpr double kAnyFieldOfView = 1;  // radians; only the size is checked.
+  constexpr double kAnyFieldOfView = 1;  // In radians; only the size is checked.
   const auto checked = check(camera_from_field_of_view(width / 2 * 2, height / 2 * 2, kAnyFieldOfView));
   if (checked) return {};
   constexpr int kLarge = 1000;
@@ -103,7 +103,7 @@ Result<PictureFolder> open_picture_folder(const fs::path& folder) {
 }
 
 Result<ColorImage> load_picture(const PictureFolder& folder, const fs::path& file) {
-  // This checks the size first: a small file may decode to gigabytes.
+  // Loading checks the size first, because a small file may decode to gigabytes.
   const auto bytes = pictures::load(file);
   if (!bytes) return fail(bytes.error());
   cv::Mat bgr;

@@ -15,7 +15,7 @@ namespace copresence::calibrate {
 /// The PNG and JPEG pictures of one camera in a folder.
 struct PictureFolder {
   std::vector<std::filesystem::path> files;  ///< Sorted by name, without hidden files.
-  int width = 0, height = 0;                 ///< Size that is used, pixels; even.
+  int width = 0, height = 0;                 ///< Size of the loaded pictures, pixels; even.
   std::string remark;                        ///< Message for the user; may be empty.
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// A grey picture scaled down for a search, and the way back to full pixels. Thread: a value.
+// A grey picture scaled down for a search. Converts positions back to full pixels. Thread: a value.
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,7 @@
 
 namespace copresence::calibrate {
 
-/// Longer sides for thorough searches, pixels. They limit the time of a search, whatever the
-/// picture shows.
+/// Longer sides for thorough searches, pixels. They limit the time of a search for any picture.
 inline constexpr std::array kSearchSides{1280, 2560};
 
 inline cv::Mat gray_of(const ColorImage& picture) {
@@ -24,7 +23,7 @@ inline cv::Mat gray_of(const ColorImage& picture) {
 
 class ScaledPicture {
  public:
-  /// side  largest length of the longer side, pixels. A smaller picture keeps its size.
+  /// side  length of the longer side, pixels. A smaller picture keeps its size.
   ScaledPicture(const cv::Mat& gray, int side) : gray_(gray) {
     const double scale = static_cast<double>(side) / std::max(gray.cols, gray.rows);
     if (scale < 1) {
@@ -36,7 +35,8 @@ class ScaledPicture {
   }
 
   const cv::Mat& gray() const { return gray_; }
-  float pixel() const { return std::max(x_, y_); }  ///< Size of one pixel, in pixels of the full picture.
+  /// Size of one pixel of the small picture, in pixels of the full picture.
+  float pixel() const { return std::max(x_, y_); }
   void to_full(std::vector<cv::Point2f>& points) const {
     for (cv::Point2f& p : points) p = {(p.x + 0.5f) * x_ - 0.5f, (p.y + 0.5f) * y_ - 0.5f};
   }

@@ -63,8 +63,8 @@ std::vector<Observation> observations_of(std::size_t camera, const StillBoard& b
   for (const Eigen::Vector2d& pixel : board.view.pixels) {
     extent_px = std::max(extent_px, (pixel - board.view.pixels[0]).norm());
   }
-  // The relative error of the distance is that of the board's size in the picture. All corners
-  // share it.
+  // The board's distance has the same relative error as its size in the picture. All corners share
+  // this error.
   const double relative =
       2 * kCornerPx / extent_px * std::sqrt(static_cast<double>(board.view.pixels.size()));
   std::vector<Observation> observations;

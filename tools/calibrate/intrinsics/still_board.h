@@ -1,8 +1,7 @@
 #pragma once
 
-// Finds poses by a board that stands still in view of several cameras (thesis 2.5.2). Each camera
-// locates the board by its known size, and the board's corners serve as markers. Thread: pure
-// functions.
+// Finds poses from a board that stands still in view of several cameras (thesis 2.5.2). Each camera
+// locates the board by its known size. The corners serve as markers. Thread: pure functions.
 
 #include <cstddef>
 #include <optional>
@@ -16,16 +15,16 @@
 namespace copresence::calibrate {
 
 struct StillBoard {
-  BoardView view;  ///< With the mean corners over all pictures.
+  BoardView view;  ///< Has the mean corners over all pictures.
   ViewFit pose;
 };
 
-/// Fails  kNotFound: no picture shows the whole board; kInvalid: it moved, or cannot be located.
+/// Fails  kNotFound: no picture shows the whole board; kInvalid: it moved, or has no clear pose.
 Result<StillBoard> find_still_board(const Board& board, std::span<const ColorImage> pictures,
                                     const CameraModel& model);
 
-/// Distance of the board by its size, relative to its measured depth: 1 if the squares have the
-/// size in `board`. Nothing if the depth is no plane.
+/// Ratio of the board's distance by its size to its measured depth. It is 1 if the squares have the
+/// size in `board`. Returns nothing if the depth is no plane.
 std::optional<double> size_over_depth(const StillBoard& still, const Board& board, const DepthAverage& depth,
                                       const CameraModel& model);
 

@@ -74,7 +74,8 @@ std::vector<FoundMarker> ClickList::markers() const {
 namespace {
 
 // OpenCV's window library, Qt, exits the program if there is no display. So a child process tries
-// first. It must run before the first window: a child cannot share a display that Qt uses already.
+// first. It must run before the first window opens: a child cannot share a display that Qt already
+// uses.
 bool try_a_window() {
   const pid_t child = fork();
   if (child < 0) return false;
@@ -125,7 +126,7 @@ Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const
           }
         },
         &list);
-    // The return key that ended the previous window repeats here while it is held down.
+    // If the user still holds down the return key of the previous window, the key repeats here.
     constexpr auto kReleased = std::chrono::milliseconds(300);
     auto last_key = std::chrono::steady_clock::now();
     bool released = false;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Markers that a person clicks in a window, as in thesis 3.1, and files of such clicks.
+// Lets a person click markers in a window, as in thesis 3.1. Reads and writes files of clicks.
 //
 // A file has one line per marker and camera: `camera marker x y`, in pixels. # begins a comment.
 
@@ -16,7 +16,7 @@
 
 namespace copresence::calibrate {
 
-/// Markers by the name of the camera.
+/// Clicked markers by camera name.
 using Clicks = std::map<std::string, std::vector<FoundMarker>>;
 
 /// Standard deviation of a click, pixels.
@@ -29,10 +29,10 @@ Result<Clicks> load_clicks(const std::filesystem::path& file);
 /// Fails  kUnavailable if the file cannot be written.
 Result<void> save_clicks(const Clicks& clicks, const std::filesystem::path& file);
 
-/// Shows a camera's picture in a window and waits for clicks. The markers are click1, click2 and so
-/// on; printed markers have other names. The space bar skips a marker that this camera does not
-/// see, backspace removes the last one, and return ends.
-/// Fails  kUnavailable if no window can be opened; kRefused if it is closed.
+/// Shows a camera's picture in a window and waits for clicks. The markers are named click1, click2
+/// and so on; printed markers have other names. The space bar skips a marker that this camera does
+/// not see. Backspace removes the last click, and return ends.
+/// Fails  kUnavailable if no window can be opened; kRefused if the user closes it.
 Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const ColorImage& picture);
 
 /// The clicks of one window.
@@ -43,9 +43,7 @@ class ClickList {
   void undo() {
     if (!places_.empty()) places_.pop_back();
   }
-  int next() const {
-    return static_cast<int>(places_.size()) + 1;
-  }  ///< Number of the marker that is asked for.
+  int next() const { return static_cast<int>(places_.size()) + 1; }  ///< Number of the marker to click next.
   std::vector<FoundMarker> markers() const;
 
  private:

@@ -16,9 +16,9 @@ namespace copresence::calibrate {
 namespace {
 
 constexpr std::size_t kDepth = 0, kColor = 1;  // Indices of the two cameras.
-constexpr double kRaggedPx = 0.7;              // Error of an outline that is found by missing depth.
+constexpr double kRaggedPx = 0.7;              // Error of an outline found from missing depth, pixels.
 
-// The colour camera measures rays only. The depth camera's depth is the first guess along them.
+// The colour camera measures only rays. Depth from the depth camera is the first guess.
 void add_color_observations(const FoundMarker& marker, const CameraModel& color,
                             std::vector<Observation>& all) {
   std::vector<Eigen::Vector2d> points = marker.corners;
@@ -54,8 +54,8 @@ void DepthToColorFinder::add_depth(const DepthImage& depth) {
 
 Result<DepthToColor> DepthToColorFinder::fit(const CameraModel& depth, const CameraModel& color) const {
   assert(average_.frames() > 0);
-  // A picture that is white where all frames have depth, and black where none has: the markers'
-  // dark cells.
+  // A picture that is white where all frames have depth, and black where no frame has. The markers'
+  // dark cells are black.
   Image<std::uint8_t> presence(measured_.width(), measured_.height());
   for (std::size_t i = 0; i < presence.pixels().size(); ++i) {
     presence.data()[i] = static_cast<std::uint8_t>(measured_.data()[i] * 255 / average_.frames());

@@ -32,7 +32,7 @@ cv::Point pixel_of(const Eigen::Vector2d& point) {
   return {cv::saturate_cast<int>(point.x()), cv::saturate_cast<int>(point.y())};
 }
 
-// `at` is the left end of the text's base line. The black rim makes it readable on any picture.
+// `at` is the left end of the text's base line. The black rim makes text readable on any picture.
 void write_label(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& color) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, {0, 0, 0}, 3, cv::LINE_AA);
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, color, 1, cv::LINE_AA);
@@ -111,7 +111,7 @@ namespace {
 
 constexpr int kWidest = 960;  // Width of the sheet for more than two cameras, pixels.
 
-// scale  size of a pixel of the camera in pixels of `image`.
+// scale  pixels of `image` per pixel of the camera.
 void mark(cv::Mat& image, double scale, const FoundMarker& marker, const std::string& text,
           const cv::Scalar& color) {
   const Eigen::Vector2d middle = scale * marker.middle;
@@ -138,7 +138,7 @@ Result<void> write_marked_pictures(std::span<const MarkedPicture> cameras, const
     height = std::max(height, camera.picture.height());
   }
   const int count = static_cast<int>(cameras.size());
-  // The pictures of many cameras are scaled down; their labels are not.
+  // Pictures of many cameras are scaled down, but their labels are not.
   const double scale = count > 2 ? std::min(1.0, 0.5 * kWidest / width) : 1;
   const auto scaled = [scale](int pixels) { return static_cast<int>(std::lround(scale * pixels)); };
   width = scaled(width);
@@ -186,7 +186,7 @@ namespace {
 constexpr int kTileWidth = 480, kScaleHeight = 34;
 const cv::Vec3f kPink(230, 60, 250);  // BGR
 
-// From blue over green to red, for an other surface from 20 mm in front to 20 mm behind.
+// Blue for a surface 20 mm in front, over green for the same place, to red for 20 mm behind.
 cv::Vec3f color_of(double behind_mm) {
   const cv::Vec3f before(255, 110, 40), same(90, 215, 90), behind(50, 60, 255);
   const auto share = static_cast<float>(std::clamp(behind_mm / kFullColor_mm, -1.0, 1.0));
@@ -201,7 +201,7 @@ cv::Mat tile_of(const SurfaceComparison& one) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       if (found.association(x, y) == Association::kNone) continue;
-      // Shading by a light beside the camera, which makes shapes visible.
+      // Shading by a light beside the camera makes shapes visible.
       const float lit =
           0.35f + 0.65f * std::max(0.0f, surface.normal(x, y).dot(Eigen::Vector3f(-0.4f, -0.4f, -0.82f)));
       cv::Vec3f color(110, 110, 110);

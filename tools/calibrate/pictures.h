@@ -1,7 +1,7 @@
 #pragma once
 
 // Pictures that show a result: the corners of a board, markers, and the agreement of surfaces.
-// Thread: pure functions, and a value.
+// Thread: pure functions; one thread per object.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -20,8 +20,8 @@
 
 namespace copresence::calibrate {
 
-/// For Option::check(): the name of a PNG or JPEG file that can be written. All writers below
-/// require such a name, and fail with kUnavailable if the file cannot be written.
+/// Validator for CLI::Option::check(): accepts names of PNG and JPEG files that can be written. All
+/// writers below require such a name, and fail with kUnavailable if the file cannot be written.
 CLI::Validator picture_file_name();
 
 /// Collects pictures of a board, scaled down: full pictures would need too much memory.
@@ -36,9 +36,9 @@ class BoardPictures {
  private:
   struct Small {
     ColorImage picture;
-    std::vector<Eigen::Vector2d> corners;  // Pixels of the small picture.
+    std::vector<Eigen::Vector2d> corners;  // Corners in pixels of the small picture.
   };
-  std::map<std::string, Small> pictures_;  // by BoardView::picture
+  std::map<std::string, Small> pictures_;  // Pictures by BoardView::picture.
 };
 
 /// The markers that one camera found.
@@ -50,13 +50,13 @@ struct MarkedPicture {
 };
 
 /// Shows the cameras' pictures, two per row. Each marker has an outline, its name, its distance,
-/// and the distance between this camera's measurement and the common position. Green up to 10 mm,
-/// yellow up to 30 mm, red above or if unused.
+/// and the distance between this camera's measurement and the common position. Colours: green up to
+/// 10 mm, yellow up to 30 mm, red above 30 mm or if unused.
 Result<void> write_marked_pictures(std::span<const MarkedPicture> cameras, const RigNames& names,
                                    std::span<const Observation> observations, const WorldFit& fit,
                                    const std::filesystem::path& file);
 
-/// The surfaces of one camera to be compared with those of another. The caller keeps the surfaces.
+/// One camera's surface, to be compared with that of another. The caller keeps both alive.
 struct SurfaceComparison {
   std::string label;
   const Surface& surface;

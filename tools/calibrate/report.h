@@ -28,13 +28,13 @@ struct MarkerReport {
   RigNames names;
   std::size_t reference = 0;
   Solver solver = Solver::kRigid;
-  bool of_board = false;  ///< The markers are the corners of a chessboard: the text does not list them.
+  bool of_board = false;  ///< True for corners of a chessboard, which the text does not list.
   WorldFit fit;
-  std::vector<std::vector<MarkerDepth>> depths;  ///< per camera
+  std::vector<std::vector<MarkerDepth>> depths;  ///< Depths by camera.
   std::vector<Unused> unused;
 };
 
-/// Lines of text, the last one with a newline. Millimetres and degrees.
+/// Lines of text that end with a newline. Lengths are in millimetres, angles in degrees.
 std::string to_text(const MarkerReport& report);
 
 /// {"solver","reference","noise_ratio","cameras":[{"name","markers","rms_mm","worst_mm","worst_marker",
@@ -44,13 +44,14 @@ std::string to_text(const MarkerReport& report);
 /// "unused":[{"camera","marker","why"}]}. Unknown values are null.
 nlohmann::json to_json(const MarkerReport& report);
 
-/// `37 % overlap, median 6.6 mm (0.9 sigma), 95 % within 30.8 mm (2.1 sigma), 0.4 % contradicted`
+/// Such as `37 % overlap, median 6.6 mm (0.9 sigma), 95 % within 30.8 mm (2.1 sigma), 0.4 %
+/// contradicted`.
 std::string to_text(const Agreement& agreement);
 
 /// {"overlap","contradicted","median_mm","p95_mm","median_sigmas","p95_sigmas","rms_mm","points"}
 nlohmann::json to_json(const Agreement& agreement);
 
-/// Largest values of a good pair of cameras.
+/// Limits of a good pair of cameras.
 struct Limits {
   double most_median_sigmas = 2, most_median_mm = 15, most_contradicted_percent = 5;
 };
@@ -59,10 +60,10 @@ struct Limits {
 inline constexpr double kLeastJudged = 0.05;
 bool is_judged(const Agreement& agreement);
 
-/// The limit that a pair exceeds, in words. Empty if it exceeds none or is not judged.
+/// Describes the limit that a pair exceeds. Empty if it exceeds none or is not judged.
 std::string problem_of(const Agreement& agreement, const Limits& limits);
 
-/// What happened to a camera, in words.
+/// Describes what happened to a camera.
 std::string to_text(const CameraRefinement& camera);
 
 /// {"cameras":[{"name","unsteady","outcome","says","moved_mm","moved_deg","told_mm","surfaces_mm","error_mm",

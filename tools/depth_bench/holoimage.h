@@ -21,7 +21,7 @@
 
 namespace copresence::depth_bench {
 
-/// Converts depth images to fringe pictures and back. Thread: a value.
+/// Converts depth images to fringe pictures and back. Thread: one thread per object.
 class Holoimage {
  public:
   static constexpr double kProjectorDegrees = 30;

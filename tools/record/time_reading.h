@@ -3,7 +3,7 @@
 // Interprets numbers in lists and file names as times. The unit is recognised from their size and
 // their steps.
 //
-// Thread: free functions on values, safe anywhere.
+// Thread: free functions; concurrent calls are safe.
 
 #include <chrono>
 #include <optional>

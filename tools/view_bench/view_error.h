@@ -5,7 +5,7 @@
 // A pixel counts as reachable if its true surface point lies in the image and in the depth range of at least one
 // camera, whether or not something hides it from that camera. Pixels that show nothing count as black.
 //
-// Thread: a value.
+// Thread: one thread per object.
 
 #include <cstdint>
 #include <span>

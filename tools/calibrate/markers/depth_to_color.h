@@ -1,7 +1,7 @@
 #pragma once
 
-// Finds the pose of a sensor's colour camera relative to its depth camera, for sensors that do not
-// register. The dark cells of the markers are of aluminium foil (thesis 3.1), which returns no
+// Finds the pose of a sensor's colour camera relative to its depth camera, for sensors whose colour
+// is not registered. The markers' dark cells are aluminium foil (thesis 3.1), which returns no
 // depth. So the markers are visible in a picture of the pixels without depth.
 //
 // Thread: pure functions.
@@ -20,26 +20,26 @@
 namespace copresence::calibrate {
 
 struct DepthToColor {
-  Rigid3 color_from_depth;  ///< metres
-  double rms_px = 0;        ///< Reprojection error of the corners from the depth into the colour picture.
+  Rigid3 color_from_depth;  ///< Transform from the depth to the colour camera, metres.
+  double rms_px = 0;        ///< Reprojection error of the corners in the colour picture.
   double worst_px = 0;
-  double expected_shift_m = 0;  ///< Standard deviation of a point among the markers.
+  double expected_shift_m = 0;  ///< Standard deviation of a point among the markers, metres.
   int markers = 0;
 };
 
-/// Collects frames of a still scene, with depth and colour each in its own camera. Keeps sums, no
-/// frames. Thread: one thread per object.
+/// Collects frames of a still scene, with depth and colour each in its own camera. Keeps sums
+/// instead of frames. Thread: one thread per object.
 class DepthToColorFinder {
  public:
   /// Fails  kInvalid for an unknown dictionary.
   static Result<DepthToColorFinder> open(DepthUnit unit, const std::string& dictionary, int border_bits);
 
-  /// Requires images of the first one's size.
+  /// Requires an image of the same size as the first one.
   void add_depth(const DepthImage& depth);
-  /// Searches markers, which takes longer than add_depth(). About twenty pictures are enough.
+  /// Searches for markers, which takes longer than add_depth(). About twenty pictures are enough.
   void add_color(const ColorImage& color) { in_color_.add(color); }
 
-  /// Fails  kInvalid: too few common markers, or a bad layout. Requires depth.
+  /// Requires depth. Fails kInvalid: too few common markers, or a bad layout.
   Result<DepthToColor> fit(const CameraModel& depth, const CameraModel& color) const;
 
  private:

@@ -39,12 +39,12 @@ const std::map<std::string, int>& dictionaries() {
   return kAll;
 }
 
-// Dictionaries of increasing size that begin with the same markers: OpenCV's 4x4_50 are the first
-// 50 of its 4x4_1000.
+// Dictionaries of increasing size that begin with the same markers: OpenCV's 4x4_50 has the first
+// 50 markers of its 4x4_1000.
 struct Family {
-  const char* prefix;        // The names up to the number of markers.
+  const char* prefix;        // Beginning of the names, before the number of markers.
   std::array<int, 4> sizes;  // Numbers of markers; 0 if the prefix is the whole name.
-  int fewest;                // Number of markers that cannot be found by chance.
+  int fewest;                // Fewest found markers that cannot be chance.
 };
 constexpr std::array<Family, 9> kFamilies{{{"4x4_", {50, 100, 250, 1000}, 2},
                                            {"5x5_", {50, 100, 250, 1000}, 2},
@@ -94,7 +94,7 @@ std::optional<std::string> canonical_dictionary(const std::string& name) {
   return dictionaries().contains(text) ? std::optional(text) : std::nullopt;
 }
 
-// OpenCV 4.7 changed dictionaries from pointers to values, and renamed the functions that draw
+// OpenCV 4.7 made dictionaries values instead of pointers, and renamed the functions that draw
 // markers.
 cv::Ptr<cv::aruco::Dictionary> make_dictionary(const std::string& name) {
   return cv::makePtr<cv::aruco::Dictionary>(cv::aruco::getPredefinedDictionary(dictionaries().at(name)));
@@ -124,7 +124,7 @@ std::string FoundDictionary::in_words() const {
 }
 
 std::optional<FoundDictionary> find_dictionary(const ColorImage& picture) {
-  constexpr int kLongerSide = 1280;  // bounds the time
+  constexpr int kLongerSide = 1280;  // Limits the search time.
   const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.data()));
   cv::Mat gray;
   cv::cvtColor(rgb, gray, cv::COLOR_RGB2GRAY);

@@ -1,7 +1,8 @@
 #pragma once
 
 // Dictionaries of ArUco and AprilTag markers, by name. Hides the differences between OpenCV 4.6 and
-// 4.10. Thread: pure functions.
+// 4.10. Where not stated otherwise, a name must be in marker_dictionaries(). Thread: pure
+// functions.
 
 #include <opencv2/aruco.hpp>
 #include <optional>
@@ -15,18 +16,17 @@ namespace copresence::calibrate {
 /// All dictionaries of OpenCV: 4x4_50, 5x5_100, 6x6_250, apriltag_36h11, ...
 std::vector<std::string> marker_dictionaries();
 
-/// The name in marker_dictionaries() for `name`, which may be in the spelling of OpenCV
-/// (DICT_4X4_50) or of AprilTag (tag36h11). Nothing if there is no such dictionary.
+/// Converts OpenCV's names (DICT_4X4_50) and AprilTag's names (tag36h11) to those of
+/// marker_dictionaries(). Returns nothing if there is no such dictionary.
 std::optional<std::string> canonical_dictionary(const std::string& name);
 
-/// Requires a name in marker_dictionaries().
 cv::Ptr<cv::aruco::Dictionary> make_dictionary(const std::string& name);
 
-/// Number of markers in a dictionary. Requires a name in marker_dictionaries().
+/// Number of markers in a dictionary.
 int markers_in(const std::string& dictionary);
 
 /// The cells of a marker with its black border, one pixel per cell: 0 for black, 255 for white.
-/// Requires a name in marker_dictionaries() and a number below markers_in().
+/// Requires a number below markers_in().
 cv::Mat marker_cells(const std::string& dictionary, int number, int border_bits);
 
 /// Markers of one dictionary in a picture.
@@ -35,12 +35,12 @@ struct FoundDictionary {
   int border_bits = 1;  ///< Width of the black border, in cells; 2 for Kalibr's AprilTag boards.
   int markers = 0;
 
-  /// "12 markers of apriltag_36h11: give --dictionary apriltag_36h11".
+  /// Such as "12 markers of apriltag_36h11: give --dictionary apriltag_36h11".
   std::string in_words() const;
 };
 
-/// The dictionary with most markers in the picture. Nothing if there are too few to be certain.
-/// Takes about a second for a picture of 1280x960 pixels.
+/// Returns the dictionary with most markers in the picture, or nothing if too few are found. Takes
+/// about a second for a picture of 1280x960 pixels.
 std::optional<FoundDictionary> find_dictionary(const ColorImage& picture);
 
 }  // namespace copresence::calibrate

@@ -23,7 +23,7 @@
 namespace copresence::calibrate {
 namespace {
 
-// Bilinear brightness; pixel centres are at whole coordinates.
+// Interpolates brightness bilinearly; pixel centres are at whole coordinates.
 double brightness(const Image<std::uint8_t>& picture, const Eigen::Vector2d& at) {
   const int x = std::clamp(static_cast<int>(std::floor(at.x())), 0, picture.width() - 2);
   const int y = std::clamp(static_cast<int>(std::floor(at.y())), 0, picture.height() - 2);
@@ -33,12 +33,12 @@ double brightness(const Image<std::uint8_t>& picture, const Eigen::Vector2d& at)
   return top * (1 - v) + bottom * v;
 }
 
-// Distance from `at` along the unit vector `outward` at which dark turns to light: the centre of
-// the steepest rise.
+// Distance from `at` along the unit vector `outward` to the edge between dark and light. The edge
+// is the centre of the steepest rise.
 std::optional<double> edge_along(const Image<std::uint8_t>& picture, const Eigen::Vector2d& at,
                                  const Eigen::Vector2d& outward, double reach) {
   constexpr double kStep = 0.25, kHalfRise = 0.75;
-  double best = 12, where = 0, weight = 0, sum = 0;  // Of 255: less is noise.
+  double best = 12, where = 0, weight = 0, sum = 0;  // Rises below 12 of 255 are noise.
   for (double s = -reach; s <= reach; s += kStep) {
     const double rise = brightness(picture, at + (s + kHalfRise) * outward) -
                         brightness(picture, at + (s - kHalfRise) * outward);
@@ -61,7 +61,7 @@ struct Line {
   Eigen::Vector2d point, direction;
 };
 
-// Fits a line to the points, twice: the second time without the farthest fifth.
+// Fits a line to the points, then again without the farthest fifth.
 std::optional<Line> fit_line(std::vector<Eigen::Vector2d> points) {
   Line line;
   for (int round = 0; round < 2; ++round) {
@@ -93,7 +93,8 @@ bool refine_outline(const Image<std::uint8_t>& picture, std::array<Eigen::Vector
       if (length < 6) return false;
       Eigen::Vector2d outward(along.y() / length, -along.x() / length);
       if (outward.dot(a - middle) < 0) outward = -outward;
-      // Wide enough for a bad first guess, but never beyond the black border cell or the white rim.
+      // The search covers a bad first guess, but stays within the black border cell and the white
+      // rim.
       const double reach = std::min(round == 0 ? 3.5 : 2.0, 0.9 * std::abs(outward.dot(a - middle)) / 3);
       std::vector<Eigen::Vector2d> points;
       const int samples = std::clamp(static_cast<int>(length), 8, 60);
@@ -169,7 +170,7 @@ void MarkerFinder::add_gray(const Image<std::uint8_t>& picture) {
   const auto parameters = cv::makePtr<cv::aruco::DetectorParameters>();
   parameters->markerBorderBits = border_bits_;
   parameters->minMarkerPerimeterRate =
-      0.02;  // 13 pixels of outline in 640; smaller markers have too little depth.
+      0.02;  // A perimeter of 13 pixels in 640. Smaller markers have too little depth.
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
   cv::aruco::detectMarkers(gray, dictionary, corners, ids, parameters);
@@ -190,7 +191,7 @@ bool MarkerFinder::is_still(const std::vector<Corners>& observations) const {
     for (std::size_t i = 0; i < 4; ++i) most = std::max(most, (observation[i] - middle[i]).norm());
     return most > kStill;
   });
-  // A few wrong corners are no motion.
+  // A few wrong corners do not count as motion.
   return 5 * away <= static_cast<std::ptrdiff_t>(observations.size());
 }
 

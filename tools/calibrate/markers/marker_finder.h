@@ -18,8 +18,8 @@ namespace copresence::calibrate {
 /// A marker in a picture, found by a MarkerFinder or clicked by a person.
 struct FoundMarker {
   std::string name;
-  Eigen::Vector2d middle{0, 0};          ///< centre, pixels
-  std::vector<Eigen::Vector2d> corners;  ///< pixels, clockwise from the marker's top left; empty if clicked.
+  Eigen::Vector2d middle{0, 0};          ///< Centre, pixels.
+  std::vector<Eigen::Vector2d> corners;  ///< Pixels, clockwise from the top left; empty if clicked.
   double sigma_px = 0.25;                ///< Expected standard deviation of each coordinate.
 };
 
@@ -35,15 +35,15 @@ class MarkerFinder {
 
   int pictures() const { return pictures_; }
 
-  /// Markers that were found in at least a third of the pictures and kept still: their corners lay
-  /// within `kStill` of their median. Corners are medians. The centre is where the diagonals cross
-  /// after undistortion.
+  /// Returns the still markers that at least a third of the pictures show. A marker is still if its
+  /// corners stay within `kStill` of their median. Corners are medians. The centre is where the
+  /// diagonals cross after undistortion.
   std::vector<FoundMarker> found(const CameraModel& model) const;
 
   /// Names of the markers that moved.
   std::vector<std::string> moved() const;
 
-  static constexpr double kStill = 2.5;  ///< pixels, from the median.
+  static constexpr double kStill = 2.5;  ///< Largest distance from the median, pixels.
 
  private:
   using Corners = std::array<Eigen::Vector2d, 4>;
@@ -55,14 +55,13 @@ class MarkerFinder {
   std::string dictionary_;
   int border_bits_;
   int pictures_ = 0;
-  std::map<int, std::vector<Corners>> seen_;  // by marker number
+  std::map<int, std::vector<Corners>> seen_;  // Corners by marker number.
 };
 
 /// Refines the corners (pixels, in order) of a dark square on white to 0.1 to 0.2 pixels, also at
-/// grazing angles. A line is fitted to the edge of each side, and the corners are where these lines
-/// cross. Corners by their own neighbourhood, as detectors find them, have errors of several pixels
-/// at such angles. Returns false if four edges are not found near the corners, which are then
-/// invalid.
+/// grazing angles. Fits a line to the edge of each side; the corners are where these lines cross.
+/// Detectors that look only around each corner err by several pixels at such angles. Returns false,
+/// with invalid corners, if it does not find four edges near them.
 bool refine_outline(const Image<std::uint8_t>& picture, std::array<Eigen::Vector2d, 4>& corners);
 
 }  // namespace copresence::calibrate

@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures markers of a picture in space: rays by the camera model, depth by a plane fit to each
-// marker. Thread: pure functions.
+// Measures markers in space: rays by the camera model, and depth by a plane fitted to each marker.
+// Thread: pure functions.
 
 #include <cstddef>
 #include <span>
@@ -15,7 +15,7 @@
 
 namespace copresence::calibrate {
 
-/// A marker that was found but cannot be used, and the reason.
+/// A marker that was found but is not used, and the reason.
 struct Unused {
   std::string camera, marker, why;
 };
@@ -23,7 +23,7 @@ struct Unused {
 struct MarkerDepth {
   std::string marker;
   PlaneFit plane;
-  double z_m = 0;  ///< At the marker's centre.
+  double z_m = 0;  ///< Depth at the marker's centre, metres.
 };
 
 struct CameraObservations {
@@ -33,8 +33,8 @@ struct CameraObservations {
 };
 
 /// marker_names  names of all markers, by index; must contain every given marker.
-/// A clicked marker has no outline: a plane is fitted to a disc of `kClickRadius` metres around the
-/// click.
+/// A clicked marker has no outline. Its plane is fitted to a disc of `kClickRadius` metres around
+/// it.
 inline constexpr double kClickRadius = 0.05;
 CameraObservations observations_of(std::size_t camera, const std::string& camera_name,
                                    const CameraModel& model, std::span<const FoundMarker> markers,

@@ -25,7 +25,7 @@ namespace {
 struct MarkerSettings {
   std::vector<NamedSource> sources;
   std::string scene, out, json, reference, dictionary = "4x4_50", points, save_points;
-  std::string picture, chessboard;  ///< chessboard: COLUMNSxROWS; empty for markers.
+  std::string picture, chessboard;  ///< `chessboard` is COLUMNSxROWS, or empty for markers.
   Board board;
   double square_mm = 25;
   int border_bits = 1;
@@ -34,7 +34,7 @@ struct MarkerSettings {
   Solver solver = Solver::kRigid;
 };
 
-// What was measured in one source.
+// Measurements in one source.
 struct SourceMarkers {
   scene::Camera camera;
   std::vector<FoundMarker> markers;
@@ -44,9 +44,9 @@ struct SourceMarkers {
   std::optional<StillBoard> board;
 };
 
-// Relative error of a board's size that intrinsics and depth cannot explain.
+// Errors of intrinsics and depth cannot explain a larger relative error of a board's size.
 constexpr double kWrongSize = 0.15;
-constexpr std::size_t kMostPictures = 20;  // more of a still scene add nothing
+constexpr std::size_t kMostPictures = 20;  // More pictures of a still scene add nothing.
 
 Result<SourceMarkers> read_source(const NamedSource& source, const scene::Scene* scene,
                                   const MarkerSettings& settings, Clicks& clicks) {
@@ -147,7 +147,7 @@ Result<std::size_t> reference_of(const MarkerSettings& settings) {
       fmt::format("--reference names \"{}\", but no --recording or --stream does", settings.reference));
 }
 
-// No sensor has an error of this size: the input must be wrong.
+// No sensor has a larger error, so the input must be wrong.
 constexpr double kUnbelievable_m = 0.1;
 
 Result<void> check_plausible(const MarkerReport& report) {

@@ -11,8 +11,8 @@
 namespace copresence::calibrate {
 namespace {
 
-// Millimetres.
-constexpr double kMargin = 8;                   // At the top and the sides; printers need 3 to 6.
+// All lengths are in millimetres.
+constexpr double kMargin = 8;                   // Margin at the top and the sides; printers need 3 to 6.
 constexpr double kFooter = 20;                  // Space for ruler and text at the bottom.
 constexpr double kGap = 6;                      // Between board and rulers.
 constexpr double kSideRuler = 7;                // Width of the upright ruler.
@@ -44,7 +44,7 @@ void add_text(Page& page, const Sheet& sheet, const std::string& content) {
   page.texts.push_back({kMargin, bottom - 5.5, kTextHeight, sheet.flags});
 }
 
-// Adds the dark cells of a marker; adjacent cells of a row become one rectangle.
+// Adds the dark cells of a marker. Adjacent cells of a row become one rectangle.
 void add_marker(Page& page, const std::string& dictionary, int border_bits, int number, double x, double y,
                 double side) {
   const cv::Mat bits = marker_cells(dictionary, number, border_bits);
@@ -187,8 +187,8 @@ std::string content_of(const Page& page, double height_mm) {
 }  // namespace
 
 std::string to_pdf(const Sheet& sheet) {
-  std::vector<std::string> objects;  // numbered from 1
-  const std::size_t first_page = 4;  // catalog, page tree, font; then each page and its content.
+  std::vector<std::string> objects;  // Objects are numbered from 1.
+  const std::size_t first_page = 4;  // Catalog, page tree and font come first.
   std::string kids;
   for (std::size_t i = 0; i < sheet.pages.size(); ++i) kids += fmt::format("{} 0 R ", first_page + 2 * i);
   objects.push_back("<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>");

@@ -1,7 +1,7 @@
 #pragma once
 
 // Boards and markers on paper: black rectangles and text, in millimetres from the page's top left
-// corner. Each page has rulers for checking the print, and the flags for its use. Thread: pure
+// corner. Each page has rulers for checking the print and the flags for its use. Thread: pure
 // functions.
 
 #include <span>
@@ -14,21 +14,21 @@
 namespace copresence::calibrate {
 
 struct Paper {
-  std::string name;                      ///< for messages
-  double shorter_mm = 0, longer_mm = 0;  ///< sides
+  std::string name;                      ///< Name for messages.
+  double shorter_mm = 0, longer_mm = 0;  ///< Lengths of the sides.
 };
 
 inline const Paper kA4{"A4", 210, 297}, kA3{"A3", 297, 420};
 
-/// x right, y down.
+/// X is right, y is down.
 struct Rectangle {
   double x, y, width, height;
 };
 
 struct Text {
   double x, y;       ///< Left end of the base line.
-  double height_mm;  ///< of the font
-  std::string text;  ///< ASCII
+  double height_mm;  ///< Height of the font.
+  std::string text;  ///< Text in ASCII.
 };
 
 struct Page {
@@ -39,8 +39,8 @@ struct Page {
 struct Sheet {
   double width_mm = 0, height_mm = 0;
   std::vector<Page> pages;
-  std::string content;  ///< "chessboard, 9x6 inner corners, squares of 25 mm".
-  std::string flags;    ///< The `calibrate` command for it.
+  std::string content;  ///< Such as "chessboard, 9x6 inner corners, squares of 25 mm".
+  std::string flags;    ///< The `calibrate` command that uses the sheet.
 };
 
 /// A chessboard or ChArUco board on one page. A square of 0 stands for the largest whole
@@ -48,14 +48,13 @@ struct Sheet {
 /// Fails  kInvalid if it does not fit on the paper, and as problem_of().
 Result<Sheet> board_sheet(Board board, const Paper& paper);
 
-/// One marker per page, with a white rim of at least one cell. A side of 0 stands for the largest
-/// whole centimetres that fit.
+/// Prints one marker per page, with a white rim of at least one cell. A side of 0 stands for the
+/// largest whole centimetres that fit. Requires a known dictionary.
 /// Fails  kInvalid for a number that is not in the dictionary, and for a side that does not fit.
-///        Requires a known dictionary.
 Result<Sheet> marker_sheet(const std::string& dictionary, int border_bits, std::span<const int> numbers,
                            double side_m, const Paper& paper);
 
-/// A PDF 1.4 file, uncompressed: rectangles at exact millimetres, and text in Helvetica. It asks
+/// A PDF 1.4 file, uncompressed: rectangles at exact millimetres, and text in Helvetica. Asks
 /// viewers to print without scaling.
 std::string to_pdf(const Sheet& sheet);
 

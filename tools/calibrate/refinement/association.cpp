@@ -9,21 +9,21 @@
 namespace copresence::calibrate {
 namespace {
 
-constexpr double kLeastCosine = 0.7;  // Between the normals of two points of one surface.
-constexpr double kNearest_m = 0.1;    // In front of the other camera.
+constexpr double kLeastCosine = 0.7;  // Least cosine between normals of one surface's points.
+constexpr double kNearest_m = 0.1;    // Least depth in front of the other camera.
 
-// Projects the points of one surface into the other camera's picture.
+// Projects the points of surface a into the picture of camera b.
 class Projector {
  public:
   Projector(const Surface& a, const Surface& b, const Rigid3& b_from_a)
       : a_(a), b_(b), b_from_a_(b_from_a), is_distorted_(b.model.is_distorted()) {}
 
   struct Target {
-    Eigen::Vector3d point;  // Of a, in b's frame.
-    int u = 0, v = 0;       // The pixel of b's picture that it falls on.
+    Eigen::Vector3d point;  // Point of a in b's frame.
+    int u = 0, v = 0;       // The pixel of b's picture that shows it.
   };
 
-  /// Nothing if the point is not in b's picture. Requires that a has a surface at the pixel.
+  /// Returns nothing if the point is not in b's picture. Requires a surface of a at the pixel.
   std::optional<Target> project_pixel(int x, int y) const {
     Target target{b_from_a_ * a_.point(x, y).cast<double>()};
     const Eigen::Vector3d& p = target.point;
@@ -40,8 +40,8 @@ class Projector {
     return target;
   }
 
-  /// Sum of both normals in b's frame; nothing if b has no surface there, or one that faces
-  /// elsewhere.
+  /// Sum of both normals in b's frame. Returns nothing if b has no surface there, or one of another
+  /// orientation.
   std::optional<Eigen::Vector3d> common_normal(int x, int y, const Target& target) const {
     if (b_.sigma(target.u, target.v) == 0) return std::nullopt;
     const Eigen::Vector3d normal_a = b_from_a_.rotation * a_.normal(x, y).cast<double>();
@@ -62,10 +62,9 @@ class Projector {
 
 struct Comparison {
   Association association = Association::kNotSeen;
-  double distance = 0, sigma = 0;  // metres
+  double distance = 0, sigma = 0;  // In metres.
 };
 
-// Compares the point of a at (x, y) with b's surface.
 Comparison compare(const Surface& a, int x, int y, const Surface& b, const Projector& projector) {
   if (a.sigma(x, y) == 0) return {Association::kNone};
   const auto target = projector.project_pixel(x, y);
@@ -76,8 +75,8 @@ Comparison compare(const Surface& a, int x, int y, const Surface& b, const Proje
     const double distance = normal->normalized().dot(target->point - other);
     if (std::abs(distance) < kSameSurface_m) return {Association::kInlier, distance, sigma};
   }
-  // At an edge one pixel decides between two surfaces. So a violation requires that all pixels
-  // around lie behind.
+  // At an edge, one pixel decides between two surfaces. So a violation requires that all pixels
+  // around it show surfaces behind the point.
   for (int dv = -2; dv <= 2; dv += 2) {
     for (int du = -2; du <= 2; du += 2) {
       const int u = std::clamp(target->u + du, 0, b.model.width - 1),

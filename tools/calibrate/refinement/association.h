@@ -1,16 +1,16 @@
 #pragma once
 
-// Projective association of two cameras' surfaces: which points of both are the same place in the
-// room, and how well the surfaces agree there.
+// Projective association of two cameras' surfaces: finds the points of both that are the same place
+// in the room, and measures how well the surfaces agree there.
 //
 // Each point of one camera is projected into the other camera's picture and compared with the
-// surface that it finds:
+// surface that is visible there. The comparison has one of three results:
 //
-//   inlier       less than 50 mm from the other surface, with a similar normal: the same surface
-//   violation    nearer to the other camera than what it sees there: it would have to see through the point
-//   not seen     behind the other camera's surface, outside of its picture, or where it measured nothing
+//   Inlier: the other surface is less than 50 mm away and has a similar normal.
+//   Violation: the point is nearer than the other camera's surface, which it would hide.
+//   Not seen: the point is behind the other surface, outside of the picture, or at a hole.
 //
-// Thread: pure.
+// Thread: pure functions.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -23,16 +23,17 @@
 namespace copresence::calibrate {
 
 struct Match {
-  Eigen::Vector3d a, b;          ///< The two points, world, metres.
-  Eigen::Vector3d normal;        ///< Mean of both normals, world, length 1.
+  Eigen::Vector3d a, b;          ///< The matched points in the world frame, metres.
+  Eigen::Vector3d normal;        ///< Mean of both normals, world frame, length 1.
   int pixel_a = 0, pixel_b = 0;  ///< The pixels of both points: y * width + x.
   double sigma = 0;              ///< Expected error of the distance along the normal, metres.
   double distance() const { return normal.dot(a - b); }
 };
 
 struct MatchRules {
-  int spacing = 4;        ///< Pixels between the points that are projected.
-  double reach_m = 0.05;  ///< Largest distance along the target's normal, in addition to three sigmas.
+  int spacing = 4;  ///< Pixels between the points that are projected.
+  /// Largest distance along the target's normal, in addition to three sigmas.
+  double reach_m = 0.05;
 };
 
 /// Appends the matches of points of `a` with the surface of `b`.
@@ -43,15 +44,16 @@ inline constexpr double kSameSurface_m = 0.05;
 
 /// How well two cameras' surfaces agree.
 struct Agreement {
-  double overlap = 0;       ///< Share of one camera's points that are inliers; the larger of both directions.
-  double contradicted = 0;  ///< Violations as a share of violations and inliers.
+  /// Share of one camera's points that are inliers. The larger share of both cameras counts.
+  double overlap = 0;
+  double contradicted = 0;                   ///< Violations as a share of violations and inliers.
   double median_m = 0, p95_m = 0;            ///< Distance of the inliers along the normal.
-  double median_sigmas = 0, p95_sigmas = 0;  ///< The same in units of the sensors' expected noise.
-  double rms_m = 0;                          ///< Weighted by sigma; a violation counts as 50 mm.
+  double median_sigmas = 0, p95_sigmas = 0;  ///< The distance in units of expected noise.
+  double rms_m = 0;                          ///< RMS weighted by sigma; a violation counts as 50 mm.
   /// Sum over inliers of 1 - (distance / 50 mm)^2, less the violations, as a share of both cameras'
   /// points. The better pose has the higher score.
   double score = 0;
-  int points = 0;  ///< inliers
+  int points = 0;  ///< Number of inliers.
 };
 
 /// spacing  pixels between the points that are projected.
@@ -60,7 +62,7 @@ Agreement measure_agreement(const Surface& a, const Rigid3& world_from_a, const 
 
 enum class Association : std::uint8_t {
   kNone,     ///< The pixel has no surface.
-  kNotSeen,  ///< see above
+  kNotSeen,  ///< Behind, outside or at a hole; see above.
   kInlier,
   kViolation,
 };
@@ -73,10 +75,10 @@ struct AssociationImage {
 AssociationImage associate(const Surface& a, const Rigid3& world_from_a, const Surface& b,
                            const Rigid3& world_from_b);
 
-/// Weight of a point's squared distance: one over its expected error (with a floor), not over the
-/// square of it. Noise averages out over thousands of pixels. Errors of intrinsics, registration
-/// and a sensor's depth remain, and they grow less with distance. With the squared error, near
-/// points would dominate and far ones could not hold the pose.
+/// Weight of a point's squared distance: 1 / expected error (with a floor), not 1 / squared error.
+/// Noise averages out over thousands of pixels. Errors of intrinsics, registration and depth
+/// remain, and they grow less with distance. With the squared error, near points alone would hold
+/// the pose.
 double weight_of(double sigma_m);
 
 }  // namespace copresence::calibrate

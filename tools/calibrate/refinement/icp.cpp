@@ -24,7 +24,7 @@ struct PairMatches {
   std::size_t camera_a, camera_b;
   std::ptrdiff_t a, b;  // Indices among the moving cameras; -1 for a camera that does not move.
   std::vector<Match> matches;
-  std::vector<int> blocks;  // of each match
+  std::vector<int> blocks;  // Blocks of each match.
 };
 
 // The blocks of one picture, numbered from `first` on.
@@ -44,7 +44,8 @@ struct BlockGrid {
   }
 };
 
-// The parts of the gradient by block of every camera's picture; their covariance is the scatter.
+// Sums the gradient by block of every camera's picture. The covariance of these sums is the
+// scatter.
 class Clusters {
  public:
   Clusters(std::span<const Surface> surfaces, Eigen::Index unknowns) : unknowns_(unknowns) {
@@ -78,7 +79,7 @@ class Clusters {
 
  private:
   Eigen::Index unknowns_;
-  std::vector<BlockGrid> grids_;  // of each camera
+  std::vector<BlockGrid> grids_;  // Block grid of each camera.
   Eigen::MatrixXd of_blocks_;
   std::map<std::pair<int, int>, Eigen::VectorXd> of_two_;
 };
@@ -216,7 +217,7 @@ bool run_icp(const IcpProblem& problem, std::span<const IcpLevel> levels, const 
 
 namespace {
 
-// Fitted normals have errors of a few degrees, so even a wall seems to determine a motion along it.
+// Fitted normals have errors of a few degrees, so even a wall seems to determine motion along it.
 // Parts below the squared sine of six degrees are ignored.
 constexpr double kNoise = 0.01;
 
@@ -229,7 +230,7 @@ Observability measure_observability(const NormalEquations& equations) {
     const Eigen::VectorXd direction = out.directions.col(column);
     double along_normals = 0, all = 0;
     for (Eigen::Index row = 0; row < equations.rows.rows(); ++row) {
-      double motion = 0;  // squared, of the two cameras of this match.
+      double motion = 0;  // Squared motion of the two cameras of this match.
       for (Eigen::Index camera = 0; camera < direction.size(); camera += 6) {
         if (equations.rows.block<1, 6>(row, camera).isZero(0)) continue;
         motion += direction.segment<6>(camera).squaredNorm();

@@ -14,16 +14,16 @@ namespace {
 
 constexpr IcpLevel kFusion{0.05, 4, 1};
 constexpr std::array<IcpLevel, 1> kHalf{{{0.05, 4, 15}}};
-constexpr double kSurprising = 22.5;  // Chi squared of six numbers, one case in a thousand.
-constexpr double kWorthMoving = 0.7;  // Largest new error of a pose that moves, as a share of the known one.
-constexpr double kConfirmed = 2;      // Least t score of the blocks that were left out.
-constexpr double kHardlyFixed = 0.1;  // Share of a camera's six parameters that may be fixed.
+constexpr double kSurprising = 22.5;  // Chi squared of six numbers that chance exceeds once in 1000.
+constexpr double kWorthMoving = 0.7;  // A pose moves only below this share of its known error.
+constexpr double kConfirmed = 2;      // Least t score on the blocks that were left out.
+constexpr double kHardlyFixed = 0.1;  // Largest share of a camera's parameters that may be fixed.
 constexpr double kFirm_m = 1e-7;      // Error of a pose that must not move.
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Mean square shift of points in all directions, from the variances of a camera's six parameters.
-// All three shifts move a point, and two of three turns do.
+// Mean square shift of points over all directions, from the variances of a camera's six parameters.
+// A shift of each axis moves a point, and two of three rotations do.
 double mean_square(const Vector6& variances) {
   return variances.tail<3>().sum() + 2.0 / 3 * variances.head<3>().sum();
 }
@@ -31,10 +31,10 @@ double variance_of(double error_m) {
   return error_m * error_m / 5;
 }
 
-// The error of poses by the surfaces alone, in the directions that are free.
+// Error of poses fitted to surfaces alone, in the directions that may move.
 struct SurfaceEstimate {
   Motions motions;
-  Eigen::MatrixXd free;        // orthonormal columns
+  Eigen::MatrixXd free;        // Orthonormal columns.
   Eigen::MatrixXd covariance;  // Of the free parameters.
 };
 
@@ -58,16 +58,15 @@ std::optional<SurfaceEstimate> estimate_at(const IcpProblem& problem, const Fixe
   if (information.info() != Eigen::Success || information.vectorD().minCoeff() <= 0) return {};
   const Eigen::MatrixXd half =
       information.solve(estimate.free.transpose() * equations.scatter * estimate.free);
-  // The fit makes residuals smaller than errors. This corrects for the degrees of freedom.
+  // A fit makes residuals smaller than errors. This corrects for the degrees of freedom.
   estimate.covariance = information.solve(half.transpose()) *
                         (static_cast<double>(blocks) / static_cast<double>(blocks - numbers));
   estimate.covariance.diagonal().array() += 1e-14;
   return estimate;
 }
 
-// Systematic errors, which residuals do not show: half of the distance between two results, that of
-// ICP and the poses of the highest score. Metres, root mean square over points in all directions,
-// by camera.
+// Systematic errors, which residuals do not show: half of the distance between the poses of ICP and
+// those of highest score. Metres by camera, root mean square over points in all directions.
 std::vector<double> systematic_errors(const IcpProblem& problem, const FixedDirections& fixed,
                                       const Motions& motions, std::span<const Rigid3> found) {
   std::vector<Rigid3> raised(found.begin(), found.end());
@@ -94,7 +93,7 @@ class Prior {
   void enlarge(std::size_t i, double times) { variances_[i] *= times; }
   void hold(std::size_t i) { variances_[i] = variance_of(kFirm_m); }
 
-  /// The motions from the poses found to the given ones.
+  /// Motions from the fitted poses to the given ones.
   Eigen::VectorXd to_given(const Motions& motions, std::span<const Rigid3> found) const {
     Eigen::VectorXd back(static_cast<Eigen::Index>(6 * cameras()));
     for (std::size_t i = 0; i < cameras(); ++i) {
@@ -105,7 +104,7 @@ class Prior {
   }
 
   struct Posterior {
-    std::vector<Rigid3> poses;   // of all cameras
+    std::vector<Rigid3> poses;   // Poses of all cameras.
     Eigen::MatrixXd covariance;  // Of the moving cameras' parameters.
   };
   Posterior posterior(const SurfaceEstimate& estimate, std::span<const Rigid3> found) const {
@@ -115,7 +114,7 @@ class Prior {
     }
     const Eigen::MatrixXd& F = estimate.free;
     const Eigen::MatrixXd before = F.transpose() * certainty.asDiagonal() * F;
-    // (C^-1 + P^-1)^-1 = (1 + C P^-1)^-1 C: needs no inverse of C.
+    // With C = estimate.covariance and P^-1 = before: (C^-1 + P^-1)^-1 = (1 + C P^-1)^-1 C.
     const Eigen::MatrixXd system =
         Eigen::MatrixXd::Identity(before.rows(), before.cols()) + estimate.covariance * before;
     const Eigen::MatrixXd together = system.partialPivLu().solve(estimate.covariance);
@@ -133,7 +132,7 @@ class Prior {
  private:
   const IcpProblem& problem_;
   std::span<const Rigid3> given_;
-  std::vector<double> variances_;  // Of each of a camera's six parameters, metre^2; 0 if unknown.
+  std::vector<double> variances_;  // Metre^2, of each of a camera's six parameters; 0 if unknown.
 };
 
 void append_differences(std::span<const double> before, std::span<const double> after,
@@ -155,8 +154,8 @@ double t_score(std::span<const double> differences) {
   return spread > 0 ? sum / std::sqrt(spread) : 0;
 }
 
-// Cross-validation: whether poses fitted on half of the blocks agree better than the given ones on
-// the other half, by more than chance.
+// Cross-validation: returns true if poses fitted to half of the blocks agree better on the other
+// half than the given poses, by more than chance.
 bool is_cross_validated(const IcpProblem& problem, const FixedDirections& fixed,
                         std::span<const Rigid3> given, const Prior& prior, std::span<const Rigid3> found) {
   std::vector<double> gained;
@@ -199,7 +198,7 @@ std::vector<FusedPose> fuse_with_prior(const IcpProblem& problem, const FixedDir
     fused[i].error_m = errors_m[problem.moving[i]];
   };
   const auto estimate = estimate_at(problem, fixed, found);
-  if (!estimate) {  // Too few blocks to estimate an error.
+  if (!estimate) {  // There are too few blocks to estimate an error.
     for (std::size_t i = 0; i < fused.size(); ++i) {
       if (!prior.is_known(i)) continue;
       keep(i, Verdict::kPriorBetter);
@@ -235,8 +234,8 @@ std::vector<FusedPose> fuse_with_prior(const IcpProblem& problem, const FixedDir
   bool any_held = false;
   for (std::size_t i = 0; i < fused.size(); ++i) {
     if (!prior.is_known(i) || fused[i].contradicts) continue;
-    // Surfaces that are less accurate than the prior may be better in some directions only. That is
-    // not worth the risk.
+    // Surfaces that are less accurate than the prior may still be better in some directions. The
+    // risk outweighs that gain.
     const double prior_m = errors_m[problem.moving[i]];
     if (error_of(i) < kWorthMoving * prior_m && fused[i].surfaces_m < prior_m) continue;
     keep(i, Verdict::kPriorBetter);

@@ -18,10 +18,10 @@ namespace {
 
 using Outcome = CameraRefinement::Outcome;
 
-// Scene files have tenths of a millimetre.
+// Smallest error that a scene file can store: a tenth of a millimetre.
 constexpr double kLeastError_m = 1e-4;
 
-// Largest StillView::unsteady of a still room, where edges and flicker alone make a fifth of it.
+// Largest StillView::unsteady of a still room. Edges and flicker alone cause a fifth of this value.
 constexpr double kUnsteady = 0.02;
 
 struct Options {
@@ -31,15 +31,14 @@ struct Options {
 };
 
 // Known error of a camera's pose relative to the first camera, metres; 0 if the scene file has
-// none. Errors in the file are relative to the reference camera of `calibrate markers`, which has
-// an error of 0.
+// none. Errors in the file are relative to the reference camera of `calibrate markers`.
 double error_to(const StillView& first, const StillView& view) {
   if (!view.calibration_error_m) return 0;
   return std::max(kLeastError_m,
                   std::hypot(*view.calibration_error_m, first.calibration_error_m.value_or(0)));
 }
 
-// Shows the first camera of each pair against the second one, before and after.
+// Draws the first camera of each pair against the second one, before and after refinement.
 Result<void> show(const Refinement& refinement, std::span<const StillView> views, const std::string& file) {
   std::vector<SurfaceComparison> all;
   for (const PairRefinement& pair : refinement.pairs) {

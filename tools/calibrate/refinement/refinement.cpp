@@ -17,21 +17,20 @@ namespace {
 using Pair = std::pair<std::size_t, std::size_t>;
 
 constexpr std::array<IcpLevel, 3> kCoarse{{{0.2, 10, 15}, {0.1, 10, 10}, {0.05, 10, 10}}};
-// Starts that are this close after the first level end at the same pose.
+// Starting poses that come this close at the first level end at the same pose.
 constexpr double kMet_m = 0.005, kMet_rad = 0.004;
 constexpr std::array<IcpLevel, 2> kFine{{{0.1, 4, 20}, {0.05, 4, 40}}};
 constexpr std::array<IcpLevel, 1> kFinest{{{0.05, 2, 25}}};
 constexpr IcpLevel kJudged{0.05, 8, 1};
-constexpr double kWorse = -2;  // Paired t score below which the result is discarded.
+constexpr double kWorse = -2;  // Results with a lower paired t score are discarded.
 constexpr int kScoreSpacing = 6;
-// A result farther from the given pose is another place that looks alike.
+// A result farther from the given pose fits another place that looks alike.
 constexpr double kFarthest_m = 0.35, kFarthest_rad = 0.3;
 constexpr double kSamePlace_m = 0.003, kSamePlace_rad = 0.002;
 constexpr std::size_t kMostFollowed = 5;
 constexpr double kSeenAtAll = 0.02;  // Least overlap of a pair that is used.
 
-// Starting poses: the given one, and poses shifted and turned to both sides along each axis of the
-// camera.
+// Starting poses: the given one, and poses shifted and turned to both sides along each camera axis.
 std::vector<Rigid3> starts_around(const Rigid3& world_from_camera) {
   std::vector<Rigid3> starts{world_from_camera};
   for (const double scale : {1.0, 2.0}) {
@@ -41,7 +40,7 @@ std::vector<Rigid3> starts_around(const Rigid3& world_from_camera) {
         starts.push_back(world_from_camera * Rigid3{Eigen::Matrix3d::Identity(), 0.08 * scale * way});
         const Eigen::AngleAxisd turn(4 * scale * std::numbers::pi / 180, way);
         starts.push_back(world_from_camera * Rigid3{turn.toRotationMatrix(), Eigen::Vector3d::Zero()});
-        // Turned about a point in front of the camera, so that the same objects stay in view.
+        // The pose turns about a point ahead of the camera, so that the same objects stay in view.
         const Eigen::Vector3d ahead(0, 0, 2);
         starts.push_back(world_from_camera * Rigid3{turn.toRotationMatrix(), ahead - turn * ahead});
       }
@@ -64,7 +63,7 @@ double score_of(const IcpProblem& problem, std::span<const Rigid3> poses, int sp
   return sum;
 }
 
-// Places one camera beside those that are placed already. False if no start succeeds.
+// Places one camera beside those already placed. Returns false if no starting pose succeeds.
 bool place(std::span<const Surface> surfaces, std::size_t camera, const std::vector<std::size_t>& placed,
            std::vector<Rigid3>& poses) {
   IcpProblem problem{surfaces, {camera}, {}};
@@ -90,8 +89,8 @@ bool place(std::span<const Surface> surfaces, std::size_t camera, const std::vec
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
-  // Coarse results lie close together along directions that are hardly observable. The fine score
-  // separates them.
+  // Coarse results lie close together along directions that are hardly observable. Their fine
+  // scores separate them.
   std::vector<Rigid3> followed;
   std::optional<Rigid3> best;
   double best_gain = 0;
@@ -113,7 +112,7 @@ bool place(std::span<const Surface> surfaces, std::size_t camera, const std::vec
   return best.has_value();
 }
 
-// Number of matches with the cameras that are placed, while the pose is still off by decimetres.
+// Number of matches with the placed cameras, while the pose may still be wrong by decimetres.
 double rough_overlap(std::span<const Surface> surfaces, std::span<const Rigid3> poses, std::size_t camera,
                      const std::vector<std::size_t>& placed) {
   double points = 0;
@@ -130,7 +129,7 @@ std::vector<Direction> directions_of(const Eigen::MatrixXd& fixed, const Observa
   std::vector<Direction> out;
   for (Eigen::Index column = 0; column < fixed.cols(); ++column) {
     const Eigen::Matrix<double, 6, 1> part = fixed.block<6, 1>(static_cast<Eigen::Index>(6 * index), column);
-    if (part.norm() < 0.3) continue;  // Mostly a motion of another camera.
+    if (part.norm() < 0.3) continue;  // This is mostly a motion of another camera.
     out.push_back({part.head<3>(), part.tail<3>(), observability.values[column]});
   }
   return out;
@@ -168,7 +167,7 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
   std::vector<Outcome> outcomes(surfaces.size(), Outcome::kNoOverlap);
   outcomes[0] = Outcome::kReference;
 
-  // Place the camera first that shares most with those already placed.
+  // Place first the camera that shares most with those already placed.
   std::vector<std::size_t> placed{0}, waiting, refused;
   for (std::size_t camera = 1; camera < surfaces.size(); ++camera) waiting.push_back(camera);
   while (!waiting.empty()) {
@@ -185,7 +184,8 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
       continue;
     }
     placed.push_back(camera);
-    waiting.insert(waiting.end(), refused.begin(), refused.end());  // They may overlap with this one.
+    waiting.insert(waiting.end(), refused.begin(),
+                   refused.end());  // They may overlap with the camera just placed.
     refused.clear();
     outcomes[camera] = Outcome::kRefined;
   }
@@ -217,15 +217,15 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
     if (!weak.empty()) {
       fixed = {observability.directions(Eigen::all, weak), equations.motions};
       observability.values = Eigen::VectorXd(observability.values(weak));
-      // Start again from the given poses, so that no camera has slid in these directions.
+      // Start again from the given poses, so that no camera has moved in these directions.
       for (const std::size_t camera : all.moving) poses[camera] = given[camera];
       if (!run_icp(all, kCoarse, fixed, poses) || !run_icp(all, kFine, fixed, poses) ||
           !run_icp(all, kFinest, fixed, poses)) {
         poses.assign(given.begin(), given.end());
       }
     }
-    // A significance test, not a plain comparison: the choice between two nearly equal poses must
-    // not depend on the given one.
+    // A significance test, because the choice between two nearly equal poses must not depend on the
+    // given pose.
     if (paired_t_score(all, poses, given) < kWorse) {
       poses.assign(given.begin(), given.end());
       for (const std::size_t camera : all.moving) outcomes[camera] = Outcome::kKept;

@@ -3,13 +3,13 @@
 // Refines the poses of cameras on the surfaces that they see in common. The first camera does not
 // move.
 //
-// Cameras are placed one after the other, beside those that they share most with. Each starts
+// Cameras are placed one after the other, each beside those that it shares most with. Each starts
 // coarsely from its given pose and from poses around it. The starts with the highest scores
 // (Agreement::score) are refined finely. Then all cameras move together. Directions that no surface
 // determines, such as along a single wall, keep the given pose. A result that agrees worse than the
 // given poses, by more than chance, is discarded.
 //
-// Thread: pure; the same input gives the same output.
+// Thread: pure functions; the same input gives the same output.
 
 #include <cstddef>
 #include <span>
@@ -22,15 +22,15 @@
 
 namespace copresence::calibrate {
 
-inline constexpr double kLeastOverlap = 0.10;        ///< Share of common points that a pair of cameras needs.
-inline constexpr double kLeastObservability = 0.01;  ///< see Direction
+inline constexpr double kLeastOverlap = 0.10;        ///< Least share of common points in a pair of cameras.
+inline constexpr double kLeastObservability = 0.01;  ///< Least value of Direction::observability.
 
 /// A motion of one camera that the surfaces do not determine, of length 1.
 struct Direction {
-  Eigen::Vector3d turn;   ///< Rotation vector, world; in metres of motion at the overlap's radius.
-  Eigen::Vector3d shift;  ///< world
-  /// Mean over the matches of the squared part of the motion along their normals, less the effect
-  /// of the normals' noise: 1/3 in the corner of a room, 0 along a wall.
+  Eigen::Vector3d turn;   ///< Rotation vector, world frame; in metres at the overlap's radius.
+  Eigen::Vector3d shift;  ///< Translation, world frame.
+  /// Mean over the matches of the squared part of the motion along their normals, corrected for
+  /// noise of the normals: 1/3 in the corner of a room, 0 along a wall.
   double observability = 0;
 };
 
@@ -38,10 +38,10 @@ struct CameraRefinement {
   enum class Outcome {
     kReference,  ///< The first camera, which never moves.
     kRefined,
-    kKept,          ///< Not moved: the surfaces agree better at the given pose, by more than chance.
-    kPriorBetter,   ///< Not moved: the surfaces are not more accurate than the pose's known error.
-    kNotConfirmed,  ///< Not moved: surfaces left out of the fit do not agree better than by chance.
-    kNoOverlap,     ///< Not moved: too little in common with the cameras placed before it.
+    kKept,          ///< Not moved: the surfaces agree better at the given pose.
+    kPriorBetter,   ///< Not moved: the surfaces are not more accurate than the given pose.
+    kNotConfirmed,  ///< Not moved: surfaces left out of the fit agree no better.
+    kNoOverlap,     ///< Not moved: it overlaps too little with the cameras placed before.
   };
   Outcome outcome = Outcome::kReference;
   Rigid3 world_from_camera;
@@ -50,9 +50,9 @@ struct CameraRefinement {
   double prior_mm = 0;     ///< Error of the given pose, as given.
   double surfaces_mm = 0;  ///< Error of the surfaces alone, by their residuals.
   double error_mm = 0;     ///< Expected error of the refined pose.
-  /// The surfaces disagree with the given pose by more than both errors explain.
+  /// True if the surfaces differ from the given pose by more than both errors explain.
   bool contradicts_prior = false;
-  std::vector<Direction> unobservable;  ///< Directions in which it keeps the given pose.
+  std::vector<Direction> unobservable;  ///< Directions that keep the given pose.
 };
 
 struct PairRefinement {
@@ -63,7 +63,7 @@ struct PairRefinement {
 struct Refinement {
   std::vector<CameraRefinement> cameras;
   std::vector<PairRefinement> pairs;  ///< All pairs that overlap before or after.
-  double least_observability = 0;     ///< The smallest over all directions of all moving cameras.
+  double least_observability = 0;     ///< Smallest observability of all motions of all cameras.
 };
 
 /// surfaces  one per camera. Requires as many poses and errors, at least one.

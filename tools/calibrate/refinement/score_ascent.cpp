@@ -9,11 +9,11 @@ namespace copresence::calibrate {
 namespace {
 
 // Matches are of whole pixels, so the score is not smooth. It is evaluated where the normal
-// equations predict a score that is lower by this share.
+// equations predict a score lower by this share.
 constexpr double kLower = 0.006;
 constexpr double kFarthest_m = 0.012;
 constexpr int kRounds = 6;
-constexpr double kFinest = 0.5;  // Smallest scale of the first distances: below it the score is noise.
+constexpr double kFinest = 0.5;  // Smallest scale of the first distances; below it, the score is noise.
 constexpr double kStill_m = 3e-4;
 
 double score_at(const IcpProblem& problem, const IcpLevel& level, std::span<const Rigid3> poses) {
@@ -31,7 +31,7 @@ std::vector<Rigid3> stepped(const IcpProblem& problem, const Motions& motions, c
 }
 
 // Position of the maximum of the parabola through three evenly spaced values, in steps from the
-// middle one, at most one.
+// middle value. At most one step.
 double maximum(double before, double here, double after) {
   const double slope = (after - before) / 2, bend = before + after - 2 * here;
   if (bend >= 0) return slope > 0 ? 1 : slope < 0 ? -1 : 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads a camera's recording or stream of a still scene and makes surfaces of its mean depth. The
-// commands refine and check work on these.
+// Reads a camera's recording or stream of a still scene and makes surfaces of its mean depth. This
+// is the input of the commands refine and check.
 
 #include <optional>
 #include <span>
@@ -19,9 +19,9 @@ namespace copresence::calibrate {
 struct StillView {
   std::string name;
   Surface surface;
-  Rigid3 world_from_camera;  ///< From the scene file, otherwise from the recording or the server.
+  Rigid3 world_from_camera;  ///< From the scene file, otherwise from the recording or server.
   std::optional<double> calibration_error_m;  ///< From the scene file; relative to the reference camera.
-  double unsteady = 0;                        ///< DepthAverage::unsteady_share()
+  double unsteady = 0;                        ///< Value of DepthAverage::unsteady_share().
 };
 
 /// Largest number of frames that are averaged, evenly spread over a recording.
@@ -29,7 +29,7 @@ inline constexpr std::size_t kFramesAveraged = 60;
 
 /// Reads every source, in order.
 /// Fails  as Capture::open(); kInvalid for a camera that is not in the scene or has no pose;
-///        kCorrupt if hardly any pixel of a camera keeps still.
+///        kCorrupt if hardly any pixel of a camera has steady depth.
 Result<std::vector<StillView>> still_views(std::span<const NamedSource> sources, const scene::Scene& scene,
                                            const std::string& scene_path);
 

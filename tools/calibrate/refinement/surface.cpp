@@ -17,14 +17,14 @@ namespace {
 
 // Depth z, in metres, has kSteps / z disparity steps.
 constexpr auto kSteps = static_cast<float>(kKinectV1Noise.disparity_constant_m);
-constexpr int kRadius = 6;  // pixels: the window is 13 by 13, every other pixel of it.
+constexpr int kRadius = 6;  // Pixels; the window takes every other pixel of 13 by 13.
 constexpr int kSamples = (kRadius + 1) * (kRadius + 1);
 constexpr int kFewest = kSamples / 2;
 // Cosine between normal and ray below which a Kinect's depth is useless.
 constexpr float kGrazing = 0.15f;
 
 struct Plane {
-  float along_x = 0, along_y = 0, here = 0;  // steps: steps(dx, dy) = along_x dx + along_y dy + here.
+  float along_x = 0, along_y = 0, here = 0;  // Disparity steps at (dx, dy): along_x dx + along_y dy + here.
   float at(float dx, float dy) const { return along_x * dx + along_y * dy + here; }
 };
 
@@ -32,7 +32,7 @@ struct Sample {
   float dx, dy, steps;
 };
 
-// Least squares over the samples that lie within `tolerance(sample)` of `expected(sample)`.
+// Least squares over the samples within `tolerance(sample)` of `expected(sample)`.
 template <class Expected, class Tolerance>
 bool fit(const std::vector<Sample>& samples, Expected&& expected, Tolerance&& tolerance, Plane& plane) {
   PlaneLeastSquares<float> sums;
@@ -46,9 +46,8 @@ bool fit(const std::vector<Sample>& samples, Expected&& expected, Tolerance&& to
   return true;
 }
 
-// Fits a quadratic surface to the samples near a plane, and takes its height and slope at the
-// window's centre. A plane through a round object lies inside of it, and the error grows with the
-// window, so two cameras would not agree.
+// Fits a quadratic surface to the samples near a plane. Takes its height and slope at the window's
+// centre. A plane through a round object lies inside of it, so two cameras would disagree.
 class Bowl {
  public:
   void fit(const std::vector<Sample>& samples, Plane& plane) const {
@@ -59,7 +58,7 @@ class Bowl {
       sums += (sample.steps - plane.at(sample.dx, sample.dy)) * terms(sample);
       ++near;
     }
-    if (near == kSamples) {  // The usual case: the normal equations are constant.
+    if (near == kSamples) {  // In the usual case, the normal equations are constant.
       plane = bent(plane, whole_window_ * sums);
       return;
     }
@@ -80,8 +79,8 @@ class Bowl {
   static Vector6 terms(const Sample& s) {
     return Vector6(1, s.dx, s.dy, s.dx * s.dx, s.dx * s.dy, s.dy * s.dy);
   }
-  // Prior on the curvature, about two steps over the window. It is needed if all samples lie on one
-  // side.
+  // Prior on the curvature: about two steps over the window. Windows with samples on one side need
+  // it.
   static Matrix6 stiffness() { return Vector6(0, 0, 0, 50, 50, 50).asDiagonal(); }
   static Matrix6 invert_whole_window() {
     Matrix6 A = stiffness();
@@ -100,9 +99,8 @@ class Bowl {
   Matrix6 whole_window_ = invert_whole_window();
 };
 
-// Expected error of a point along its normal: the noise of depth, and the lateral noise on a
-// slanted surface. Source: Khoshelham and Elberink 2012 (depth), Nguyen, Izadi and Lovell 2012
-// (lateral).
+// Expected error of a point along its normal: depth noise (Khoshelham and Elberink 2012), and
+// lateral noise on a slanted surface (Nguyen, Izadi and Lovell 2012).
 float sigma_along_normal(float z, float cosine, double fx) {
   const float theta = std::acos(std::clamp(cosine, 0.0f, 1.0f));
   const float sine = std::sin(theta);

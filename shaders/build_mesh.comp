@@ -1,11 +1,11 @@
 #version 450 core
 // Makes triangles from a depth image (merge_rules.h, Surface). A planar block becomes two
-// triangles. Other pixels are connected to neighbours on the same surface. One invocation per pixel
-// and the quad to its lower right.
+// triangles. Other pixels are connected to neighbours on the same surface. Each invocation handles
+// the quad to the lower right of one pixel.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2D inverse;   // stitch_planar_blocks.comp
-layout(binding = 1) uniform sampler2D planes_4;  // by block, find_planar_blocks.comp
+layout(binding = 0) uniform sampler2D inverse;   // Result of stitch_planar_blocks.comp.
+layout(binding = 1) uniform sampler2D planes_4;  // Result of find_planar_blocks.comp.
 layout(binding = 2) uniform sampler2D planes_8;
 layout(binding = 3) uniform sampler2D planes_16;
 layout(std430, binding = 0) buffer Command {
@@ -15,8 +15,8 @@ layout(std430, binding = 0) buffer Command {
   uint base_instance;
 };
 layout(std430, binding = 1) writeonly buffer Indices { uint indices[]; };
-uniform float gap, slope;   // SurfaceLimits (merge_rules.h)
-uniform int largest_block;  // pixels a side; 1 connects single pixels only
+uniform float gap, slope;   // As in SurfaceLimits (merge_rules.h).
+uniform int largest_block;  // Pixels a side. With 1, planar blocks are ignored.
 
 shared uint group_triangles;
 shared uint group_begin;
@@ -27,7 +27,7 @@ bool connected(float p, float q, float r) {
   return farthest > 0.0 && nearest - farthest <= gap + slope * farthest;
 }
 
-// Side of the largest planar block that contains the pixel; 1 if there is none.
+// Returns the side of the largest planar block that contains the pixel, or 1 if there is none.
 int planar_side(ivec2 at) {
   if (largest_block >= 16 && texelFetch(planes_16, at / 16, 0).x > 0.0) return 16;
   if (largest_block >= 8 && texelFetch(planes_8, at / 8, 0).x > 0.0) return 8;
@@ -53,7 +53,7 @@ void main() {
     const int width = last.x + 1;
     const uint a = uint(at.y * width + at.x), b = uint(at.y * width + to.x);
     const uint c = uint(to.y * width + to.x), d = uint(to.y * width + at.x);
-    bool from_a_to_c = false;  // the diagonal; else it runs from b to d
+    bool from_a_to_c = false;  // Whether the diagonal runs from a to c, not from b to d.
     if (side > 1) {
       has_first = has_second = at % side == ivec2(0);
     } else {
@@ -69,7 +69,7 @@ void main() {
   }
   const uint count = uint(has_first) + uint(has_second);
 
-  // One global atomic per group.
+  // Each group reserves its indices by a single global atomic operation.
   const uint in_group = count > 0u ? atomicAdd(group_triangles, count) : 0u;
   barrier();
   if (invocation == 0u) group_begin = atomicAdd(index_count, 3u * group_triangles);

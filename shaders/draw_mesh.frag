@@ -1,7 +1,7 @@
 #version 450 core
-// The colour is interpolated between pixels of the camera. The weight is that of the nearest pixel
-// (merge_rules.h, Fragment).
-layout(binding = 2) uniform sampler2D camera_texture;  // with a linear filter
+// Makes a fragment (merge_rules.h, Fragment). Its colour is interpolated between pixels of the
+// camera. Its weight is that of the nearest pixel.
+layout(binding = 2) uniform sampler2D camera_texture;  // With a linear filter.
 
 in vec2 pixel;
 layout(location = 0) out vec4 fragment;

@@ -1,8 +1,8 @@
 #version 450 core
-// Projects a vertex of a camera's mesh into the view. With w = 1/z the point is (x, y, 1) / w. So
-// (x, y, 1, w) are its homogeneous coordinates.
-layout(binding = 0) uniform sampler2D inverse;  // w, 1/m
-layout(binding = 1) uniform sampler2D rays;  // (x, y) at z = 1, without lens distortion
+// Projects a vertex of a camera's mesh into the view. The vertex is the point (x, y, 1) / w, where
+// w is its inverse depth. So its homogeneous coordinates are (x, y, 1, w).
+layout(binding = 0) uniform sampler2D inverse;  // Inverse depth w, 1/m.
+layout(binding = 1) uniform sampler2D rays;  // The ray (x, y) at z = 1 of each pixel.
 uniform mat4 clip_from_camera;
 
 out vec2 pixel;

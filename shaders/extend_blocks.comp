@@ -1,13 +1,15 @@
 #version 450 core
 // checked with: -DBLOCK=4 -DOWN_SURFACE=0.02
 //
-// Summarises a view in blocks (extension_rules.h, Block). One invocation per block.
+// Computes the surface of each block of the view (extension_rules.h, Block). Each invocation
+// handles one block.
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2D color;
-layout(binding = 1) uniform sampler2D depth;  // m along the eye's axis, 0 where no camera shows anything
-layout(binding = 0, rgba32f) writeonly uniform image2D surfaces;  // rgb, w in 1/m; w is 0 without a surface
-layout(binding = 1, r8ui) writeonly uniform uimage2D gaps;        // 1 if a pixel is empty
+layout(binding = 1) uniform sampler2D depth;  // Metres, 0 where no camera shows anything.
+// Red, green, blue and inverse depth in 1/m, which is 0 without a surface.
+layout(binding = 0, rgba32f) writeonly uniform image2D surfaces;
+layout(binding = 1, r8ui) writeonly uniform uimage2D gaps;  // 1 if a pixel of the block is empty.
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);

@@ -1,11 +1,11 @@
 #version 450 core
 // checked with: -DSAME_SURFACE=0.045 -DOWN_SURFACE=0.02 -DMOST_SLOPE=0.02 -DMOST_CHANGE=0.07 -DFARTHEST_M=10.0 -DOWN_WEIGHT=2.0
 //
-// Estimates the surface of each block that has a gap from the sources in eight directions (extension_rules.h, Source,
-// Opposite and Estimate). One invocation per block.
+// Estimates the surface of each gap from its sources in eight directions (extension_rules.h, Source
+// to Estimate). Each invocation handles one block.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2D surfaces;  // rgb, w in 1/m; w is 0 without a surface
+layout(binding = 0) uniform sampler2D surfaces;  // As in extend_blocks.comp.
 layout(binding = 1) uniform usampler2D gaps;
 layout(binding = 0, rgba32f) writeonly uniform image2D estimates;
 
@@ -13,9 +13,9 @@ const ivec2 kDirections[4] = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec
 const float kNone = 1e9;
 
 struct Source {
-  vec4 surface;    // w 0: there is none
-  float distance;  // in blocks along the direction
-  float slope;     // of w, per block towards the gap
+  vec4 surface;    // As in `surfaces`; its inverse depth is 0 if there is no source.
+  float distance;  // In blocks along the direction.
+  float slope;     // Change of the inverse depth per block towards the gap.
 };
 
 bool is_same(float w, float other) { return abs(w - other) <= SAME_SURFACE; }
@@ -24,7 +24,7 @@ bool is_surface(ivec2 at) {
   return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, textureSize(surfaces, 0))) && texelFetch(gaps, at, 0).r == 0u;
 }
 
-// The first source from `at` against `direction`.
+// Returns the source that is found from `at` in the opposite of `direction`.
 Source find_source(ivec2 at, ivec2 direction) {
   ivec2 edge = at;
   float distance = 0.0;

@@ -1,10 +1,11 @@
 #version 450 core
 // checked with: -DSAME_SURFACE=0.045
 //
-// One round of smoothing of the estimated blocks (extension_rules.h, Estimate). One invocation per block.
+// Smooths the estimated blocks once (extension_rules.h, Estimate). Each invocation handles one
+// block.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2D estimates;  // rgb, w in 1/m; w is 0 without a surface
+layout(binding = 0) uniform sampler2D estimates;  // As `surfaces` in extend_blocks.comp.
 layout(binding = 1) uniform usampler2D gaps;
 layout(binding = 0, rgba32f) writeonly uniform image2D smoothed;
 

@@ -1,28 +1,28 @@
 #version 450 core
 // checked with: -DLAYERS=2 -DBLOCK=4 -DSAME_SURFACE=0.045 -DFADE_SHARE=0.06
 //
-// Fills the empty pixels of a view from the estimated blocks, or with the background (extension_rules.h, Fading and
-// Pixel). One invocation per pixel of the view.
+// Fills the empty pixels of a view from the estimated blocks, or with the background
+// (extension_rules.h, Fading and Pixel). Each invocation handles one pixel of the view.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2D estimates;  // rgb, w in 1/m; w is 0 without a surface
+layout(binding = 0) uniform sampler2D estimates;  // As `surfaces` in extend_blocks.comp.
 layout(binding = 1) uniform usampler2D gaps;
 layout(binding = 0, rgba8) writeonly uniform image2D color;
-layout(binding = 1, r32f) uniform image2D depth;  // m, 0 where no camera shows anything
+layout(binding = 1, r32f) uniform image2D depth;  // Metres, 0 where no camera shows anything.
 layout(binding = 2, r8ui) writeonly uniform uimage2D origin;
 
-uniform int extends;       // 0: all empty pixels show the background
-uniform float brightness;  // of the extended surfaces
+uniform int extends;       // If 0, all empty pixels show the background.
+uniform float brightness;  // Factor of the extended surfaces' colours.
 uniform vec3 background;
-uniform vec4 ray_from_pixel;  // xy * pixel + zw is (x, y) at z = 1 in the eye's frame
-uniform float near;           // m
+uniform vec4 ray_from_pixel;  // The ray (x, y) at z = 1 in the eye's frame is xy * pixel + zw.
+uniform float near;           // Metres.
 uniform mat4x3 camera_from_eye[LAYERS];
-uniform vec4 intrinsics[LAYERS];  // fx, fy, cx, cy
-uniform vec2 picture[LAYERS];     // width, height; 0 if the camera is not drawn
+uniform vec4 intrinsics[LAYERS];  // fx, fy, cx, cy.
+uniform vec2 picture[LAYERS];     // Width and height, or 0 if the camera is not drawn.
 
 const uint kSeen = 0u, kExtended = 1u, kEmpty = 2u;
 
-// 1 inside a camera's picture, falling to 0 outside of it.
+// Returns the opacity of a block: 1 inside a camera's picture, falling to 0 outside.
 float opacity(ivec2 block, float w) {
   if (texelFetch(gaps, block, 0).r == 0u) return 1.0;
   const vec2 pixel = vec2(block * BLOCK) + 0.5 * float(BLOCK - 1);

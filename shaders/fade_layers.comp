@@ -1,13 +1,13 @@
 #version 450 core
 // checked with: -DLAYERS=2
 //
-// Fades the fragments of stale cameras, and clears them where a live camera has any (merge_rules.h,
-// Stale). One invocation per pixel of the view.
+// Fades the fragments of stale cameras, and clears them where a live camera has a fragment
+// (merge_rules.h, Stale). Each invocation handles one pixel of the view.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0, rgba8) uniform image2DArray fragments;  // colour; cos(theta), 0 without a fragment
+layout(binding = 0, rgba8) uniform image2DArray fragments;  // As in merge_layers.comp.
 
-uniform float opacity[LAYERS];  // 1 for a live camera
+uniform float opacity[LAYERS];  // 1 for a live camera.
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);

@@ -1,23 +1,23 @@
 #version 450 core
 // Fits planes of inverse depth to blocks of 4, 8 and 16 pixels a side (planar_blocks.h). A block
 // includes the first pixels of its right and lower neighbours. The plane is zero if the block is
-// not planar. One group per block of 16, one invocation per block of 4.
+// not planar. Each group handles a block of 16, and each invocation a block of 4.
 layout(local_size_x = 4, local_size_y = 4) in;
 
 layout(binding = 0) uniform usampler2D depth;
-// W at the middle, and its change per pixel in x and y.
+// A plane is the inverse depth at the middle of the block and its change per pixel in x and y.
 layout(binding = 0, rgba32f) writeonly uniform image2D planes_4;
 layout(binding = 1, rgba32f) writeonly uniform image2D planes_8;
 layout(binding = 2, rgba32f) writeonly uniform image2D planes_16;
 uniform float units_per_metre;
-uniform float gap, slope, planar, curvature;  // SurfaceLimits (merge_rules.h)
+uniform float gap, slope, planar, curvature;  // As in SurfaceLimits (merge_rules.h).
 
 shared vec3 quarters[4][4];
 shared vec3 halves[2][2];
 
 const vec3 kNotPlanar = vec3(0.0);
 
-// Waits until all invocations of the group are here and see what the others have written.
+// Waits until all invocations of the group are here and see each other's writes.
 void wait_for_group() {
   memoryBarrierShared();
   barrier();
@@ -37,7 +37,7 @@ vec3 fit(ivec2 begin) {
       plane += w[y][x] * vec3(1.0, float(x - 2), float(y - 2));
     }
   }
-  // Least squares on a 5 x 5 grid: offsets are -2..2, their squares sum to 10 in each of five rows.
+  // Least squares on a 5 x 5 grid. The squared offsets -2..2 have the sum 10 in each of 5 rows.
   plane *= vec3(1.0 / 25.0, 1.0 / 50.0, 1.0 / 50.0);
   if (abs(plane.y) + abs(plane.z) > gap + slope * plane.x) return kNotPlanar;
   for (int y = 0; y < 5; ++y) {
@@ -49,13 +49,13 @@ vec3 fit(ivec2 begin) {
   return plane;
 }
 
-// The distance of two planes is greatest at a corner of the quarter.
+// Returns the distance between two planes at the corner of a quarter. There it is greatest.
 float off(vec3 quarter, vec3 whole, float side, vec2 direction) {
   const float middle = whole.x + 0.5 * side * dot(direction, whole.yz);
   return abs(quarter.x - middle) + 0.5 * side * dot(abs(quarter.yz - whole.yz), vec2(1.0));
 }
 
-// The plane through four quarters, each `side` pixels a side, if they lie in one plane.
+// Returns the common plane of four quarters, each `side` pixels a side, or kNotPlanar.
 vec3 join(vec3 a, vec3 b, vec3 c, vec3 d, float side) {
   if (min(min(a.x, b.x), min(c.x, d.x)) <= 0.0) return kNotPlanar;
   const vec3 whole = vec3(0.25 * (a.x + b.x + c.x + d.x), ((b.x - a.x) + (d.x - c.x)) * (0.5 / side),

@@ -2,18 +2,18 @@
 // checked with: -DONE_SURFACE=6.0 -DSTEPS_TIMES_UNITS=351300.0
 //
 // Computes the depth of cells of 4x4 pixels, and lists the cells that have holes to fill (cells.h).
-// One invocation per cell.
+// Each invocation handles one cell.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 0) uniform usampler2D depth;
 layout(binding = 1) uniform usampler2D fillable;
-uniform ivec2 grid;  // columns, rows
+uniform ivec2 grid;  // Columns and rows of cells.
 
 struct Cell {
-  float far, near;  // steps
+  float far, near;  // Inverse depth of the cell's surfaces, disparity steps.
   int far_count, near_count;
-  vec2 middle;  // mean position of its depth, pixels from its middle
-  vec2 slope;   // steps per pixel
+  vec2 middle;  // Mean position of its measured pixels, pixels from the cell's middle.
+  vec2 slope;   // Disparity steps per pixel.
 };
 layout(std430, binding = 0) buffer Commands {
   uint guess_groups, guess_y, guess_z, wanted_count;

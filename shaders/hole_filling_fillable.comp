@@ -1,14 +1,15 @@
 #version 450 core
 // checked with: -DWIDEST_GAP=40 -DBORDER=28
 //
-// Finds the holes that are narrow enough to be filled (fillable.h). One invocation per pixel.
+// Finds the holes that are narrow enough to be filled (fillable.h). Each invocation handles one
+// pixel.
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform usampler2D depth;
 layout(binding = 0, r8ui) writeonly uniform uimage2D fillable;
 
-// Counts the holes from `at` to the next depth in a direction, at most WIDEST_GAP. The border of
-// the image counts as BORDER holes.
+// Counts the holes from `at` to the next pixel with depth in a direction, at most WIDEST_GAP. The
+// border of the image counts as BORDER holes.
 int holes(ivec2 at, ivec2 direction) {
   const ivec2 size = textureSize(depth, 0);
   for (int i = 0; i < WIDEST_GAP; ++i) {

@@ -1,21 +1,22 @@
 #version 450 core
 // checked with: -DCELL_ENOUGH=5 -DREACH_CELLS=12 -DLINKED=5.0 -DWORTH_PIXELS=8 -DSHADOW_PX_PER_STEP=0.16 -DSHADOW_SLACK_PX=2.0
 //
-// Finds the surfaces on which the holes of a cell may lie (surface_candidates.h). One invocation per
-// cell of the list.
+// Finds the surfaces on which the holes of a cell may lie (surface_candidates.h). Each invocation
+// handles one cell of the list.
 layout(local_size_x = 64) in;
 
 layout(binding = 2) uniform sampler2D color;
-uniform ivec2 grid;  // columns, rows
+uniform ivec2 grid;  // Columns and rows of cells.
 
-struct Cell {
-  float far, near;  // steps
+struct Cell {  // As in hole_filling_cells.comp.
+  float far, near;
   int far_count, near_count;
-  vec2 middle;  // mean position of its depth, pixels from its middle
-  vec2 slope;   // steps per pixel
+  vec2 middle;
+  vec2 slope;
 };
 struct Guess {
-  // Steps at the cell's middle, slopes; steps 0: none. near.w is 1 if that surface is preferred.
+  // x is the inverse depth at the cell's middle in disparity steps, 0 without a surface. y and z
+  // are the slopes in steps per pixel. near.w is 1 if the near surface is preferred.
   vec4 far, near;
   vec4 far_color, near_color;
 };
@@ -28,15 +29,14 @@ layout(std430, binding = 3) readonly buffer Cells { Cell cells[]; };
 layout(std430, binding = 4) writeonly buffer Guesses { Guess guesses[]; };
 
 const ivec2 kDirections[8] = ivec2[8](ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1), ivec2(1, 1), ivec2(-1, -1),
-                                      ivec2(1, -1), ivec2(-1, 1));  // opposite directions side by side
+                                      ivec2(1, -1), ivec2(-1, 1));
 
-// The observations: two surfaces of the cell itself, then two in each direction. A weight of 0
-// means none.
+// The observations: two surfaces of the cell itself, then two in each direction.
 const int kObservations = 18;
-vec4 seen[kObservations];  // steps, slopes, weight
-int reaches[9];  // distance in cells; 0 for the cell itself and for directions without an observation
+vec4 seen[kObservations];  // Steps, two slopes and weight; a weight of 0 means no observation.
+int reaches[9];  // Distances of the observations in cells.
 
-// A surface: the observations with steps in [farthest, nearest].
+// A surface: all observations with steps from `farthest` to `nearest`.
 struct Group {
   float farthest, nearest;
   float weight;
@@ -46,7 +46,7 @@ bool is_in(Group group, int i) {
   return seen[i].w > 0.0 && seen[i].x >= group.farthest && seen[i].x <= group.nearest;
 }
 
-// Distance in cells to the next one with depth; 0 if there is none.
+// Returns the distance in cells to the next cell with depth, or 0 if there is none.
 int reach_of(ivec2 at, ivec2 direction) {
   for (int reach = 1; reach <= REACH_CELLS; ++reach) {
     const ivec2 there = at + reach * direction;
@@ -80,7 +80,7 @@ void look_around(ivec2 at) {
   }
 }
 
-// Number of measured pixels in a group.
+// Returns the number of measured pixels in a group.
 int pixels_of(ivec2 at, Group group) {
   int sum = 0;
   for (int i = 0; i < kObservations; ++i) {
@@ -129,7 +129,7 @@ int opposite_sides(Group group) {
 bool in_shadow(Group near, float steps) {
   const float reach = SHADOW_PX_PER_STEP * steps + SHADOW_SLACK_PX;
   bool found = false;
-  for (int i = 0; i < 6; ++i) {  // the cell itself, and those in its row
+  for (int i = 0; i < 6; ++i) {  // Observations in the row of the cell.
     found = found || (is_in(near, i) && float((reaches[i / 2] - 1) * 4) <= reach);
   }
   return found;
@@ -141,7 +141,8 @@ void main() {
   const ivec2 at = ivec2(index % grid.x, index / grid.x);
   look_around(at);
 
-  // From far to near: a group ends where the next observation is more than LINKED away.
+  // Walks from far to near. A group ends where the next observation is more than LINKED steps
+  // nearer.
   const float none = 1e9;
   const Group nothing = Group(none, none, 0.0);
   Group far = nothing, near = nothing, group = nothing;

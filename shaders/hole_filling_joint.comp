@@ -1,20 +1,19 @@
 #version 450 core
 // checked with: -DSTEPS_TIMES_UNITS=351300.0 -DSAME_SURFACE=3.0 -DGUESS_WEIGHT=0.5 -DCOLOR_SIGMA=24.0
 //
-// Fills the holes of the cells of the list (joint_filling.h). Sixteen invocations per cell, one per
-// pixel.
+// Fills the holes of the listed cells (joint_filling.h). Each invocation handles one pixel, 16 per
+// cell.
 layout(local_size_x = 256) in;
 
 layout(binding = 0) uniform usampler2D depth;
 layout(binding = 1) uniform usampler2D fillable;
 layout(binding = 2) uniform sampler2D color;
 layout(binding = 0, r16ui) writeonly uniform uimage2D filled;
-uniform ivec2 grid;   // columns, rows
-uniform vec2 range;  // units, both ends included
+uniform ivec2 grid;   // Columns and rows of cells.
+uniform vec2 range;  // Range of valid depth in depth units, both ends included.
 uniform int has_color;
 
-struct Guess {
-  // Steps at the cell's middle, slopes; steps 0: none. near.w is 1 if that surface is preferred.
+struct Guess {  // As in hole_filling_guess.comp.
   vec4 far, near;
   vec4 far_color, near_color;
 };
@@ -25,14 +24,14 @@ layout(std430, binding = 0) readonly buffer Commands {
 layout(std430, binding = 1) readonly buffer Wanted { uint wanted[]; };
 layout(std430, binding = 4) readonly buffer Guesses { Guess guesses[]; };
 
-const float kKernel[5] = float[5](0.37, 0.78, 1.0, 0.78, 0.37);  // exp(-d^2 / 4)
+const float kKernel[5] = float[5](0.37, 0.78, 1.0, 0.78, 0.37);  // exp(-d^2 / 4) for d = -2 to 2.
 
 struct Support {
   float weight, rest;
   vec2 place;
 };
 
-// How well the measured pixels around this one support a plane.
+// Measures how well the measured pixels around a pixel support a plane.
 Support support(ivec2 at, vec2 from_middle, vec3 plane) {
   const ivec2 size = textureSize(depth, 0);
   Support sum = Support(0.0, 0.0, vec2(0.0));

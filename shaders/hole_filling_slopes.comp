@@ -1,26 +1,27 @@
 #version 450 core
 // checked with: -DCELL_ENOUGH=5 -DSTEEPEST=1.0
 //
-// Computes how the depth of each cell slopes, and its depth at the cell's middle (cells.h). One
-// invocation per cell.
+// Computes the slope of the depth of each cell, and its depth at the cell's middle (cells.h). Each
+// invocation handles one cell.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform ivec2 grid;  // columns, rows
+uniform ivec2 grid;  // Columns and rows of cells.
 
-struct Cell {
-  float far, near;  // steps
+struct Cell {  // As in hole_filling_cells.comp.
+  float far, near;
   int far_count, near_count;
-  vec2 middle;  // mean position of its depth, pixels from its middle
-  vec2 slope;   // steps per pixel
+  vec2 middle;
+  vec2 slope;
 };
 layout(std430, binding = 2) readonly buffer Measured { Cell measured[]; };
 layout(std430, binding = 3) writeonly buffer Cells { Cell cells[]; };
 
-const int kApart = 2;  // cells
+const int kApart = 2;  // Cells.
 
 bool is_smooth(Cell cell) { return cell.near_count == 0 && cell.far_count >= CELL_ENOUGH; }
 
-// Adds rise and run from `cell` to the cell in `direction`, if both lie on one surface.
+// Adds the change of depth and the distance from `cell` to the cell in `direction`, if both lie on
+// one surface.
 void add_side(Cell cell, ivec2 at, ivec2 axis, int direction, inout float rise, inout float run) {
   const ivec2 there = at + axis * (kApart * direction);
   if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, grid))) return;

@@ -1,19 +1,19 @@
 #version 450 core
 // checked with: -DCELL=8 -DFILLED_WEIGHT=0.5 -DAMBIENT=0.15
 //
-// Computes what the fragments of a camera look like. Red, green and blue are the corrected colour;
-// without colour, the gray of the surface normals. Alpha is the weight: cos(theta), smaller for
-// filled pixels, never 0. One invocation per pixel.
+// Computes the colours and weights of a camera's fragments. Red, green and blue are the corrected
+// colour, or a gray from the surface normals if the camera has no colour. Alpha is the weight:
+// cos(theta), less for filled pixels, never 0. Each invocation handles one pixel.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2D incidences;  // by cell, with a linear filter
+layout(binding = 0) uniform sampler2D incidences;  // cos(theta) by cell, with a linear filter.
 layout(binding = 1) uniform usampler2D state;
 layout(binding = 2) uniform sampler2D color;
 layout(binding = 0, rgba8) writeonly uniform image2D camera_texture;
 uniform int has_color;
 uniform mat4x3 color_correction;
 
-const uint kFilled = 2u;  // DepthState
+const uint kFilled = 2u;  // A DepthState.
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);

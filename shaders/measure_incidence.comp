@@ -2,24 +2,24 @@
 // checked with: -DCELL=8 -DCELL_PIXELS=16 -DUNKNOWN_INCIDENCE=0.25
 //
 // Computes cos(theta) of each cell of CELL x CELL pixels (merge_rules.h, kCell). A planar block has
-// a plane already. Other cells get a plane of inverse depth fitted to their pixels with depth. One
-// invocation per cell.
+// a plane already. Other cells get a plane fitted to their pixels with depth. Each invocation
+// handles one cell.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 0) uniform usampler2D depth;
-layout(binding = 1) uniform sampler2D planes;  // of blocks of CELL pixels, find_planar_blocks.comp
+layout(binding = 1) uniform sampler2D planes;  // The planes of blocks of CELL pixels.
 layout(binding = 0, r32f) writeonly uniform image2D incidences;
 uniform float units_per_metre;
-uniform vec2 focal;   // pixels
-uniform vec2 center;  // pixels
+uniform vec2 focal;   // Pixels.
+uniform vec2 center;  // Pixels.
 
 float cos_theta(float w, vec2 slope, vec2 ray) {
   const vec3 normal = vec3(slope, w - dot(ray, slope));
   return min(1.0, w / (length(normal) * length(vec3(ray, 1.0))));
 }
 
-// w at the cell's middle, and its change per pixel. Zero if the pixels are too few or lie in one
-// line.
+// Fits a plane: inverse depth at the cell's middle, and its change per pixel. Returns zero if the
+// pixels with depth are too few or lie on one line.
 vec3 fit(ivec2 cell) {
   const ivec2 begin = cell * CELL;
   const ivec2 end = min(begin + CELL, textureSize(depth, 0));

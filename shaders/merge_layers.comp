@@ -1,27 +1,25 @@
 #version 450 core
 // checked with: -DLAYERS=2 -DTIE_RATIO=0.3
 //
-// Merges the fragments of all cameras (merge_rules.h, Merge). Of those within the uncertainty range
-// of the nearest one the best wins. Fragments of similar weight are blended. One invocation per
-// pixel of the view.
+// Merges the fragments of all cameras (merge_rules.h, Merge). Among the fragments within the
+// uncertainty range of the nearest, the best is shown. Fragments of similar weight are blended.
+// Each invocation handles one pixel of the view.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2DArray fragments;  // colour; cos(theta), 0 without a fragment
-layout(binding = 1) uniform sampler2DArray depths;     // 0 at w = w_near, 1 at w = w_far
+layout(binding = 0) uniform sampler2DArray fragments;  // Colour and weight; 0 without a fragment.
+layout(binding = 1) uniform sampler2DArray depths;     // 0 at the near plane, 1 at the far plane.
 layout(binding = 0, rgba8) writeonly uniform image2D merged;
 layout(binding = 1, r32f) writeonly uniform image2D merged_depth;
 layout(binding = 2, r8ui) writeonly uniform uimage2D merged_camera;
 layout(binding = 3, r32f) writeonly uniform image2D merged_quality;
 
-uniform int wants_depth;  // 0: only `merged` is written
-uniform vec2 w_near_far;  // 1/m, along the eye's axis
-uniform vec4 ray_from_pixel;  // xy * pixel + zw is (x, y) at z = 1 in the eye's frame
-// Dot product with (point in the eye's frame, 1): depth along the camera's axis, m.
-uniform vec4 camera_axis[LAYERS];
-uniform float calibration_error[LAYERS];  // m
-// Uncertainty over the square of the depth along the camera's axis, 1/m.
-uniform float noise_per_square[LAYERS];
-uniform float precision_factor[LAYERS];   // of the quality index
+uniform int wants_depth;  // If 0, only `merged` is written.
+uniform vec2 w_near_far;  // Inverse depth of the near and the far plane, 1/m.
+uniform vec4 ray_from_pixel;  // The ray (x, y) at z = 1 in the eye's frame is xy * pixel + zw.
+uniform vec4 camera_axis[LAYERS];         // As MergeLayers::Camera::axis (gl_programs.h).
+uniform float calibration_error[LAYERS];  // Metres.
+uniform float noise_per_square[LAYERS];   // As uncertainty_per_square() (merge_rules.h), 1/m.
+uniform float precision_factor[LAYERS];   // As precision() (merge_rules.h).
 
 const uint kNoCamera = 255u;
 

@@ -2,18 +2,18 @@
 // checked with: -DLAYERS=2 -DSHARE=0.25
 //
 // Mixes the colours of both sides of a silhouette edge along a row (merge_rules.h, Silhouettes).
-// One invocation per pixel of the view.
+// Each invocation handles one pixel of the view.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2DArray fragments;  // as in merge_layers.comp
+layout(binding = 0) uniform sampler2DArray fragments;  // As in merge_layers.comp.
 layout(binding = 1) uniform sampler2DArray depths;
 layout(binding = 2) uniform sampler2D merged;
 layout(binding = 0, rgba8) writeonly uniform image2D softened;
 
-uniform vec2 w_near_far;  // 1/m, along the eye's axis
-uniform float apart;  // 1/m; at a silhouette edge the neighbours differ by more than this
+uniform vec2 w_near_far;  // Inverse depth of the near and the far plane, 1/m.
+uniform float apart;  // At a silhouette edge, the inverse depths differ by more than this, 1/m.
 
-// The inverse depth of the nearest fragment; 0 if there is none.
+// Returns the inverse depth of the nearest fragment, or 0 if there is none.
 float nearest(ivec2 at) {
   float w = 0.0;
   for (int i = 0; i < LAYERS; ++i) {

@@ -1,20 +1,20 @@
 #version 450 core
 // Closes the cracks between planar blocks of different sizes (block_stitching.h). The inverse depth
-// along a block's border becomes a straight line between corners on which all adjoining blocks
-// agree. One group per block of 16 pixels a side and the first pixels of its neighbours.
-// Neighbouring groups compute the same values for these.
+// along a block's border becomes a straight line between corners that all adjoining blocks share.
+// Each group handles a patch: a block of 16 pixels a side and the first pixels of its neighbours.
+// Neighbouring groups compute the same values for these pixels.
 //
-// There are few invocations, and loops in place of conditions. A software renderer executes both
-// branches of a condition, and pays for every invocation at every barrier.
+// The shader uses few invocations, and loops in place of conditions. A software renderer executes
+// both branches of a condition, and every invocation costs time at every barrier.
 layout(local_size_x = 32) in;
 
 layout(binding = 0) uniform usampler2D depth;
-layout(binding = 1) uniform sampler2D planes_4;  // by block, find_planar_blocks.comp
+layout(binding = 1) uniform sampler2D planes_4;  // Result of find_planar_blocks.comp.
 layout(binding = 2) uniform sampler2D planes_8;
 layout(binding = 3) uniform sampler2D planes_16;
 layout(binding = 0, r32f) writeonly uniform image2D inverse;
 uniform float units_per_metre;
-uniform int largest_block;  // pixels a side; 1 changes no pixel
+uniform int largest_block;  // Pixels a side. With 1, no pixel is changed.
 
 const int kPatch = 16;
 const int kSide = kPatch + 1;
@@ -24,10 +24,10 @@ shared float w[kSide * kSide];
 shared bool stitched[kSide * kSide];
 shared vec3 drawn_planes[36 + 16 + 9];
 
-ivec2 last;  // the last pixel of the image
+ivec2 last;  // The last pixel of the image.
 ivec2 patch_begin;
 
-// Waits until all invocations of the group are here and see what the others have written.
+// Waits until all invocations of the group are here and see each other's writes.
 void wait_for_group() {
   memoryBarrierShared();
   barrier();
@@ -39,14 +39,14 @@ int block_size(int level) { return 4 << level; }
 
 vec3 planar_plane(int level, ivec2 block) {
   if (block_size(level) > largest_block) return vec3(0.0);
-  // Not an array of samplers: its index would have to be the same in all invocations.
+  // An array of samplers would need the same index in all invocations.
   if (level == 0) return texelFetch(planes_4, block, 0).xyz;
   if (level == 1) return texelFetch(planes_8, block, 0).xyz;
   return texelFetch(planes_16, block, 0).xyz;
 }
 
-// The plane of a block that is planar but in no larger planar one. Zero for other blocks and beyond
-// the image.
+// Returns the plane of a planar block that lies in no larger planar block. Returns zero for other
+// blocks and beyond the image.
 vec3 drawn_plane(int level, ivec2 block) {
   if (any(lessThan(block, ivec2(0))) || any(greaterThanEqual(block * block_size(level), last))) return vec3(0.0);
   for (int above = level + 1; above < 3; ++above) {
@@ -57,8 +57,8 @@ vec3 drawn_plane(int level, ivec2 block) {
 
 int blocks_across(int level) { return kPatch / block_size(level); }
 
-// The index of a block in drawn_planes. (0, 0) is the first block of the patch. There is one more
-// block on every side.
+// Returns the index of a block in drawn_planes. Block (0, 0) is the first one of the patch.
+// drawn_planes has one more block on every side of the patch.
 int plane_number(int level, ivec2 block) {
   const int across = blocks_across(level) + 2;
   return (level == 0 ? 0 : level == 1 ? 36 : 52) + (block.y + 1) * across + block.x + 1;
@@ -74,7 +74,7 @@ void find_drawn_planes(int invocation) {
   }
 }
 
-// The inverse depth of a corner: the mean of the planes that meet there.
+// Sets the inverse depth of a corner to the mean of the planes that meet there.
 void stitch_corner(int level, ivec2 corner) {
   const int size = block_size(level);
   const ivec2 at = min(patch_begin + corner * size, last);
@@ -112,7 +112,8 @@ void stitch_edge(int level, ivec2 corner, ivec2 direction) {
   }
 }
 
-// Large blocks first: a small block at the border of a large one has to follow it.
+// Stitches large blocks first, because the border of a small block must follow that of a larger
+// one.
 void stitch_planar_blocks(int invocation) {
   for (int level = 2; level >= 0; --level) {
     const int blocks = blocks_across(level);

@@ -11,13 +11,15 @@ namespace copresence::decoding {
 namespace {
 
 constexpr int kRadius = DepthSmoothing::kRadius;
-constexpr int kRowsAtATime = 32;  // few enough to stay in the second-level cache between the two passes
+// These rows stay in the second-level cache between the two passes.
+constexpr int kRowsAtATime = 32;
 
-// The sum of the differences to all taps must fit 16 bits. The limit is beyond a Kinect's range.
+// The sum of the differences to all neighbours must fit into 16 bits. Only depth beyond a Kinect's
+// range reaches this limit.
 constexpr float kMostTolerance = std::numeric_limits<std::int16_t>::max() / (2 * kRadius);
 
-/// Differences are taken modulo 2^16. The limit keeps nearer taps and holes from looking like taps
-/// just behind.
+/// Differences wrap modulo 2^16. Without this limit, a hole or a much nearer neighbour could look
+/// as if it were slightly farther.
 constexpr float kFarthest = std::numeric_limits<std::uint16_t>::max();
 
 /// The greatest difference in depth between a pixel and a neighbour on the same surface.
@@ -42,9 +44,9 @@ void store(const Numbers& lanes, std::int16_t* to) {
   std::memcpy(to, &lanes, sizeof lanes);
 }
 
-/// For each pixel of a row, computes the sum of the differences to the taps within its tolerance,
-/// and 2^15 / (number of these taps + 1). Tap i of pixel x is `first[i * distance + x]`. A hole is
-/// 0, and its tolerance is 0. Works on whole groups of kLanes.
+/// For each pixel of a row, `sums` gets the sum of the differences to the n neighbours within its
+/// tolerance. `shares` gets 2^15 / (n + 1). Neighbour i of pixel x is `first[i * distance + x]`. A
+/// hole has depth 0 and tolerance 0. The function works on whole groups of kLanes pixels.
 void sum_same_surface(const std::uint16_t* first, std::size_t distance, const std::uint16_t* tolerance,
                       std::size_t width, std::int16_t* sums, std::int16_t* shares) {
   const std::uint16_t* const middle = first + kRadius * distance;
@@ -58,12 +60,11 @@ void sum_same_surface(const std::uint16_t* first, std::size_t distance, const st
       Depths tap;
       load(first + i * distance + x, tap);
       const auto off = reinterpret_cast<Numbers>(tap - z);
-      // All bits set, or none.
       const Numbers on_surface = reinterpret_cast<Depths>(off < 0 ? -off : off) <= most;
       sum += off & on_surface;
       taps -= on_surface;
     }
-    Numbers share{};  // stays 0 for a pixel without neighbours, whose sum is 0
+    Numbers share{};  // It stays 0 for a pixel without neighbours.
     constexpr std::array<std::int16_t, 7> kShares{0, 16384, 10923, 8192, 6554, 5461, 4681};
     for (std::int16_t count = 1; count <= 2 * kRadius; ++count)
       share |= (Numbers{} + kShares[count]) & (taps == count);
@@ -72,7 +73,7 @@ void sum_same_surface(const std::uint16_t* first, std::size_t distance, const st
   }
 }
 
-/// out = middle + sum * share, rounded.
+/// Computes out = middle + sums * shares / 2^15, rounded.
 void add_means(const std::uint16_t* __restrict middle, const std::int16_t* __restrict sums,
                const std::int16_t* __restrict shares, int width, std::uint16_t* __restrict out) {
   for (int x = 0; x < width; ++x) {
@@ -85,10 +86,10 @@ void add_means(const std::uint16_t* __restrict middle, const std::int16_t* __res
 
 void DepthSmoothing::smooth(DepthImage& depth, DepthUnit unit, const DepthNoise& noise) {
   const int width = depth.width(), height = depth.height();
-  // In units, a step at depth z is z² step_m(1) metres_per_unit.
+  // A sensor step at depth z is z^2 * step_m(1) * metres_per_unit, in depth units.
   const float tolerance_per_square =
       kSameSurface * static_cast<float>(noise.step_m(1.0) * metres_per_unit(unit));
-  // In whole groups.
+  // Rows are padded to whole groups of kLanes pixels.
   const auto row_pixels = static_cast<std::size_t>((width + kLanes - 1) / kLanes * kLanes);
   padded_.assign(row_pixels + 2 * kRadius, 0);
   rows_.assign(row_pixels * (kRowsAtATime + 2 * kRadius), 0);
@@ -101,7 +102,7 @@ void DepthSmoothing::smooth(DepthImage& depth, DepthUnit unit, const DepthNoise&
     sum_same_surface(first, distance, tolerances_.data(), row_pixels, sums_.data(), shares_.data());
     add_means(middle, sums_.data(), shares_.data(), width, out);
   };
-  // Smooths row y of the image into row `place` of rows_. Rows beyond the image are holes.
+  // Smooths row y of the image into row `place` of rows_. Rows outside the image consist of holes.
   const auto smooth_across = [&](int y, std::size_t place) {
     std::uint16_t* const out = rows_.data() + place * row_pixels;
     if (y >= height) {

@@ -1,12 +1,12 @@
 #pragma once
 
 // Smooths the noise of sensor and codec in a depth image before it becomes a surface. The depth
-// levels of a Kinect are 25 mm apart at 3 m, and coding adds about one level. Seen from the side,
-// the surface would be rough with ragged edges.
+// levels of a Kinect are 25 mm apart at 3 m, and coding adds an error of about one level. Without
+// smoothing, a surface looks rough when it is seen from the side.
 //
-// Each value becomes the mean of its neighbours in the row, then in the column. Only neighbours on
-// the same surface count: those within a few sensor steps. Holes and states stay, and nothing is
-// averaged across a discontinuity.
+// Two passes replace each value by a mean over its neighbours, first along rows, then along
+// columns. Only neighbours within a few sensor steps count, so depth edges stay sharp. Holes and
+// states do not change.
 //
 // Thread: one thread at a time per object.
 
@@ -20,17 +20,17 @@ namespace copresence::decoding {
 
 class DepthSmoothing {
  public:
-  static constexpr int kRadius = 3;  ///< pixels
-  static constexpr float kSameSurface =
-      2.5f;  ///< sensor steps between a pixel and a neighbour on its surface
+  static constexpr int kRadius = 3;  ///< Pixels.
+  /// Neighbours on one surface differ by at most this many sensor steps.
+  static constexpr float kSameSurface = 2.5f;
 
-  /// Changes only values that are not 0, by at most kSameSurface steps in each direction.
+  /// Changes only values that are not 0, by at most kSameSurface steps per pass.
   void smooth(DepthImage& depth, DepthUnit unit, const DepthNoise& noise);
 
  private:
-  std::vector<std::uint16_t> rows_;        // some rows and their neighbours, smoothed along the row
-  std::vector<std::uint16_t> padded_;      // one row, with kRadius empty pixels at both ends
-  std::vector<std::uint16_t> tolerances_;  // these three are of one row, in whole groups of pixels
+  std::vector<std::uint16_t> rows_;    // Rows that are already smoothed horizontally.
+  std::vector<std::uint16_t> padded_;  // One row with kRadius empty pixels at both ends.
+  std::vector<std::uint16_t> tolerances_;
   std::vector<std::int16_t> sums_, shares_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the client does to a decoded frame before it becomes a surface.
+// Filters, clips and smooths a decoded frame before it is rendered.
 //
 // Thread: one thread at a time per object.
 
@@ -16,29 +16,28 @@
 
 namespace copresence::decoding {
 
-/// Removes depth outside the scene file's [clip] box from the frames of one camera. The pixels'
-/// rays are computed once: inverting a lens distortion takes many times as long as the clipping
-/// itself.
+/// Removes depth outside the scene file's [clip] box from the frames of one camera. The rays of the
+/// pixels are computed only once: inverting the lens distortion takes far longer than clipping.
 class Clipper {
  public:
-  /// `box` in world metres.
+  /// `box` has world coordinates in metres.
   Clipper(const client::CameraSetup& setup, const scene::Box& box);
 
-  /// Depth whose point in the world lies outside the box becomes a hole. Requires images of the
-  /// setup's size.
+  /// Turns pixels whose world point lies outside the box into holes. Requires images of the setup's
+  /// size.
   void apply(RgbdFrame& frame) const;
 
  private:
   client::CameraSetup setup_;
   scene::Box box_;
-  std::vector<Eigen::Vector2f> rays_;  // by pixel, at z = 1
+  std::vector<Eigen::Vector2f> rays_;  // (x, y) at z = 1 of every pixel.
 };
 
 /// Filters the frames of one camera over time, clips them and smooths their depth, in this order.
 class FrameConditioner {
  public:
-  /// Call it for every new connection, before the first frame. The temporal filter goes on: it
-  /// detects by itself that the picture has changed. `clip` in world metres.
+  /// Call it for every new connection, before the first frame. The temporal filter is not reset: it
+  /// detects a changed picture by itself. `clip` has world coordinates in metres.
   void begin(const client::CameraSetup& setup, const std::optional<scene::Box>& clip);
 
   /// Requires begin().

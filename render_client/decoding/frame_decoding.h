@@ -1,9 +1,9 @@
 #pragma once
 
-// Decodes a frame: video, depth and colour. The server's counterpart is
+// Decodes the frames of a stream: video, depth and colour. The server encodes them in
 // capture_server/encoding/frame_encoding.h.
 //
-// Thread: one thread decodes one stream.
+// Thread: one thread at a time per stream.
 
 #include <chrono>
 #include <optional>
@@ -18,23 +18,23 @@ namespace copresence::decoding {
 
 class FrameDecoding {
  public:
-  /// Fails if this program does not have the codec that the description names.
+  /// Fails if this program lacks the codec that the description names.
   static Result<FrameDecoding> open(const StreamDescription& description);
 
   struct Durations {
     Duration video_decode{}, depth_decode{};
   };
 
-  /// Fails for damaged frames, and for frames that depend on a lost one: request a keyframe then.
-  /// The result has no colour if the server sent none with this frame.
+  /// Fails for a damaged frame and for a frame that depends on a lost frame. The caller should then
+  /// request a keyframe. The result has no colour if the server sent no colour with this frame.
   Result<RgbdFrame> decode(const EncodedFrame& encoded, Durations& durations);
 
-  /// The longest time for which an old colour picture is repeated.
+  /// An old colour picture is repeated for at most this time.
   static constexpr std::chrono::milliseconds kLongestRepeat{1000};
 
-  /// Gives a frame without colour the newest colour picture of the stream, so that the camera does
-  /// not flash grey. Returns whether it did. A picture older than the frame by more than
-  /// kLongestRepeat is not used. `frame` must be the last result of decode().
+  /// Gives a frame without colour the newest colour picture of the stream, so that the view does
+  /// not flash grey. Returns false if the frame has colour already, or if the picture is older than
+  /// the frame by more than kLongestRepeat. `frame` must be the last result of decode().
   bool repeat_color(RgbdFrame& frame) const;
 
  private:
@@ -44,7 +44,7 @@ class FrameDecoding {
   video::FrameDecoder video_;
   depth::Decoder depth_;
   std::optional<Picture> newest_color_;
-  Instant newest_color_at_{};  // capture time of its frame, on the server's clock
+  Instant newest_color_at_{};  // Capture time on the server's clock.
 };
 
 }  // namespace copresence::decoding

@@ -12,9 +12,11 @@ namespace {
 
 constexpr int kMeanShift = 3;
 static_assert(1 << kMeanShift == TemporalFilter::kFrames);
-constexpr int kColorBits = 7;      // fractional bits of Kept::color
-constexpr int kSumShift = 3;       // lets the colour differences of eight rows fit 16 bits
-constexpr int kFewestPixels = 16;  // least number of pixels of a block for a meaningful mean difference
+constexpr int kColorBits = 7;  // Fractional bits of Kept::color.
+// Colour differences are shifted right by this, so that the sum of eight rows fits into 16 bits.
+constexpr int kSumShift = 3;
+// The mean difference of fewer pixels than this is not meaningful.
+constexpr int kFewestPixels = 16;
 
 const std::uint8_t* bytes(const ColorImage& color) {
   static_assert(sizeof(Rgb8) == 3);
@@ -92,7 +94,7 @@ void TemporalFilter::sum_row(const RgbdFrame& frame, int y) {
 
 TemporalFilter::Block TemporalFilter::judge_block(int left, int rows) const {
   static_assert(kBlock == 8);
-  // In pairs: a chain of sums, each waiting for the last, would take most of the time.
+  // The numbers are added in pairs: a chain of dependent additions would take most of the time.
   const auto sum = [left](const std::vector<float>& of) {
     const float* const v = of.data() + left;
     return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
@@ -113,7 +115,8 @@ TemporalFilter::Block TemporalFilter::judge_block(int left, int rows) const {
 }
 
 bool TemporalFilter::judge(const RgbdFrame& frame, int every) {
-  const auto width = static_cast<std::size_t>(columns_ * kBlock);  // columns beyond the image add nothing
+  // Columns beyond the image stay 0.
+  const auto width = static_cast<std::size_t>(columns_ * kBlock);
   blocks_.clear();
   int moving = 0;
   for (int top = 0; top < height_; top += every * kBlock) {
@@ -129,7 +132,8 @@ bool TemporalFilter::judge(const RgbdFrame& frame, int every) {
   return static_cast<float>(moving) > kMovingShare * static_cast<float>(blocks_.size());
 }
 
-// Near moving blocks the decision for a block is unreliable: it would depend on coding noise.
+// A block counts as still only if its neighbours are. Beside moving blocks, coding noise would
+// decide whether the block is still.
 void TemporalFilter::find_still() {
   const int rows = static_cast<int>(blocks_.size()) / columns_;
   for (int row = 0; row < rows; ++row) {
@@ -144,7 +148,7 @@ void TemporalFilter::find_still() {
   }
 }
 
-// Decides about a pixel that gained, lost or changed its state, or whose depth jumped.
+// Keeps or replaces the old depth of a pixel whose state changed or whose depth jumped.
 void TemporalFilter::decide(const RgbdFrame& frame, const Block& block, std::size_t at) {
   const DepthState before = kept_.state[at], now = frame.state.data()[at];
   const bool has_more =
@@ -163,7 +167,7 @@ void TemporalFilter::decide(const RgbdFrame& frame, const Block& block, std::siz
   kept_.missed[at] = 0;
 }
 
-// Spreads the results of the blocks over their pixels, for loops over whole rows.
+// Copies the results of each block to all its columns, so that later loops run over whole rows.
 void TemporalFilter::spread(int block_row) {
   const auto width = static_cast<std::size_t>(width_);
   spread_.gain.resize(width);
@@ -191,7 +195,7 @@ void TemporalFilter::mix_depth(RgbdFrame& frame, int y) {
   goes_on_.resize(width);
   std::uint8_t* __restrict const changed = changed_.data();
   float* __restrict const goes_on = goes_on_.data();
-  // One number type per loop, so that the compiler can vectorise.
+  // Each loop uses a single number type, so that the compiler can vectorise it.
   for (std::size_t x = 0; x < width; ++x) changed[x] = state[x] != kept_state[x];
   for (std::size_t x = 0; x < width; ++x) goes_on[x] = 1.0F - static_cast<float>(changed[x]);
   for (std::size_t x = 0; x < width; ++x) {
@@ -233,15 +237,15 @@ void TemporalFilter::mix_color(ColorImage& color, int y) {
 
 void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise) {
   step_per_square_ = static_cast<float>(noise.step_m(1.0) * metres_per_unit(unit));
-  // Frames that were lost on the way count as well.
+  // Lost frames count as well.
   frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.metadata.sequence - sequence_, 1, 255));
   sequence_ = frame.metadata.sequence;
   if (!fits(frame)) return begin(frame);
-  // Colour starts again after it was missing. Depth goes on, since missing colour is no sign of
-  // motion.
+  // Colour that was missing starts again. The depth filter continues, since missing colour does not
+  // mean motion.
   if (frame.color && !has_color_) begin_color(*frame.color);
   has_color_ = frame.color.has_value();
-  // While the camera moves, some blocks are enough to detect that it still moves.
+  // A few blocks are enough to detect that a moving camera still moves.
   const bool moved = std::exchange(camera_moves_, judge(frame, camera_moves_ ? kGlance : 1));
   if (camera_moves_) return keep_pictures(frame, kGlance);
   if (moved) return begin(frame);

@@ -4,17 +4,20 @@
 // and silhouette edges flicker, and its colours have grain. In a view from the side all of this
 // looks like motion.
 //
-// Depth and colour of each pixel become their means over the last frames, as long as the pixel's
-// block of 8 x 8 pixels is static. A surface that moves closer changes the mean depth of its block,
-// which noise hardly does. A surface that moves sideways changes the colours. Moving blocks are
-// shown as they come, without delay. In static blocks without moving neighbours, a pixel that loses
-// its depth keeps it for some frames, and a single jump must be confirmed by a second frame. If
-// much of the picture moves, the camera moves. Then nothing is filtered until two successive frames
-// are alike again.
+// As long as a block of 8 x 8 pixels is static, each of its pixels shows its mean depth and colour
+// over the last frames. A surface that moves closer changes the mean depth of its block; noise
+// hardly does. A surface that moves sideways changes the colours. Moving blocks are shown
+// unfiltered, without delay.
 //
-// Other filters also keep a depth value until a change lasts longer than noise would
-// (librealsense's, for example). Deciding by block, and using colour to detect motion, is specific
-// to this one. The constants are for the noise of a Kinect v1 (docs/internals/simulation.md).
+// In static blocks without moving neighbours, a pixel that loses its depth keeps the old depth for
+// kKeptFrames frames. A jump of its depth must be confirmed by a second frame.
+//
+// If much of the picture moves, the camera itself is assumed to move. Then nothing is filtered
+// until two successive frames are alike again.
+//
+// The filter of librealsense also keeps a depth value until a change lasts longer than noise would.
+// Unlike that filter, this one decides for whole blocks and uses colour to detect motion. The
+// constants suit the noise of a Kinect v1 (docs/internals/simulation.md).
 //
 // Thread: one thread at a time per object.
 
@@ -28,54 +31,62 @@ namespace copresence::decoding {
 
 class TemporalFilter {
  public:
-  static constexpr int kBlock = 8;   ///< pixels a side
-  static constexpr int kFrames = 8;  ///< frames in a mean: a new frame has at least the weight 1 / kFrames
-  static constexpr int kKeptFrames = 8;  ///< frames for which depth is kept without a measurement
-  static constexpr float kJump = 3.5F;   ///< sensor steps; a greater difference means another surface
-  static constexpr float kNoise = 0.5F;  ///< sensor steps; a smaller mean difference of a block is noise
-  /// Sensor steps; a greater mean difference of a block is motion; in between the weight is linear.
+  static constexpr int kBlock = 8;  ///< Width and height of a block in pixels.
+  /// A mean covers this many frames: a new frame has at least the weight 1 / kFrames.
+  static constexpr int kFrames = 8;
+  /// Depth is kept without a new measurement for this many frames.
+  static constexpr int kKeptFrames = 8;
+  /// A pixel whose depth changes by more than this many sensor steps shows another surface.
+  static constexpr float kJump = 3.5F;
+  /// A mean difference of a block up to kNoise sensor steps is noise, and from kMotion steps on it
+  /// is motion. In between, the weight of the new depth grows linearly.
+  static constexpr float kNoise = 0.5F;
   static constexpr float kMotion = 1.0F;
-  static constexpr int kColorJump = 14;        ///< of 255; a greater difference means another surface
-  static constexpr int kColorMotion = 5;       ///< of 255; a greater mean difference of a block is motion
-  static constexpr float kMovingShare = 0.4F;  ///< fraction of moving blocks at which the camera moves
+  /// A pixel whose colour changes by more than this, of 255, shows another surface.
+  static constexpr int kColorJump = 14;
+  /// A greater mean change of a block's colours, of 255, is motion.
+  static constexpr int kColorMotion = 5;
+  /// If more than this fraction of all blocks moves, the camera moves.
+  static constexpr float kMovingShare = 0.4F;
   /// While the camera moves, only every kGlance-th row of blocks is tested.
   static constexpr int kGlance = 8;
 
-  /// Replaces depth, state and colour by the filtered ones. Depth that is kept without a
-  /// measurement keeps its state. The filter starts again at the first frame and when the size
-  /// changes. A frame without colour is filtered by its depth alone. The next frame with colour
-  /// starts the colours again.
+  /// Replaces depth, state and colour by the filtered values. Depth that is kept without a
+  /// measurement keeps its state. The first frame and every change of size reset the filter. A
+  /// frame without colour is filtered by its depth alone. The next frame with colour resets the
+  /// colours.
   void apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise);
 
  private:
   struct Block {
-    float gain = 0;  // weight of new depth: 0 if only noise, 1 if it replaces the mean
+    float gain = 0;  // Weight of new depth: 0 for noise, 1 for motion.
     bool is_recolored = false;
-    bool is_still = false;  // neither the block nor a neighbour moves
+    bool is_still = false;  // Neither the block nor a neighbouring block moves.
     bool moves() const { return gain > 0.5F || is_recolored; }
   };
   struct Kept {
-    std::vector<float> depth;  // in units; 0 without depth
+    std::vector<float> depth;  // Depth units; 0 for a hole.
     std::vector<DepthState> state;
-    std::vector<float> frames;         // number of frames in the mean, at most kFrames
-    std::vector<std::uint8_t> missed;  // frames since the last one that agreed
-    std::vector<std::int16_t> color;   // r, g, b of each pixel, times 128
+    std::vector<float> frames;         // Number of frames in the mean, at most kFrames.
+    std::vector<std::uint8_t> missed;  // Number of frames since one agreed with the mean.
+    std::vector<std::int16_t> color;   // 128 times red, green and blue of each pixel.
   };
-  // Sums over a row of blocks: per column of pixels, or per byte of a row of colours.
+  // Sums over the pixels of a column within a row of blocks. `recolored` has one sum per channel.
   struct Sums {
     std::vector<float> difference, agreeing, jumping;
     std::vector<std::int16_t> recolored;
   };
-  // Results of a row of blocks, for each of their pixels.
+  // The results of a row of blocks, repeated for each column of pixels.
   struct Spread {
-    std::vector<float> gain;         // least weight of new depth
-    std::vector<std::int16_t> jump;  // least difference at which new colour replaces the mean; by byte
+    std::vector<float> gain;  // Least weight of new depth.
+    // A greater difference of a colour channel replaces the mean. One value per channel.
+    std::vector<std::int16_t> jump;
   };
 
   bool fits(const RgbdFrame& frame) const;
   void begin(const RgbdFrame& frame);
   void begin_color(const ColorImage& color);
-  /// Keeps depth and colour of every `every`-th row of blocks, to compare the next frame with.
+  /// Stores depth and colour of every `every`-th row of blocks for comparison with the next frame.
   void keep_pictures(const RgbdFrame& frame, int every);
   /// Tests every `every`-th row of blocks. Returns whether the camera moves.
   bool judge(const RgbdFrame& frame, int every);
@@ -91,17 +102,17 @@ class TemporalFilter {
   }
 
   int width_ = 0, height_ = 0, columns_ = 0;
-  bool has_color_ = false;      // the last frame had colour
-  bool camera_moves_ = false;   // then only the tested rows of blocks are kept
-  std::uint64_t sequence_ = 0;  // of the last frame
-  int frames_since_ = 1;        // from the last frame to this one
-  float step_per_square_ = 0;   // a sensor step at depth z is this times z^2, in units
+  bool has_color_ = false;      // Whether the last frame had colour.
+  bool camera_moves_ = false;   // While it is true, only the tested rows of blocks are kept.
+  std::uint64_t sequence_ = 0;  // Number of the last frame.
+  int frames_since_ = 1;        // Number of frames captured since the last received frame.
+  float step_per_square_ = 0;   // A sensor step at depth z is this times z^2, in depth units.
   std::vector<Block> blocks_;
   Kept kept_;
   Sums sums_;
   Spread spread_;
-  std::vector<std::uint8_t> changed_;  // of a row: 1 for pixels that jump or change their state
-  std::vector<float> goes_on_;         // of a row: 1 for all other pixels
+  std::vector<std::uint8_t> changed_;  // 1 for pixels of a row that jump or change their state.
+  std::vector<float> goes_on_;         // 1 for all other pixels of the row.
 };
 
 }  // namespace copresence::decoding

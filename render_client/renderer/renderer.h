@@ -1,12 +1,12 @@
 #pragma once
 
-// The interface of both renderers: draws the newest frames of all cameras, merged, as seen from one
-// pose.
+// The interface of both renderers. A renderer draws the newest frames of all cameras, merged, as
+// seen from one pose.
 //
 // Each camera's depth image becomes a mesh without triangles across depth discontinuities. The
-// meshes are drawn from the eye, and the drawings are merged pixel by pixel: of the fragments
-// within the uncertainty range of the nearest one, those with the best quality index count (thesis
-// 2.6.1). Both implementations follow renderer/merge_rules.h, and a test compares their pictures.
+// meshes are drawn from the eye's pose, and the drawings are merged pixel by pixel. Among the
+// fragments within the uncertainty range of the nearest, those with the best quality index count
+// (thesis 2.6.1). Both renderers follow renderer/merge_rules.h, and a test compares their pictures.
 //
 // Thread: one thread makes, uses and destroys a renderer.
 
@@ -28,79 +28,79 @@ namespace copresence::renderer {
 
 using viewpoint::ViewPose;
 
-/// The most cameras that one view can show, in both renderers. Command line and scene file are
-/// checked.
+/// A view can show at most this many cameras. The program checks its command line and scene file.
 inline constexpr std::size_t kMostCameras = 32;
 
-/// One camera as a renderer takes it.
+/// One camera as input of a renderer.
 struct CameraView {
-  /// The newest frame. It must outlive the call. Its pose is not used.
+  /// The newest frame. It must outlive the call. The frame's own pose is not used.
   const RgbdFrame* frame = nullptr;
-  /// Cache key: mesh and texture of a camera are reused while `version` is unchanged. So every
-  /// frame, of any camera, must have a version of its own.
+  /// Mesh and texture of a camera are reused while `version` is unchanged. It must be unique over
+  /// the frames of all cameras.
   std::uint64_t version = 0;
-  CameraModel model;  ///< same size as the frame's images
+  CameraModel model;  ///< It has the size of the frame's images.
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthNoise noise;
   Rigid3 world_from_camera;
-  /// To the reference camera's colours, RGB 0 to 1.
+  /// Maps the camera's colours to the reference camera's colours, RGB 0 to 1.
   Eigen::Matrix<float, 3, 4> color_correction = Eigen::Matrix<float, 3, 4>::Identity();
-  double calibration_error_m = 0.005;  ///< widens the uncertainty range
-  /// 1 for a live camera. Below 1 the camera fades, because no new frame has come (merge_rules.h,
-  /// Stale). 0: not drawn.
+  double calibration_error_m = 0.005;  ///< Expected error of the camera's pose.
+  /// 1 for a live camera; below 1 for a stale camera, which sends no new frames (merge_rules.h,
+  /// Stale). A camera with opacity 0 is not drawn.
   float opacity = 1;
 };
 
 /// Where a pixel of a view comes from.
 enum class Origin : std::uint8_t {
-  kSeen,      ///< a fragment of a camera's newest frame
-  kExtended,  ///< no camera has seen it: the farther surfaces around it are continued (extension_rules.h)
-  kEmpty,     ///< outside all cameras' pictures, or there is nothing to continue
+  kSeen,      ///< A camera's newest frame shows this point.
+  kExtended,  ///< No camera shows it. Surfaces around it are continued (extension_rules.h).
+  kEmpty,     ///< No camera shows it, and no surface is continued there.
 };
 
-/// How pixels look that no camera has seen.
+/// Selects how the pixels of a view look that no camera has seen.
 struct UnseenStyle {
   enum class Show {
-    kExtend,  ///< continued surfaces in their colours
-    kDim,     ///< at half of their brightness
-    kBlack,   ///< not at all: all of them are kEmpty
+    kExtend,  ///< The surfaces around are continued.
+    kDim,     ///< As kExtend, at half of the brightness.
+    kBlack,   ///< All unseen pixels are kEmpty.
   };
   Show show = Show::kBlack;
-  Rgb8 background{0, 0, 0};  ///< colour of empty pixels
+  Rgb8 background{0, 0, 0};  ///< Colour of empty pixels.
 
   float brightness() const { return show == Show::kDim ? 0.5F : 1.0F; }
 };
 
-/// Which part of a view's pixels has which origin; 0 to 1, together 1.
+/// Fractions of a view's pixels by origin. Their sum is 1.
 struct OriginShares {
   float seen = 0, extended = 0, empty = 1;
 };
 
-inline constexpr std::uint8_t kNoCamera = 255;  ///< in MergedView::camera if nothing is shown
+inline constexpr std::uint8_t kNoCamera = 255;  ///< MergedView::camera of empty pixels.
 
-/// Which images of a MergedView are filled.
+/// Selects the images of a MergedView to fill.
 struct HostPixels {
   bool color = false;
-  bool depth = false;  ///< depth, camera, quality and origin
+  bool depth = false;  ///< Also selects camera, quality and origin.
 };
 
 /// A view of the merged scene.
 struct MergedView {
-  /// Set by the caller. Pictures with different targets exist side by side: use one target for each
-  /// eye. From 0 up.
+  /// Set by the caller, from 0 up. The pictures of different targets exist at the same time. Use
+  /// one target for each eye.
   int target = 0;
 
   int width = 0;
   int height = 0;
-  Image<Rgba8> color;          ///< the background with a = 0 if nothing is shown; empty unless wanted
-  Image<float> depth_m;        ///< along the eye's axis; 0 if nothing is shown; empty unless wanted
-  Image<std::uint8_t> camera;  ///< index of the camera that has the pixel; kNoCamera for none
-  Image<float> quality;        ///< quality index of that camera, cos(theta) / z^2 (thesis eq. 2.5), 1/m^2
+  // Images that are not wanted are empty.
+  Image<Rgba8> color;          ///< Alpha is 0 where the background is shown.
+  Image<float> depth_m;        ///< Depth along the eye's axis; 0 where nothing is shown.
+  Image<std::uint8_t> camera;  ///< Index of the camera that a pixel is from, or kNoCamera.
+  Image<float> quality;        ///< quality_index() of that camera's fragment, 1/m^2.
   Image<Origin> origin;
-  /// Of the CPU renderer only: the GL renderer would have to wait for its pictures.
+  /// Set by the CPU renderer only: the GL renderer would have to wait for its pictures.
   std::optional<OriginShares> shares;
-  /// OpenGL name of an RGBA8 texture with the colours, rows from the top. It holds the view until
-  /// the next render() to the same target. 0 for the CPU renderer.
+  /// OpenGL name of an RGBA8 texture with the colours, first row at the top. It is valid until the
+  /// next render() with the same target. 0 for the CPU renderer.
   std::uint32_t texture = 0;
 };
 
@@ -108,20 +108,20 @@ class Renderer {
  public:
   virtual ~Renderer() = default;
 
-  virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --renderer and the statistics
+  virtual std::string_view name() const = 0;  ///< Returns "cpu" or "gl", as in --renderer.
 
-  /// How unseen pixels look from the next view on; kBlack on black before. Surfaces are continued only if the colour
-  /// is wanted.
+  /// Sets how unseen pixels look from the next view on. The default is kBlack with a black
+  /// background. Surfaces are continued only if the colour is wanted.
   virtual void set_unseen(const UnseenStyle& style) = 0;
 
-  /// Makes meshes and textures of these cameras ahead. Call it while no view is due. The next
-  /// render() may have newer frames or other cameras.
+  /// Makes meshes and textures of these cameras in advance. Call it while no view is due. The next
+  /// render() may get newer frames or other cameras.
   virtual void prepare(std::span<const CameraView> cameras) = 0;
 
   /// Draws the cameras as seen from `eye`. MergedView::camera is an index into `cameras`. The
-  /// number of cameras and their models may change between calls. The images of `view` keep their
-  /// memory. A camera without colour is shaded by its surface normals. Requires at most
-  /// kMostCameras. Fails only if the graphics driver does.
+  /// number of cameras and their models may change between calls. The memory of the images of
+  /// `view` is reused. A camera without colour is shaded by its surface normals. Requires at most
+  /// kMostCameras cameras. Fails only if the graphics driver fails.
   virtual Result<void> render(std::span<const CameraView> cameras, const ViewPose& eye, HostPixels wanted,
                               MergedView& view) = 0;
 };

@@ -11,7 +11,7 @@
 namespace copresence::renderer {
 namespace {
 
-// Opposite directions stand side by side: 2 i and 2 i + 1.
+// Directions 2 i and 2 i + 1 are opposite.
 constexpr std::array<std::array<int, 2>, 8> kDirections{
     {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
 constexpr float kDiagonal = 1.41421356F;
@@ -22,7 +22,7 @@ bool is_same_surface(float w, float other) {
   return std::abs(w - other) <= kSameSurface;
 }
 
-// Sums up blocks with weights.
+// A weighted mean of blocks.
 struct Mean {
   float w = 0, r = 0, g = 0, b = 0, weight = 0;
 
@@ -117,7 +117,7 @@ BackgroundExtension::Block BackgroundExtension::summarise(const InverseDepthView
   return block;
 }
 
-// Finds the source of each block against the direction (dx, dy).
+// Finds the source of each block in the direction (-dx, -dy).
 void BackgroundExtension::find_sources(int dx, int dy, std::vector<Source>& sources) const {
   sources.resize(blocks_.size());
   const int step_x = dx >= 0 ? 1 : -1, step_y = dy >= 0 ? 1 : -1;
@@ -135,7 +135,7 @@ void BackgroundExtension::find_sources(int dx, int dy, std::vector<Source>& sour
   }
 }
 
-// The source at block (x, y) for a gap that follows it in the direction (dx, dy).
+// Returns the source for a gap that follows block (x, y) in the direction (dx, dy).
 BackgroundExtension::Source BackgroundExtension::source_at(int x, int y, int dx, int dy) const {
   const auto surface = [&](int behind) -> const Block* {
     const int at_x = x - behind * dx, at_y = y - behind * dy;
@@ -188,7 +188,7 @@ BackgroundExtension::Block BackgroundExtension::estimate(std::size_t at) const {
     const Block &from_one = blocks_[one.block], &from_other = blocks_[other.block];
     if (is_same_surface(continued(one), continued(other))) {
       const float share =
-          static_cast<float>(other.distance) / static_cast<float>(one.distance + other.distance);  // of `one`
+          static_cast<float>(other.distance) / static_cast<float>(one.distance + other.distance);
       const auto between = [share](float a, float b) { return share * a + (1 - share) * b; };
       const auto nearest = static_cast<float>(std::min(one.distance, other.distance));
       candidates[count++] = {between(from_one.w, from_other.w), between(from_one.r, from_other.r),
@@ -256,7 +256,7 @@ float BackgroundExtension::opacity_at(const ViewPose& eye, int x, int y, float w
   for (const Picture& picture : pictures_) {
     const Eigen::Vector3f in_camera = picture.rotation * point + picture.translation;
     if (in_camera.z() < float(eye.near_m)) continue;
-    // Without lens distortion: the picture's border need not be exact.
+    // The lens distortion is ignored, since the picture's border need not be exact.
     const float u = picture.fx * in_camera.x() / in_camera.z() + picture.cx;
     const float v = picture.fy * in_camera.y() / in_camera.z() + picture.cy;
     const float outside = std::max({0.0F, -u, -v, u - picture.right, v - picture.bottom});
@@ -276,9 +276,11 @@ std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, c
   const Rgb8 background = style.background;
   constexpr float kLeastShare = 1e-4F;
   std::size_t filled = 0;
-  int column = -1;                       // of blocks, for which the following holds
-  std::array<Mean, 2> sides;             // of its left and right blocks that lie on the farthest surface
-  std::array<float, 2> opacities{0, 0};  // summed with the same weights
+  // Means over the blocks on the farthest surface, for the left and right column of blocks beside
+  // the pixel. They are computed once per `column`.
+  int column = -1;
+  std::array<Mean, 2> sides;
+  std::array<float, 2> opacities{0, 0};
   for (int x = 0; x < view.width; ++x) {
     if (seen(x, y) > 0) continue;
     const float block_x = (static_cast<float>(x) + 0.5F) * kScale - 0.5F;

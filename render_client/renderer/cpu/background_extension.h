@@ -17,27 +17,28 @@
 
 namespace copresence::renderer {
 
-/// 1/m along the eye's axis; 0 where no camera shows anything.
+/// Inverse depth along the eye's axis, 1/m; 0 where no camera shows anything.
 using InverseDepthView = Image<float>;
 
 class BackgroundExtension {
  public:
-  /// Fills the empty pixels of `view`: its colour, and depth and origin if they have the view's size. `seen` and the
-  /// colour have the view's size. Only model and pose of the cameras count. Returns the number of pixels filled.
+  /// Fills colour, depth and origin of the empty pixels of `view`. Returns the number of pixels
+  /// filled. Requires that `seen` and the colour have the view's size. Depth and origin are skipped
+  /// if they are empty. Of `cameras`, only model, pose and opacity are used.
   std::size_t apply(const ViewPose& eye, std::span<const CameraView> cameras, const InverseDepthView& seen,
                     const UnseenStyle& style, Executor& workers, MergedView& view);
 
  private:
   struct Block {
-    float w = 0;  // 0: no surface
+    float w = 0;  // 0 without a surface.
     float r = 0, g = 0, b = 0;
     float opacity = 1;
     bool is_gap = false;
   };
   struct Source {
-    std::int32_t block = -1;    // none
-    std::int32_t distance = 0;  // in blocks along the direction
-    float slope = 0;            // of w, per block towards the gap
+    std::int32_t block = -1;    // Index of the block; -1 without a source.
+    std::int32_t distance = 0;  // In blocks along the direction.
+    float slope = 0;            // Change of w per block towards the gap.
   };
 
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
@@ -47,9 +48,9 @@ class BackgroundExtension {
   Source source_at(int x, int y, int dx, int dy) const;
   Block estimate(std::size_t block) const;
   void smooth_row(int y, const std::vector<Block>& from, std::vector<Block>& to) const;
-  /// A camera's picture, to find out whether a point of the view lies in it.
+  /// A camera's picture. It serves to test whether a point of the view lies in the picture.
   struct Picture {
-    Eigen::Matrix3f rotation;  // camera from eye
+    Eigen::Matrix3f rotation;  // Camera from eye.
     Eigen::Vector3f translation;
     float fx, fy, cx, cy, right, bottom, per_fade;
   };
@@ -57,11 +58,11 @@ class BackgroundExtension {
   float opacity_at(const ViewPose& eye, int x, int y, float w) const;
   std::size_t fill_row(int y, const InverseDepthView& seen, const UnseenStyle& style, MergedView& view) const;
 
-  int width_ = 0, height_ = 0;  // in blocks
+  int width_ = 0, height_ = 0;  // In blocks.
   std::vector<Picture> pictures_;
   std::vector<Block> blocks_, estimates_, smoothed_;
-  std::array<std::vector<Source>, 8> sources_;  // by direction
-  std::vector<std::size_t> filled_;             // pixels, by row of blocks
+  std::array<std::vector<Source>, 8> sources_;  // By direction.
+  std::vector<std::size_t> filled_;             // Number of filled pixels by row of blocks.
 };
 
 }  // namespace copresence::renderer

@@ -7,11 +7,11 @@
 
 namespace copresence::renderer {
 namespace {
-constexpr int kStripRows = 16;  // the height of a patch, by which MeshBlocks is ordered
+constexpr int kStripRows = 16;  // The height of a patch. MeshBlocks is ordered by patches.
 }
 
-// The borders of one level's blocks. Addresses are unchecked, since most pixels of a frame pass
-// here.
+// Draws the borders of one level's blocks. Addresses are unchecked, because this code handles most
+// pixels of a frame.
 class BlockStitching::Level {
  public:
   Level(const PlanarBlocks& planar, int level, const MeshBlocks& blocks, InverseDepth& inverse,
@@ -29,12 +29,11 @@ class BlockStitching::Level {
         bent_rays_(bent_rays ? bent_rays->data() : nullptr),
         corner_row_(planes_.width() + 1),
         corner_rows_(4 * kStripRows / size_) {
-    // They are zero except while a level is drawn.
     if (corners.width() != corner_row_) corners = Image<Corner>(corner_row_, corner_rows_);
     corners_ = corners.data();
   }
 
-  // Call it for every strip, from the first on.
+  // Draws one strip. Call it for every strip, from the first on.
   void draw(int strip) {
     // The blocks of the next strip contribute to the corners at the bottom of this one.
     for (; added_ < blocks_.size() && lies_in(strip + 1, blocks_[added_].block); ++added_)
@@ -53,15 +52,15 @@ class BlockStitching::Level {
   }
 
  private:
-  // Whether the block lies in this strip or an earlier one.
+  // Returns whether the block lies in this strip or an earlier strip.
   bool lies_in(int strip, const MeshBlock& block) const { return block.j * size_ < (strip + 1) * kStripRows; }
 
-  // The last blocks may reach beyond the image. Their border is that of the image.
+  // A block that reaches beyond the image ends at the image's last pixel.
   int x_of(int i) const { return std::min(i * size_, last_x_); }
   int y_of(int j) const { return std::min(j * size_, last_y_); }
 
-  // Two strips and the row below them are in use. The memory of others is reused while it is in the
-  // cache.
+  // Only two strips and the row below are in use. Memory of earlier strips is reused while it is in
+  // the cache.
   Corner& corner_at(int i, int j) { return corners_[(j & (corner_rows_ - 1)) * corner_row_ + i]; }
 
   void add_corners(const MeshBlocks::Planar& planar) {
@@ -84,7 +83,8 @@ class BlockStitching::Level {
     corner = {};
   }
 
-  // Writes w if `is_due` and if the pixel is not drawn yet. A branch would be unpredictable.
+  // Writes w if `is_due` and if the pixel is not drawn yet. The code has no branch, since it would
+  // be unpredictable.
   void draw_pixel(int at, float w, bool is_due) {
     const std::uint32_t draws = -static_cast<std::uint32_t>(is_due & (drawn_[at] == 0));
     w_[at] = std::bit_cast<float>((std::bit_cast<std::uint32_t>(w) & draws) |
@@ -92,8 +92,8 @@ class BlockStitching::Level {
     drawn_[at] |= static_cast<std::uint8_t>(is_due);
   }
 
-  // The four borders of a block of 2, one pixel each. Borders that no smaller block needs are drawn
-  // as well, since testing takes longer.
+  // Draws the four borders of a block of 2, one pixel each. Some borders need no drawing, but
+  // testing would take longer.
   void draw_middles(const MeshBlock& block) {
     const int x0 = x_of(block.i), x1 = x_of(block.i + 1), y0 = y_of(block.j), y1 = y_of(block.j + 1);
     const int at = y0 * row_ + x0, below = y1 * row_ + x0;
@@ -112,10 +112,10 @@ class BlockStitching::Level {
     draw_pixel(begin + step, first + 0.5F * (w_[begin + 2 * step] - first), true);
   }
 
-  // Whether a block of the same size is planar, or lies in a planar one. A border between two such
-  // blocks needs no pixels, since no smaller block has a corner on it.
+  // Returns whether a block of the same size is planar or lies in a planar block. A border between
+  // two such blocks needs no pixels, since no smaller block has a corner on it.
   bool is_planar(int i, int j) const {
-    if (i < 0 || j < 0 || i >= planes_.width() || j >= planes_.height()) return true;  // beyond the image
+    if (i < 0 || j < 0 || i >= planes_.width() || j >= planes_.height()) return true;
     if (parents_) {
       const Plane& parent = parents_->data()[static_cast<std::ptrdiff_t>(j / 2) * parents_->width() + i / 2];
       if (parent.w != 0) return parent.is_planar();
@@ -132,8 +132,8 @@ class BlockStitching::Level {
     if (!is_planar(i + 1, j)) draw_line(x1, y0, 0, 1, y1 - y0);
   }
 
-  // The pixels between two corners. If the first one is drawn, all are: blocks share a border
-  // wholly or not at all.
+  // Draws the pixels between two corners. If the first one is drawn already, all are, since two
+  // blocks share a whole border or none of it.
   void draw_line(int x, int y, int step_x, int step_y, int length) {
     const int begin = y * row_ + x, step = step_y * row_ + step_x;
     if (length < 2 || drawn_[begin + step]) return;
@@ -150,7 +150,7 @@ class BlockStitching::Level {
   }
 
   const Image<Plane>& planes_;
-  const Image<Plane>* parents_;  // of blocks of 2, which have a plane only if the parent is not planar
+  const Image<Plane>* parents_;  // Null except for blocks of 2.
   const std::vector<MeshBlocks::Planar>& blocks_;
   std::size_t added_ = 0, finished_ = 0;
   int size_, last_x_, last_y_, image_row_, row_;
@@ -169,8 +169,8 @@ void BlockStitching::draw(const PlanarBlocks& planar, const MeshBlocks& blocks, 
     return Level(planar, number, blocks, inverse, drawn_, corners_[number], bent_rays);
   };
   std::array<Level, kLevels> levels{level(0), level(1), level(2), level(3)};
-  // Large blocks first: a small block at the border of a large one has to follow it. Each level
-  // draws one strip behind the next larger level, so that all levels work on pixels in the cache.
+  // Large blocks are drawn first, because the border of a small block must follow that of a larger
+  // one. Each level is one strip behind the next larger level, so all work on pixels in the cache.
   for (int strip = 0; strip < inverse.patches_y() + kLevels - 1; ++strip) {
     for (int number = kLevels - 1; number >= 0; --number) {
       const int behind = kLevels - 1 - number;

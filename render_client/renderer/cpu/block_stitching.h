@@ -2,7 +2,7 @@
 
 // Closes the cracks of a mesh whose neighbouring triangles differ in size (T-junctions).
 //
-// Thread: values; distinct ones are independent.
+// Thread: one thread at a time per object.
 
 #include <Eigen/Core>
 #include <array>
@@ -14,13 +14,13 @@
 
 namespace copresence::renderer {
 
-/// Changes the depth image along the borders of planar blocks. Each border becomes a straight line
-/// between corners on which all adjoining blocks agree, so that coarse and fine triangles meet
-/// without cracks.
+/// Changes the inverse depth along the borders of planar blocks. Each border becomes a straight
+/// line between its corners. All adjoining blocks share the same corners, so coarse and fine
+/// triangles meet without cracks.
 class BlockStitching {
  public:
-  /// `planar` and `blocks` are those of `inverse`. A distorted lens sees a straight line bent. If
-  /// `bent_rays` is given, the pixels of the borders get the rays of the straight lines.
+  /// Requires that `planar` and `blocks` were made from `inverse`. Lens distortion bends the
+  /// straight lines. If `bent_rays` is given, the rays of the border pixels are straightened.
   void draw(const PlanarBlocks& planar, const MeshBlocks& blocks, InverseDepth& inverse,
             std::vector<Eigen::Vector2f>* bent_rays = nullptr);
 
@@ -30,8 +30,9 @@ class BlockStitching {
   };
   class Level;
 
-  Image<std::uint8_t> drawn_;  // pixels on the border of a larger block: smaller blocks keep them
-  // For some rows of blocks of each level. All zero except while a level is drawn.
+  // Marks pixels on the border of a larger block. Smaller blocks do not change them.
+  Image<std::uint8_t> drawn_;
+  // The corners of some rows of blocks, by level. All values are 0 except while a level is drawn.
   std::array<Image<Corner>, kLevels> corners_;
 };
 

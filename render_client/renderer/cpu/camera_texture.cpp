@@ -12,16 +12,16 @@
 namespace copresence::renderer {
 namespace {
 
-constexpr int kCellLevel = 2;  // of PlanarBlocks
+constexpr int kCellLevel = 2;  // Level of PlanarBlocks.
 static_assert(kBlockSizes[kCellLevel] == kCell);
 
-// Fits a plane to the pixels of a cell that have depth, by least squares. w = 0 if they are too few
-// or lie in one line.
+// Fits a plane to the pixels of a cell that have depth, by least squares. Returns w = 0 if these
+// are too few or lie on one line.
 Plane fit_cell(const InverseDepth& inverse, int x_begin, int y_begin) {
   const int y_end = std::min(y_begin + kCell, inverse.height);
-  constexpr float kMiddle = 0.5F * kCell;  // the plane of a block of kCell pixels refers to this point, too
+  constexpr float kMiddle = 0.5F * kCell;  // The reference point of a plane, as in PlanarBlocks.
   static_assert(kCell == kLanes);
-  // Moments of each column first. The image is padded: columns beyond it exist, but do not count.
+  // The moments of each column are summed first. Columns of the padding do not count.
   const Ints in_image = ramp() < static_cast<float>(inverse.width - x_begin);
   Floats columns_n{}, columns_y{}, columns_yy{}, columns_w{}, columns_yw{};
   for (int v = y_begin; v < y_end; ++v) {
@@ -51,7 +51,7 @@ Plane fit_cell(const InverseDepth& inverse, int x_begin, int y_begin) {
   return plane;
 }
 
-// Interpolates one row of the incidences between the centres of the cells, in both directions.
+// Interpolates the incidences of one row of pixels between the centres of the cells.
 void interpolate_row(const Image<float>& incidences, int y, std::vector<float>& between_rows,
                      std::vector<float>& row) {
   const float at = (static_cast<float>(y) + 0.5F) / kCell - 0.5F;
@@ -59,7 +59,7 @@ void interpolate_row(const Image<float>& incidences, int y, std::vector<float>& 
   const int lower = std::min(upper + 1, incidences.height() - 1);
   const float t = std::clamp(at - static_cast<float>(upper), 0.0F, 1.0F);
   const int cells = incidences.width();
-  // Both ends are repeated, so that every pixel lies between two values.
+  // The first and the last value are repeated, so that every pixel lies between two values.
   between_rows.resize(cells + 2);
   const float* const above = incidences.row(upper).data();
   const float* const below = incidences.row(lower).data();
@@ -90,7 +90,7 @@ Ints join(const Bytes& first, const Bytes& second) {
                                  5, 6, 7);
 }
 
-// Eight pixels of three bytes. Reads 28 bytes.
+// Converts eight pixels of three bytes. Reads 28 bytes.
 Ints unpack(const Rgb8* from) {
   static_assert(sizeof(Rgb8) == 3);
   const auto four = [](const Bytes& bytes) {
@@ -100,7 +100,7 @@ Ints unpack(const Rgb8* from) {
   return join(four(load_bytes(bytes)), four(load_bytes(bytes + 12)));
 }
 
-// Eight states. Reads 16 bytes. The compiler's own conversion would take them one by one.
+// Converts eight states. Reads 16 bytes. The compiler's own conversion would not use vectors.
 Ints unpack(const DepthState* from) {
   static_assert(sizeof(DepthState) == 1);
   const Bytes bytes = load_bytes(from);
@@ -148,7 +148,7 @@ Ints weight(const Floats& incidences, const Ints& states) {
   return larger(alpha, all(1)) << 24;
 }
 
-// A row of a frame and of its texture. Groups of kLanes reach beyond the end of a row into the next
+// One row of a frame and of its texture. The last group of kLanes pixels may reach into the next
 // rows, which are written later. So only the last rows of an image need a copy with spare room.
 class Row {
  public:
@@ -170,7 +170,7 @@ class Row {
   }
 
   const DepthState* states = nullptr;
-  const Rgb8* colors = nullptr;  // null if the frame has no colour
+  const Rgb8* colors = nullptr;  // Null if the frame has no colour.
   std::uint32_t* texels = nullptr;
 
  private:
@@ -206,7 +206,7 @@ void measure_incidence(const InverseDepth& inverse, const PlanarBlocks& blocks, 
       const bool has_block = i < planar.width() && j < planar.height();
       const Plane plane =
           has_block && planar(i, j).is_planar() ? planar(i, j) : fit_cell(inverse, i * kCell, j * kCell);
-      // The lens distortion is not used: it turns a cell's ray far less than noise turns its plane.
+      // The lens distortion is ignored: it turns a cell's ray far less than noise turns its plane.
       const float x = (static_cast<float>(i * kCell + kCell / 2) - cx) / fx;
       const float y = (static_cast<float>(j * kCell + kCell / 2) - cy) / fy;
       incidences(i, j) =
@@ -224,7 +224,7 @@ void make_texture(const RgbdFrame& frame, const Image<float>& incidences,
   Row row(frame, texture);
   for (int y = 0; y < height; ++y) {
     interpolate_row(incidences, y, between_rows, incidence_row);
-    // Pixel 0 is half a cell to the right of the repeated end.
+    // Pixel 0 lies half a cell to the right of the first, repeated value.
     const float* const incidence = incidence_row.data() + kCell / 2;
     row.begin(y);
     for (int x = 0; x < width; x += kLanes) {

@@ -1,10 +1,10 @@
 #pragma once
 
-// The texture of a camera: for each pixel the corrected colour and the weight of its fragments.
-// Red, green and blue are the colour. Alpha is cos(theta), times kFilledWeight for filled pixels. A
-// camera without colour has the gray of shade_without_color().
+// Makes the texture of a camera. Red, green and blue are the corrected colour of a pixel. Alpha is
+// the weight of its fragments: cos(theta), times kFilledWeight for filled pixels. A camera without
+// colour has the gray of shade_without_color().
 //
-// Thread: values; distinct ones are independent.
+// Thread: different objects may be used at the same time.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -15,14 +15,14 @@
 
 namespace copresence::renderer {
 
-/// Computes cos(theta) for cells of kCell pixels (merge_rules.h). The normal of a planar block of
-/// that size is known. Other cells are fitted to those of their pixels that have depth.
+/// Computes cos(theta) for cells of kCell pixels a side (merge_rules.h). Where a planar block of
+/// this size exists, its plane is used. Other cells get a plane fitted to their pixels with depth.
 void measure_incidence(const InverseDepth& inverse, const PlanarBlocks& blocks, const CameraModel& camera,
                        Image<float>& incidences);
 
-/// Red in the lowest byte, then green, blue and 255 cos(theta), which is at least 1. One column and
-/// one row larger than the frame; they repeat the last ones. So a bilinear sample at the border
-/// needs no clamping.
+/// Each texel has red in the lowest byte, then green, blue and alpha. Alpha is 255 times the
+/// weight, and at least 1. The texture has one more column and row than the frame. They repeat the
+/// last column and row, so that a bilinear sample at the border needs no clamping.
 using CameraTexture = Image<std::uint32_t>;
 
 void make_texture(const RgbdFrame& frame, const Image<float>& incidences,

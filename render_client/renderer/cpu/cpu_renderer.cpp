@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kTileRows = 16;
 
-// Mesh and texture of a camera's frame, and the mesh projected into the view.
+// The mesh and texture of a camera's frame, and the mesh's projection into the view.
 class CameraSurface {
  public:
   explicit CameraSurface(int largest_block) : largest_block_(largest_block) {}
@@ -52,7 +52,6 @@ class CameraSurface {
     }
   }
 
-  // Projects the mesh into the view of `eye`.
   void project(const ViewPose& eye, const Rigid3& world_from_camera) {
     matrix = projection_matrix(eye, world_from_camera);
     vertices.resize(mesh.vertices());
@@ -70,7 +69,7 @@ class CameraSurface {
       if (extent.behind) continue;
       int first = 0, last = static_cast<int>(tiles.size()) - 1;
       if (extent.in_front) {
-        // With a margin of one pixel, since the rasteriser's tolerance reaches beyond a patch.
+        // The margin of one pixel allows for the tolerance of the rasteriser.
         if (extent.right < -1 || extent.left > static_cast<float>(width) || extent.bottom < -1 ||
             extent.top > static_cast<float>(height)) {
           continue;
@@ -82,7 +81,7 @@ class CameraSurface {
     }
   }
 
-  // Draws nothing until it is projected again.
+  // Removes the surface from all tiles.
   void hide() { tiles.clear(); }
 
   DepthMesh mesh;
@@ -194,7 +193,7 @@ class CpuRenderer : public Renderer {
     mark_unseen(number, top, rows, wanted, view);
   }
 
-  // Finishes a tile: the background's colour, origins, and the number of pixels seen.
+  // Finishes a tile: sets the background's colour and the origins, and counts the seen pixels.
   void mark_unseen(int tile, int top, int rows, HostPixels wanted, MergedView& view) {
     const Rgba8 background{style_.background.r, style_.background.g, style_.background.b, 0};
     for (int y = top; y < top + rows; ++y) {
@@ -246,11 +245,11 @@ class CpuRenderer : public Renderer {
   CpuRendererSettings settings_;
   std::vector<CameraSurface> surfaces_;
   std::vector<MergeCamera> merge_cameras_;
-  std::vector<std::vector<Tile>> scratch_;  // by worker, by camera
+  std::vector<std::vector<Tile>> scratch_;  // By worker, then by camera.
   UnseenStyle style_;
   BackgroundExtension extension_;
-  InverseDepthView inverse_;              // of the nearest fragments; empty unless surfaces are extended
-  std::vector<std::size_t> seen_pixels_;  // by tile
+  InverseDepthView inverse_;              // Of the nearest fragments, if surfaces are extended.
+  std::vector<std::size_t> seen_pixels_;  // By tile.
 };
 
 }  // namespace

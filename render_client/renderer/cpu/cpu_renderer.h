@@ -1,11 +1,11 @@
 #pragma once
 
-// The renderer without a GPU. It draws the view in tiles of rows, and merges each tile while it is
-// in the cache. It is the faster one wherever OpenGL is software. docs/internals/rendering.md has
-// the method and its measurements.
+// The renderer that needs no GPU. It draws the view in tiles of rows, and merges each tile while
+// its data are in the cache. It is faster than the GL renderer on a software OpenGL.
+// docs/internals/rendering.md explains the method and states measurements.
 //
-// Thread: as any Renderer. It uses the workers only inside render() and prepare(). The pictures do
-// not depend on the number of workers.
+// Thread: one thread makes, uses and destroys a renderer. It uses the workers only inside render()
+// and prepare(). The pictures do not depend on the number of workers.
 
 #include <memory>
 
@@ -15,8 +15,8 @@
 namespace copresence::renderer {
 
 struct CpuRendererSettings {
-  /// Planar regions are drawn in blocks of up to this many pixels a side: 1, 4, 8 or 16. 1 draws
-  /// every pixel.
+  /// Planar regions are drawn in blocks of up to this many pixels a side: 1, 4, 8 or 16. With 1,
+  /// all pixels are drawn one by one.
   int largest_block = 16;
 };
 

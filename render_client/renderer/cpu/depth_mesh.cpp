@@ -14,7 +14,7 @@ namespace {
 
 constexpr FourInts kBits{1, 2, 4, 8};
 
-// One value of each of the four quads of a block of 2, the upper left one first.
+// Returns one value for each of the four quads of a block of 2. The upper left quad is first.
 Four pairs(const float* upper, const float* lower) {
   using Two = float __attribute__((vector_size(8)));
   Two first, second;
@@ -23,14 +23,15 @@ Four pairs(const float* upper, const float* lower) {
   return __builtin_shufflevector(first, second, 0, 1, 2, 3);
 }
 
-// What is drawn between four neighbouring pixels a, b, c and d, clockwise from the upper left one.
+// The shape that is drawn between four neighbouring pixels a, b, c and d, clockwise from the upper
+// left pixel. A triangle repeats one of its corners.
 struct Shape {
-  std::array<std::uint8_t, 4> corners;  // indices of a to d; a triangle repeats one
+  std::array<std::uint8_t, 4> corners;
   std::uint8_t quads, triangles;
 };
 
-// Indexed by the triples of pixels that are connected: bit 0 a, b, d; bit 1 b, c, d; bit 2 a, b, c;
-// bit 3 a, c, d. The diagonal from b to d is preferred (merge_rules.h).
+// The shapes, indexed by four bits. Bits 0 to 3 are set if the pixels abd, bcd, abc and acd are
+// connected. The diagonal from b to d is preferred (merge_rules.h).
 constexpr std::array<Shape, 16> kShapes = [] {
   constexpr Shape kNone{{0, 0, 0, 0}, 0, 0}, kQuad{{0, 1, 2, 3}, 1, 0}, kOther{{1, 2, 3, 0}, 1, 0};
   std::array<Shape, 16> shapes{};
@@ -53,9 +54,8 @@ constexpr std::array<Shape, 16> kShapes = [] {
   return shapes;
 }();
 
-// Makes one patch after the other at the end of a mesh that has room for it: at most 17 x 17
-// vertices, and a quad or a triangle per pixel. Branches would be unpredictable here, so most of
-// this code has none.
+// Appends one patch after the other to a mesh. The mesh must have room for 17 x 17 vertices and one
+// quad or triangle per pixel. Most of this code avoids branches, since they would be unpredictable.
 class PatchBuilder {
  public:
   PatchBuilder(const InverseDepth& inverse, const PixelRays& rays, const SurfaceLimits& limits,
@@ -72,7 +72,7 @@ class PatchBuilder {
         slope_(limits.slope),
         mesh_(mesh) {}
 
-  // Makes the patch whose first pixel is (left, top).
+  // Appends the patch whose first pixel is (left, top).
   void build(int left, int top, std::span<const MeshBlocks::Part> parts) {
     left_ = left;
     top_ = top;
@@ -95,7 +95,7 @@ class PatchBuilder {
     first_vertex_ += vertices_;
   }
 
-  // Cuts off the unused memory of the mesh.
+  // Resizes the mesh to the elements that are used.
   void finish() {
     for (auto* numbers : {&mesh_.x, &mesh_.y, &mesh_.w, &mesh_.u, &mesh_.v}) {
       numbers->resize(first_vertex_ + DepthMesh::kSpare);
@@ -107,9 +107,10 @@ class PatchBuilder {
 
  private:
   static constexpr int kSide = 17;
-  // Both bytes differ: g++ would fill equal bytes by a slow instruction.
+  // The two bytes differ, because g++ fills memory with equal bytes by a slow instruction.
   static constexpr std::uint16_t kUnused = 0xFFFE;
-  static constexpr int kRowBit = 5;  // bits of x in a vertex's position within the patch; y follows
+  // The position of a vertex within the patch is y << kRowBit | x.
+  static constexpr int kRowBit = 5;
 
   void add(const MeshBlocks::Part& part) {
     const int size = kBlockSizes[part.level];
@@ -128,8 +129,7 @@ class PatchBuilder {
     const float *const row1 = row + w_row_, *const row2 = row1 + w_row_;
     const Four a = pairs(row, row1), b = pairs(row + 1, row1 + 1), c = pairs(row1 + 1, row2 + 1),
                d = pairs(row1, row2);
-    const auto are_connected = [this](const Four& p, const Four& q,
-                                      const Four& r) {  // connected() of merge_rules.h
+    const auto are_connected = [this](const Four& p, const Four& q, const Four& r) {
       const Four nearest = larger(larger(p, q), r), farthest = smaller(smaller(p, q), r);
       return (farthest > 0.0F) & (nearest - farthest <= gap_ + slope_ * farthest);
     };
@@ -161,7 +161,7 @@ class PatchBuilder {
   int place(int x, int y) const { return (y - top_) << kRowBit | (x - left_); }
   std::uint16_t vertex(int x, int y) { return vertex_at(place(x, y)); }
 
-  // The number of the vertex at this position. A new vertex gets the next number.
+  // Returns the number of the vertex at this position. A new vertex gets the next number.
   std::uint16_t vertex_at(int place) {
     const auto next = static_cast<std::uint16_t>(vertices_);
     std::uint16_t& number = numbers_[place];
@@ -176,7 +176,7 @@ class PatchBuilder {
     float *const x = mesh_.x.data() + first_vertex_, *const y = mesh_.y.data() + first_vertex_,
                  *const w = mesh_.w.data() + first_vertex_, *const u = mesh_.u.data() + first_vertex_,
                  *const v = mesh_.v.data() + first_vertex_;
-    // In groups. The last one may write into the memory of the next patch, or into spare memory.
+    // The last group may write into the memory of the next patch, or into spare memory.
     for (std::uint32_t i = 0; i < vertices_; i += kLanes) {
       std::array<std::uint16_t, kLanes> place;
       std::copy_n(places_.begin() + i, kLanes, place.begin());
@@ -198,24 +198,24 @@ class PatchBuilder {
     return result;
   }
 
-  // Pixels are not checked one by one: build_mesh() has checked the sizes.
-  const float* const rays_;  // x and y by pixel
-  // 0 if x is equal within each column and y within each row. Then the first row and column are
-  // enough, and stay in the cache.
+  // Addresses are unchecked, since build_mesh() has checked the sizes.
+  const float* const rays_;  // The ray x, y of each pixel.
+  // They are 0 if x is equal within each column and y within each row. Then the first row and
+  // column are enough, and stay in the cache.
   const int column_step_, row_step_;
   const float* const w_from_;
   const int w_row_, width_, last_x_, last_y_;
   const float gap_, slope_;
   DepthMesh& mesh_;
-  std::uint32_t first_vertex_ = 0, quads_ = 0, triangles_ = 0;  // of all earlier patches
+  std::uint32_t first_vertex_ = 0, quads_ = 0, triangles_ = 0;  // Numbers in all earlier patches.
 
   int left_ = 0, top_ = 0;
   std::uint32_t vertices_ = 0;
   DepthMesh::Quad* quad_ = nullptr;
   DepthMesh::Triangle* triangle_ = nullptr;
-  std::array<std::uint16_t, kSide << kRowBit> numbers_{};  // by position
-  std::array<std::uint16_t, kSide * kSide + kLanes>
-      places_{};  // by number; one more, for a position that got no number
+  std::array<std::uint16_t, kSide << kRowBit> numbers_{};  // Vertex numbers by position.
+  // Positions by vertex number, with room for a whole last group.
+  std::array<std::uint16_t, kSide * kSide + kLanes> places_{};
 };
 
 }  // namespace
@@ -224,9 +224,9 @@ void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const Pix
                 const SurfaceLimits& limits, DepthMesh& mesh) {
   assert(rays.of_pixels.size() == static_cast<std::size_t>(inverse.width) * inverse.height);
   assert(blocks.ends.size() == static_cast<std::size_t>(inverse.patches_x()) * inverse.patches_y());
-  // Room for the largest mesh. A block of 2 with connected pixels has 9 vertices and 4 quads or
-  // triangles. A planar block has 4 vertices and one quad. One more, because shapes without a quad
-  // or triangle are written, too.
+  // The largest mesh has 9 vertices and 4 quads or triangles per block of 2. A planar block has 4
+  // vertices and one quad. One spare element receives the writes of shapes without a quad or
+  // triangle.
   const std::size_t parts = blocks.parts.size();
   for (auto* numbers : {&mesh.x, &mesh.y, &mesh.w, &mesh.u, &mesh.v})
     numbers->resize(9 * parts + DepthMesh::kSpare);

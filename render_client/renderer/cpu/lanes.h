@@ -1,7 +1,8 @@
 #pragma once
 
-// Eight numbers at a time, in the compiler's own vector types. They use AVX2 if the build has it,
-// else two SSE halves. The results are equal, since every lane is plain IEEE arithmetic.
+// Vectors of eight numbers, in vector types of the compiler. They use AVX2 if the build allows it,
+// and two SSE registers otherwise. Both give equal results, since every lane follows IEEE
+// arithmetic.
 //
 // Thread: pure functions.
 
@@ -13,7 +14,7 @@
 #include <immintrin.h>
 #endif
 
-// All functions are inlined, so that no call's ABI depends on the instruction set.
+// All functions are inlined, because the ABI of a call would depend on the instruction set.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -24,7 +25,7 @@ inline constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(kLanes * 4)));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * 4)));
 using UnsignedInts = std::uint32_t __attribute__((vector_size(kLanes * 4)));
-using Words = std::uint16_t __attribute__((vector_size(kLanes * 4)));  // two per lane
+using Words = std::uint16_t __attribute__((vector_size(kLanes * 4)));  // Two per lane.
 
 /// Vectors of four numbers.
 using Four = float __attribute__((vector_size(16)));
@@ -37,7 +38,7 @@ inline Ints all(std::int32_t value) {
   return Ints{} + value;
 }
 
-/// 0, 1, ..., 7
+/// Returns 0, 1, ..., 7.
 inline Floats ramp() {
   return Floats{0, 1, 2, 3, 4, 5, 6, 7};
 }
@@ -56,7 +57,7 @@ void store(Scalar* to, const Vector& v) {
   std::memcpy(to, &v, sizeof v);
 }
 
-/// Lanes 0 to 3 come from `from`, lanes 4 to 7 from `second_half` elements further on.
+/// Loads lanes 0 to 3 from `from`, and lanes 4 to 7 from `from + second_half`.
 template <class Vector, class Scalar>
 Vector load_halves(const Scalar* from, std::ptrdiff_t second_half) {
   static_assert(sizeof(Scalar) * kLanes == sizeof(Vector));
@@ -97,7 +98,7 @@ inline float sum(const Floats& v) {
   return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
 }
 
-/// One bit per lane of a comparison's result.
+/// Returns one bit per lane of a comparison's result.
 inline unsigned bits(const Ints& mask) {
 #if defined(__AVX2__)
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(reinterpret_cast<__m256i>(mask))));
@@ -108,7 +109,8 @@ inline unsigned bits(const Ints& mask) {
 #endif
 }
 
-/// from[index[0]], from[index[1]], ... One by one: AVX2's gather takes longer on many processors.
+/// Returns from[index[0]], from[index[1]] and so on. The elements are loaded one by one, because
+/// AVX2's gather instruction is slower on many processors.
 inline Ints gather(const std::uint32_t* from, const Ints& index) {
   Ints result{};
   for (int lane = 0; lane < kLanes; ++lane) result[lane] = static_cast<std::int32_t>(from[index[lane]]);

@@ -19,15 +19,16 @@ bool too_steep(const Plane& plane, const SurfaceLimits& limits) {
   return std::abs(plane.dx) + std::abs(plane.dy) > limits.gap + limits.slope * plane.w;
 }
 
-// One row of blocks of 4. There is one value per column of the padded image, so that the compiler
-// can take eight columns at a time. Of the sums over five columns only every fourth belongs to a
-// block.
+// Values of one row of blocks of 4, for every column of the padded image. So the compiler can
+// process eight columns at a time, although only every fourth plane belongs to a block.
 struct Columns {
-  // Of a column's five pixels; `moment` is weighted by the distance from the middle one.
+  // Sums over a column's five pixels. `moment` is weighted by the row's distance from the middle
+  // row.
   std::vector<float> sum, moment;
-  std::vector<float> w, dx, dy;             // plane of the five columns from here on
-  std::vector<float> middle, across, down;  // plane of the block that the column lies in, at its middle row
-  std::vector<float> off;                   // distance of this and the next column from that plane
+  std::vector<float> w, dx, dy;  // The plane fitted to the five columns that begin here.
+  // The plane of the block that contains the column: w in the middle row, and its derivatives.
+  std::vector<float> middle, across, down;
+  std::vector<float> off;  // Greatest distance of this and the next column from that plane.
 
   explicit Columns(int columns)
       : sum(columns),
@@ -49,8 +50,7 @@ void fit_planes(const std::array<const float*, 5>& rows, int columns, Columns& c
   const float* const sum = c.sum.data();
   const float* const moment = c.moment.data();
   for (int x = 0; x + 4 < columns; ++x) {
-    // Least squares on a 5 x 5 grid: offsets are -2..2, their squares sum to 10 in each of five
-    // rows.
+    // Least squares on a 5 x 5 grid. The squared offsets -2..2 have the sum 10 in each of 5 rows.
     c.w[x] = (sum[x] + sum[x + 1] + sum[x + 2] + sum[x + 3] + sum[x + 4]) * (1.0F / 25);
     c.dx[x] = (2 * (sum[x + 4] - sum[x]) + (sum[x + 3] - sum[x + 1])) * (1.0F / 50);
     c.dy[x] = (moment[x] + moment[x + 1] + moment[x + 2] + moment[x + 3] + moment[x + 4]) * (1.0F / 50);
@@ -93,7 +93,7 @@ void find_blocks_of_4(const InverseDepth& inverse, const SurfaceLimits& limits, 
         row[i] = kEmpty;
         continue;
       }
-      // A hole among depth values is far from any plane, so the block is not planar.
+      // A hole beside pixels with depth is far from any plane, so the block is not planar.
       const Plane plane{c.w[x], c.dx[x], c.dy[x]};
       const float off = std::max(std::max(c.off[x], c.off[x + 1]), std::max(c.off[x + 2], c.off[x + 3]));
       row[i] = off <= limits.planar && !too_steep(plane, limits) ? plane : Plane{};
@@ -101,10 +101,11 @@ void find_blocks_of_4(const InverseDepth& inverse, const SurfaceLimits& limits, 
   }
 }
 
-// Fits planes to 3 x 3 pixels, for the four blocks of 2 from (x, y) on, row by row.
+// Fits planes to the four blocks of 2 in the block of 4 at pixel (x, y). Each fit uses 3 x 3
+// pixels.
 void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, const SurfaceLimits& limits,
                      Image<Plane>& planes) {
-  std::array<std::array<Four, 3>, 3> pixels;  // by row and column within each block
+  std::array<std::array<Four, 3>, 3> pixels;  // Indexed by row and column within each block.
   for (int r = 0; r < 3; ++r) {
     const auto columns = [&](int row, int column) {
       Four four;
@@ -151,7 +152,8 @@ void find_blocks_of_2(const InverseDepth& inverse, const SurfaceLimits& limits,
   }
 }
 
-// The plane through four quarters, each `size` pixels a side, if they lie in one plane.
+// Returns the common plane of the four quarters of a block, each `size` pixels a side. The result
+// is not planar if a quarter deviates from it by more than `tolerance`.
 Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float size, float tolerance) {
   if (!a.is_planar() || !b.is_planar() || !c.is_planar() || !d.is_planar()) {
     return a.is_empty() && b.is_empty() && c.is_empty() && d.is_empty() ? kEmpty : Plane{};
@@ -159,7 +161,7 @@ Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float
   const Plane whole{(a.w + b.w + c.w + d.w) * 0.25F, ((b.w - a.w) + (d.w - c.w)) * (0.5F / size),
                     ((c.w - a.w) + (d.w - b.w)) * (0.5F / size)};
   const float half = 0.5F * size;
-  // The distance of two planes is greatest at a corner of the quarter.
+  // The greatest distance between a quarter's plane and the whole plane is at a corner.
   const auto off = [&](const Plane& quarter, float sign_x, float sign_y) {
     const float middle = whole.w + half * (sign_x * whole.dx + sign_y * whole.dy);
     return std::abs(quarter.w - middle) +
@@ -173,7 +175,7 @@ Plane join(const Plane& a, const Plane& b, const Plane& c, const Plane& d, float
 void invert_row(const std::uint16_t* from, int width, float per_unit, float* to) {
   for (int x = 0; x < width; ++x) {
     const auto value = static_cast<float>(from[x]);
-    // For a hole, value and `there` are 0. No branch is needed.
+    // For a hole, `value` and `there` are 0, so no branch is needed.
     const float there = std::min(value, 1.0F);
     to[x] = per_unit * there / std::max(value, 1.0F);
   }
@@ -240,8 +242,7 @@ void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth&
 void find_planar_blocks(const InverseDepth& inverse, const SurfaceLimits& limits, PlanarBlocks& blocks) {
   blocks.planes[1].resize(4 * inverse.patches_x(), 4 * inverse.patches_y());
   find_blocks_of_4(inverse, limits, blocks.planes[1]);
-  // Blocks of 2 in a planar or empty block of 4 are skipped. They keep old values, which are never
-  // empty.
+  // Blocks of 2 in a planar or empty block of 4 are skipped, and keep the values of an older frame.
   Image<Plane>& blocks_of_2 = blocks.planes[0];
   if (blocks_of_2.width() != 8 * inverse.patches_x() || blocks_of_2.height() != 8 * inverse.patches_y())
     blocks_of_2 = Image<Plane>(8 * inverse.patches_x(), 8 * inverse.patches_y());

@@ -1,10 +1,10 @@
 #pragma once
 
-// Finds the planar parts of a depth image: planes of inverse depth, fitted to blocks of 2 to 16
-// pixels a side. The blocks form a quadtree. A block includes the first pixels of its right and
-// lower neighbours, since a mesh connects those as well.
+// Finds the planar parts of a depth image. Planes of inverse depth are fitted to blocks of 2 to 16
+// pixels a side, which form a quadtree. A block includes the first pixels of its right and lower
+// neighbours, since a mesh connects those as well.
 //
-// Thread: values; distinct ones are independent.
+// Thread: different objects may be used at the same time.
 
 #include <array>
 #include <cstdint>
@@ -15,11 +15,12 @@
 
 namespace copresence::renderer {
 
-/// Inverse depth of every pixel, 1/m; 0 without depth. The last column and row are repeated to fill
-/// whole blocks of 16 and one pixel more.
+/// Inverse depth of every pixel.
 struct InverseDepth {
-  int width = 0;  ///< of the depth image
+  int width = 0;  ///< Size of the depth image.
   int height = 0;
+  /// 1/m, 0 for a hole. The image is padded to whole blocks of 16 and one pixel more. The padding
+  /// repeats the last column and row.
   Image<float> w;
 
   /// Number of blocks of 16 pixels that contain all quads.
@@ -27,11 +28,11 @@ struct InverseDepth {
   int patches_y() const { return (height + 14) / 16; }
 };
 
-/// `metres_per_unit` of the depth values. Keeps the memory of `inverse` where it can.
+/// Computes the inverse depth of an image. Reuses the memory of `inverse`.
 void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth& inverse);
 
-/// w at the middle of a block, and its change per pixel. w = 0 if the block is not planar, w < 0 if
-/// it has no depth.
+/// Inverse depth w at the middle of a block, 1/m, and its change per pixel. w = 0 if the block is
+/// not planar, w < 0 if none of its pixels has depth.
 struct Plane {
   float w = 0, dx = 0, dy = 0;
   bool is_planar() const { return w > 0; }
@@ -42,14 +43,14 @@ inline constexpr std::array<int, 4> kBlockSizes = {2, 4, 8, 16};
 inline constexpr int kLevels = static_cast<int>(kBlockSizes.size());
 
 struct PlanarBlocks {
-  /// By level, for blocks of kBlockSizes[level]. Block (i, j) begins at pixel (size * i, size * j).
-  /// Blocks of 2 have a plane only where the block of 4 around them is neither planar nor empty.
-  /// Elsewhere their planes are undefined, and they are never empty.
+  /// planes[level] belongs to blocks of kBlockSizes[level] pixels. Block (i, j) begins at pixel
+  /// (size * i, size * j). The planes of blocks of 2 are valid only where the block of 4 around
+  /// them is neither planar nor empty. Blocks of 2 are never marked as empty.
   std::array<Image<Plane>, kLevels> planes;
 };
 
-/// A block is planar if all its pixels have depth and lie within kPlanarSteps of its plane, and if
-/// the plane is not too steep for its pixels to be connected (merge_rules.h).
+/// Finds the planar blocks. All pixels of a planar block have depth and lie within kPlanarSteps of
+/// its plane. The plane is not too steep for its pixels to be connected (merge_rules.h).
 void find_planar_blocks(const InverseDepth& inverse, const SurfaceLimits& limits, PlanarBlocks& blocks);
 
 /// Block (i, j) of a level of PlanarBlocks.
@@ -57,28 +58,29 @@ struct MeshBlock {
   std::uint16_t i, j;
 };
 
-/// The leaves of the quadtree of blocks, in the order in which a mesh is made of them.
+/// The leaves of the quadtree of blocks, in the order of a mesh.
 struct MeshBlocks {
-  /// A planar block that lies in no larger planar one, or a block of 2 whose pixels are connected
-  /// one by one.
+  /// A leaf: a planar block that lies in no larger planar block, or a block of 2 whose pixels are
+  /// connected one by one.
   struct Part {
     MeshBlock block;
     std::uint8_t level;
     bool is_planar;
   };
   std::vector<Part> parts;
-  std::vector<std::uint32_t> ends;  ///< end of each patch in `parts`, row by row; a patch is a block of 16
+  /// The end of each patch in `parts`, row by row. A patch is a block of 16.
+  std::vector<std::uint32_t> ends;
 
   struct Planar {
     MeshBlock block;
     Plane plane;
   };
-  std::array<std::vector<Planar>, kLevels> planar;  ///< the planar parts again, by level
+  std::array<std::vector<Planar>, kLevels> planar;  ///< The planar blocks of `parts` by level.
 };
 
-/// Divides planar blocks larger than `largest_block` pixels a side. Requires 4, 8 or 16; or 1, for
-/// a mesh of pixels alone. Leaves out blocks of 4 and larger without any depth. Keeps the memory of
-/// `blocks` where it can.
+/// Lists the blocks of a mesh. Planar blocks larger than `largest_block` pixels a side are divided.
+/// Requires 4, 8 or 16, or 1 for a mesh without planar blocks. Blocks of 4 and larger that have no
+/// depth are omitted. Reuses the memory of `blocks`.
 void list_blocks(const InverseDepth& inverse, const PlanarBlocks& planar, int largest_block,
                  MeshBlocks& blocks);
 

@@ -37,7 +37,7 @@ ViewVertex to_view(const ClipVertex& vertex) {
 
 namespace {
 
-// Eight vertices at a time. The last group of a patch may have fewer.
+// A group of eight vertices. The last group of a patch may have fewer.
 struct Group {
   Floats x, y, w, k, u, v;
   Ints in_front;

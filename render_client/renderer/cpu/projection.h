@@ -2,10 +2,11 @@
 
 // Projects a camera's mesh into the view.
 //
-// A vertex of a mesh is homogeneous: (x, y, 1, w) for the point (x, y, 1) / w. One 3x4 matrix M =
-// K_eye [R | t] takes it to (X, Y, Z). The view's pixel is (X, Y) / Z. Over a triangle 1/Z, w/Z,
-// u/Z and v/Z are affine functions of the view's pixel. w/Z is the inverse depth along the eye's
-// axis. The texture coordinate is (u/Z) / (1/Z), and likewise for v.
+// The point (x, y, 1) / w is a mesh vertex with the homogeneous coordinates (x, y, 1, w). The 3x4
+// matrix M = K_eye [R | t] maps it to (X, Y, Z). K_eye is the eye's pinhole matrix, and R and t are
+// the pose of the camera in the eye's frame. The pixel in the view is (X, Y) / Z. w/Z is the
+// inverse depth along the eye's axis. Within a triangle, 1/Z, w/Z, u/Z and v/Z are affine functions
+// of the view's pixel. The texture coordinates are u = (u/Z) / (1/Z) and v = (v/Z) / (1/Z).
 
 #include <Eigen/Core>
 #include <limits>
@@ -16,15 +17,15 @@
 
 namespace copresence::renderer {
 
-/// Texture coordinates in a view are fixed point, in steps of 1/16 pixel.
+/// Texture coordinates in a view are fixed-point numbers in steps of 1/16 pixel.
 inline constexpr int kTexelSteps = 16;
 
 struct ViewVertex {
-  float x, y;    ///< pixel of the view
-  float pad[2];  ///< aligns the interpolated members below to 16 bytes
-  float w;       ///< inverse depth along the eye's axis, 1/m
-  float k;       ///< 1/Z
-  float u, v;    ///< (kTexelSteps * pixel + 1/2) * k, so that truncation rounds to the nearest step
+  float x, y;    ///< Pixel of the view.
+  float pad[2];  ///< Aligns the interpolated members below to 16 bytes.
+  float w;       ///< Inverse depth along the eye's axis, 1/m.
+  float k;       ///< 1/Z.
+  float u, v;    ///< (kTexelSteps * pixel + 1/2) / Z. The 1/2 makes a truncated result rounded.
 };
 static_assert(sizeof(ViewVertex) == 32);
 
@@ -34,27 +35,28 @@ ProjectionMatrix projection_matrix(const ViewPose& eye, const Rigid3& world_from
 
 /// A homogeneous vertex after projection. Clipping interpolates it.
 struct ClipVertex {
-  float x, y, z, w, u, v;  ///< x, y, z are (X, Y, Z); u, v are the camera's pixel
+  float x, y, z, w, u, v;  ///< (x, y, z) is (X, Y, Z). (u, v) is the camera's pixel.
   bool is_in_front(float near_m) const { return z > 0 && z >= near_m * w; }
 };
 
 ClipVertex project(const DepthMesh& mesh, std::size_t vertex, const ProjectionMatrix& matrix);
 
-/// Requires a vertex in front of the near plane.
+/// Projects a vertex into the view. Requires a vertex in front of the near plane.
 ViewVertex to_view(const ClipVertex& vertex);
 
 /// The bounds of a patch in the view.
 struct PatchExtent {
-  /// The whole patch is in front of the near plane. Else some vertices have no position in the
-  /// view.
+  /// Whether the whole patch is in front of the near plane. If not, some of its vertices have no
+  /// position in the view.
   bool in_front = true;
-  bool behind = true;  ///< the whole patch is behind the near plane
-  float left = std::numeric_limits<float>::infinity(), right = -left;  ///< of its vertices in front
+  bool behind = true;  ///< Whether the whole patch is behind the near plane.
+  // The bounds of the vertices that are in front.
+  float left = std::numeric_limits<float>::infinity(), right = -left;
   float top = std::numeric_limits<float>::infinity(), bottom = -top;
 };
 
-/// Projects the patches [begin, end). Requires that `vertices` and `extents` have the size of the
-/// whole mesh. Thread: distinct ranges may be projected at the same time.
+/// Projects the patches [begin, end). Requires one element of `vertices` and `extents` for each
+/// vertex and patch of the whole mesh. Thread: distinct ranges may be projected at the same time.
 void project_patches(const DepthMesh& mesh, std::size_t begin, std::size_t end,
                      const ProjectionMatrix& matrix, float near_m, std::vector<ViewVertex>& vertices,
                      std::vector<PatchExtent>& extents);

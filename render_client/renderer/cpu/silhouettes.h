@@ -3,7 +3,7 @@
 // Softens silhouette edges, where a near surface ends before a far one (merge_rules.h,
 // Silhouettes).
 //
-// Thread: distinct tiles are independent.
+// Thread: different tiles may be processed at the same time.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,20 +14,21 @@
 
 namespace copresence::renderer {
 
-/// For each row of a tile and each group of kLanes pixels: one bit per pixel, set if a silhouette
-/// edge lies between it and its right neighbour.
+/// The silhouette edges of a tile: one byte per row and group of kLanes pixels. The bit of a pixel
+/// is set if an edge lies between the pixel and its right neighbour.
 using SilhouetteBits = Image<std::uint8_t>;
 
-/// The bits of a group. `here` are the inverse depths of the nearest fragments, `next` those one
-/// pixel to the right. Values of at most `empty` mean that there is no fragment. At an edge the two
-/// differ by more than `apart`.
+/// Returns the bits of a group. `here` and `next` are the inverse depths of the nearest fragments
+/// of its pixels and of their right neighbours. A value of at most `empty` means that there is no
+/// fragment. At an edge, the two inverse depths differ by more than `apart`.
 inline std::uint8_t find_silhouettes(const Floats& here, const Floats& next, float empty, float apart) {
   const Floats difference = here - next;
   return static_cast<std::uint8_t>(
       bits(((difference > apart) | (difference < -apart)) & (here > empty) & (next > empty)));
 }
 
-/// Mixes the colours of two neighbours. `left_before` is the left colour before any mixing.
+/// Mixes the colours of two neighbours. `left_before` is the colour that the left pixel had before
+/// it was mixed with its own left neighbour.
 inline void soften(Rgba8& left, Rgba8& right, const Rgba8& left_before) {
   const Rgba8 right_before = right;
   const auto mix = [](std::uint8_t& own, std::uint8_t from, std::uint8_t other) {
@@ -39,13 +40,13 @@ inline void soften(Rgba8& left, Rgba8& right, const Rgba8& left_before) {
   }
 }
 
-/// Changes the colours of the rows of `view` from `top` on. Bits beyond the last column are
-/// ignored.
+/// Softens the rows of `view` from `top` on. Bits beyond the last column are ignored.
 inline void soften_silhouettes(const SilhouetteBits& silhouettes, int top, MergedView& view) {
   for (int row = 0; row < silhouettes.height(); ++row) {
     Rgba8* const pixels = view.color.row(top + row).data();
     const std::uint8_t* const groups = silhouettes.row(row).data();
-    int changed_x = -1;  // the last pixel that was the right one of two, and its colour before mixing
+    // The last pixel that was mixed with its left neighbour, and its colour before mixing.
+    int changed_x = -1;
     Rgba8 changed{};
     for (int group = 0; group < silhouettes.width(); ++group) {
       unsigned here = groups[group];

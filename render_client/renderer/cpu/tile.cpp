@@ -11,8 +11,8 @@ namespace {
 constexpr float kTolerancePx = 1.0F / 64;
 }
 
-// Functions of the pixel, one per edge of a clockwise polygon. Each is >= 0 on the inner side of
-// its edge, and up to kTolerancePx beyond.
+// The edge functions of a clockwise polygon. An edge function of the pixel is >= 0 on the inner
+// side of its edge, and up to kTolerancePx beyond the edge.
 template <int kEdges>
 class Tile::Polygon {
  public:
@@ -22,13 +22,13 @@ class Tile::Polygon {
       const ViewVertex& to = *corners[(i + 1) % kEdges];
       dx_[i] = to.x - from.x;
       dy_[i] = to.y - from.y;
-      // In a view of 4096 pixels the rounding error of a product is a hundredth of the tolerance.
+      // In a view of 4096 pixels, the rounding error of a product is 1 % of the tolerance.
       constant_[i] = kTolerancePx * (std::abs(dx_[i]) + std::abs(dy_[i])) - dx_[i] * from.y + dy_[i] * from.x;
     }
   }
 
-  /// inside() returns the least of the edge functions at a pixel. column() and row() prepare its
-  /// arguments.
+  /// inside() returns the smallest edge function at a pixel. Its arguments are results of column()
+  /// and row().
   template <class X>
   std::array<X, kEdges> column(const X& x) const {
     std::array<X, kEdges> result;
@@ -52,15 +52,15 @@ class Tile::Polygon {
   std::array<float, kEdges> constant_, dx_, dy_;
 };
 
-// w, k, u and v as affine functions of the pixel.
+// The attributes w, k, u and v as affine functions of the pixel.
 struct Tile::AttributePlane {
   Attributes origin, per_x, per_y;
-  float x, y;  // of `origin`
-  // Upper limit of w: w of the nearest corner. The tolerance of a very thin polygon would
-  // extrapolate far beyond it.
+  float x, y;  // The pixel at which the attributes are `origin`.
+  // w of the nearest corner. It limits w, because w of a very thin polygon may be far too large in
+  // the tolerance beyond an edge.
   float nearest;
 
-  // p and q are two directions. The attributes change by P along p and by Q along q.
+  // Sets the gradients, given that the attributes change by P along the vector p and by Q along q.
   void solve(float p_x, float p_y, const Attributes& P, float q_x, float q_y, const Attributes& Q) {
     const float per_area = 1.0F / (p_x * q_y - p_y * q_x);
     per_x = (P * q_y - Q * p_y) * per_area;
@@ -82,7 +82,7 @@ Attributes place(const ViewVertex& vertex) {
   return a;
 }
 
-// Twice the area of the triangle; positive if it is clockwise.
+// Returns twice the area of the triangle, positive if it is clockwise.
 float area(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -114,7 +114,7 @@ bool Tile::find_box(const Attributes& least, const Attributes& most, Box& box) c
   const float right = std::min(most[0] + kTolerancePx, static_cast<float>(width_ - 1));
   const float left = std::max(least[0] - kTolerancePx, 0.0F);
   if (!(left <= right)) return false;
-  // All four lie within the tile, so they are not negative.
+  // The four numbers lie within the tile, so they are not negative.
   box = {.left = static_cast<int>(std::ceil(left)),
          .top = static_cast<int>(std::ceil(top)),
          .right = static_cast<int>(right),
@@ -122,9 +122,9 @@ bool Tile::find_box(const Attributes& least, const Attributes& most, Box& box) c
   return box.left <= box.right && box.top <= box.bottom;
 }
 
-// Writes those of eight fragments that are inside and nearer than earlier ones. `row` and `across`
-// give their attributes. Lanes 0 to 3 are written at `depths` and `texels`, lanes 4 to 7
-// `second_half` elements further.
+// Writes those of eight fragments that are inside the polygon and nearer than earlier fragments.
+// `row` and `across` give their attributes. Lanes 0 to 3 are written to `depths` and `texels`, and
+// lanes 4 to 7 to `depths + second_half` and `texels + second_half`.
 template <class Row>
 void Tile::keep(const Floats& inside, const AttributePlane& plane, const Row& row, const Floats& across,
                 float* depths, std::uint32_t* texels, std::ptrdiff_t second_half) const {
@@ -146,8 +146,8 @@ void Tile::fill(const Box& box, const Polygon<kEdges>& polygon, const AttributeP
   std::uint32_t* texels = texel_.data() + offset(box.top) + box.left;
   const auto left = static_cast<float>(box.left);
   if (box.right - box.left < kLanes / 2) {
-    // Most quads of a fine mesh are this narrow: two rows at a time. A row below the box is outside
-    // the polygon or below the tile, which has one spare row.
+    // Most quads of a fine mesh are this narrow, so two rows are drawn at a time. The second row
+    // may lie below the box. Then it is outside the polygon, or it is the spare row of the tile.
     const Floats x = left + Floats{0, 1, 2, 3, 0, 1, 2, 3};
     const auto column = polygon.column(x);
     const Floats across = x - plane.x;
@@ -219,7 +219,7 @@ ClipVertex between(const ClipVertex& a, const ClipVertex& b, float t) {
   return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z), mix(a.w, b.w), mix(a.u, b.u), mix(a.v, b.v)};
 }
 
-// Clips a triangle at the near plane, z = near w. Up to two triangles remain.
+// Draws the part of a triangle in front of the near plane, z = near_m * w: up to two triangles.
 void draw_clipped(const std::array<ClipVertex, 3>& corners, float near_m, Tile& tile) {
   std::array<ViewVertex, 4> kept{};
   int count = 0;

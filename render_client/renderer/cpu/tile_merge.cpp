@@ -14,32 +14,34 @@ namespace copresence::renderer {
 namespace {
 
 constexpr float kPerAlpha = 1.0F / 255;
-constexpr float kNothing = 1e-30F;       // less than any weight
-constexpr std::uint16_t kHalf = 1 << 7;  // in 256ths
+constexpr float kNothing = 1e-30F;       // Less than any weight.
+constexpr std::uint16_t kHalf = 1 << 7;  // One half in units of 1/256.
 
-// A row is merged in spans of this many pixels, and a span in three short passes. One long loop
-// body would be slower: its instructions wait for earlier results, and a processor looks ahead only
-// a few hundred instructions.
+// A row is merged in spans of this many pixels, and each span in three short passes. One long loop
+// body would be slower: its instructions depend on each other, and a processor reorders only a few
+// hundred instructions.
 constexpr int kSpan = 64;
 constexpr int kGroups = kSpan / kLanes;
 
-// One camera's fragments, as the passes hand them on.
+// Intermediate results for one camera's fragments.
 struct CameraSpan {
-  alignas(32) std::array<float, kSpan> weight_per_incidence;  // 0: does not count; 1: only this camera counts
-  // Valid where the weight is not 0; alpha as in CameraTexture.
+  // 0 if the fragment does not count, 1 if no other camera's fragment counts.
+  alignas(32) std::array<float, kSpan> weight_per_incidence;
+  // Texels as in CameraTexture. They are valid where the weight is not 0.
   alignas(32) std::array<std::uint32_t, kSpan> colors;
 };
 
 struct Span {
   std::array<CameraSpan, kMostCameras> cameras;
-  // Inverse depth, of the span and of the pixel after it.
+  // Inverse depths of the nearest fragments in the span and in the pixel after it.
   alignas(32) std::array<float, kSpan + kLanes> nearest;
-  alignas(32) std::array<std::int32_t, kSpan> first;  // camera of the nearest fragment
-  alignas(32) std::array<std::int32_t, kSpan> shown;  // all bits set where there is a fragment
-  std::array<bool, kGroups> is_contested;             // whether several cameras count at a pixel of the group
+  alignas(32) std::array<std::int32_t, kSpan> first;  // Camera of the nearest fragment.
+  alignas(32) std::array<std::int32_t, kSpan> shown;  // All bits are set where there is a fragment.
+  // Whether fragments of several cameras count at a pixel of the group.
+  std::array<bool, kGroups> is_contested;
 };
 
-// kCount is the number of cameras if it is known at compile time, else 0.
+// Merges spans. kCount is the number of cameras if it is known at compile time, else 0.
 template <std::size_t kCount>
 class SpanMerge {
  public:
@@ -55,7 +57,8 @@ class SpanMerge {
     for (std::size_t i = 0; i < count(); ++i) noise_per_square_[i] = uncertainty_per_square(cameras[i].noise);
   }
 
-  // Merges `groups` groups of eight pixels from (x, y) on. The last may reach beyond the view.
+  // Merges `groups` groups of eight pixels from (x, y) on. The last group may reach beyond the
+  // view.
   void run(int x, int y, int groups, HostPixels wanted) {
     y_ = y;
     for (std::size_t i = 0; i < count(); ++i) {
@@ -78,7 +81,7 @@ class SpanMerge {
     }
   }
 
-  /// The edges of all merged spans.
+  /// The silhouette edges of all merged spans.
   const SilhouetteBits& silhouettes() const { return silhouettes_; }
 
  private:
@@ -139,8 +142,9 @@ class SpanMerge {
     return z * (d[0] * pixel_x + depth_of_row_[i]) + d[3];
   }
 
-  // Computes blend_weight() of merge_rules.h for eight pixels of every camera, without its factor
-  // cos(theta) and up to a common factor. Returns whether any fragment but the nearest counts.
+  // Computes the weights of every camera's fragments at eight pixels: blend_weight() of
+  // merge_rules.h up to a common factor and without its factor cos(theta). Returns whether a
+  // fragment other than the nearest counts.
   bool compute_weights(int x, int at, const Floats (&w)[kMostCameras]) {
     Floats z[kMostCameras], noise[kMostCameras], uncertainty[kMostCameras];
     Floats nearest = w[0], nearest_z{}, nearest_uncertainty{};
@@ -156,8 +160,8 @@ class SpanMerge {
     Ints rivals{}, counting{};
     for (std::size_t i = 0; i < count(); ++i) {
       const Floats range = uncertainty[i] + nearest_uncertainty;
-      const Floats room = range - (z[i] - nearest_z);     // how much further behind it could lie
-      const Floats fading = smaller(room + room, range);  // times the range
+      const Floats room = range - (z[i] - nearest_z);  // Distance from the end of the range.
+      const Floats fading = smaller(room + room, range);
       const Ints counts = (w[i] > empty_) & (room > 0);
       rivals |= counting & counts;
       counting |= counts;
@@ -166,7 +170,7 @@ class SpanMerge {
     return bits(rivals) != 0;
   }
 
-  // Samples a camera's texture where the camera counts.
+  // Samples a camera's texture where its fragments count.
   void sample(std::size_t i, int groups) {
     CameraSpan& camera = span_.cameras[i];
     const TextureSampler texture(*cameras_[i].texture);
@@ -192,7 +196,7 @@ class SpanMerge {
     return rb | g | (colors & static_cast<std::int32_t>(0xFF000000U));
   }
 
-  // The colours where only one camera counts at each pixel.
+  // Returns the colours of a group in which one camera counts at each pixel.
   Ints first_colors(int at) const {
     Ints colors{};
     for (std::size_t i = 0; i < count(); ++i) {
@@ -208,13 +212,13 @@ class SpanMerge {
   static Words red_blue(const Ints& colors) { return reinterpret_cast<Words>(colors & 0x00FF00FF); }
   static Words green_alpha(const Ints& colors) { return reinterpret_cast<Words>(colors) >> 8; }
 
-  // Mixes the colours of all cameras by blend_share() of merge_rules.h. `best` becomes the camera
+  // Mixes the colours of all cameras by blend_share() of merge_rules.h. Sets `best` to the camera
   // with the greatest weight.
   Ints mixture(int at, Ints& best) const {
     const auto weight_of = [&](std::size_t i, const Ints& colors) {
       return alpha(colors) * load<Floats>(&span_.cameras[i].weight_per_incidence[at]);
     };
-    // The best fragment so far, and those that it replaced.
+    // The best fragment so far, and all other fragments.
     Ints best_colors = load<Ints>(&span_.cameras[0].colors[at]), other_colors[kMostCameras];
     Floats best_weight = weight_of(0, best_colors), other_weight[kMostCameras];
     best = Ints{};
@@ -234,8 +238,8 @@ class SpanMerge {
       other_weight[i] = larger(other_weight[i] - least_weight, Floats{});
       sum += other_weight[i];
     }
-    // Shares are in 256ths, of the difference to the best colour. So the best colour gets all
-    // rounding errors. Every product is taken modulo 2^16; their sum is a valid colour again.
+    // Adds shares of the differences to the best colour, in units of 1/256. So the shares always
+    // add up to 1. Products wrap modulo 2^16, but their sum is a valid colour.
     const Floats per_sum = 256.0F / sum;
     const Words best_rb = red_blue(best_colors), best_ga = green_alpha(best_colors);
     Words rb = (best_rb << 8) + kHalf, ga = (best_ga << 8) + kHalf;
@@ -260,7 +264,7 @@ class SpanMerge {
     std::memcpy(inverse_.row(y_).data() + x, &w, static_cast<std::size_t>(count) * sizeof(float));
   }
 
-  // Writes depth, camera and quality of the pixels from x + at on.
+  // Writes depth, camera and quality of `count` pixels from x + at on.
   void write_depths(int x, int at, int count, const Ints& best) {
     for (int lane = 0; lane < count; ++lane) {
       const int here = x + at + lane, camera = best[lane];
@@ -284,13 +288,13 @@ class SpanMerge {
   std::span<const Tile> tiles_;
   float empty_;
   int y_ = 0;
-  const float* depths_[kMostCameras];  // of the span
+  const float* depths_[kMostCameras];  // First elements of the span.
   const std::uint32_t* texels_[kMostCameras];
-  float depth_of_row_[kMostCameras];      // the part of MergeCamera::depth that is equal in a whole row
-  float noise_per_square_[kMostCameras];  // uncertainty_per_square() of each camera
+  float depth_of_row_[kMostCameras];      // The term b y + c of MergeCamera::depth.
+  float noise_per_square_[kMostCameras];  // The uncertainty_per_square() of each camera.
   MergedView& view_;
   Image<float>& inverse_;
-  float apart_;  // difference in inverse depth at a silhouette edge
+  float apart_;  // Least difference in inverse depth at a silhouette edge, 1/m.
   SilhouetteBits silhouettes_;
   Span span_;
 };
@@ -318,7 +322,8 @@ template <std::size_t kCount>
 void merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
                  MergedView& view, Image<float>& inverse) {
   SpanMerge<kCount> merge(cameras, tiles, view, inverse);
-  // Each span goes from top to bottom, since its next row reads nearly the same texels.
+  // The tile is merged in columns of spans, since the next row of a span reads nearly the same
+  // texels.
   for (int x = 0; x < view.width; x += kSpan) {
     const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
     for (int y = tiles[0].top(); y < tiles[0].top() + tiles[0].rows(); ++y) merge.run(x, y, groups, wanted);

@@ -1,9 +1,9 @@
 #pragma once
 
-// Merges the fragments of all cameras in a tile of the view, and softens silhouette edges. A
-// camera's texture is read only where the camera counts.
+// Merges the fragments of all cameras in a tile of the view, and softens silhouette edges. The
+// texture of a camera is sampled only where its fragments have a weight.
 //
-// Thread: distinct tiles may be merged at the same time.
+// Thread: different tiles may be merged at the same time.
 
 #include <span>
 
@@ -13,23 +13,23 @@
 
 namespace copresence::renderer {
 
-/// A camera as the merge takes it.
+/// One camera as input of the merge.
 struct MergeCamera {
   const CameraTexture* texture = nullptr;
-  Eigen::Vector4f
-      /// Depth along the camera's axis of pixel (x, y) at the eye's depth z: z (x, y, 1).dot(abc) +
-      /// d.
-      depth;
+  /// Coefficients (a, b, c, d). A fragment at pixel (x, y) with depth z along the eye's axis has
+  /// the depth z (a x + b y + c) + d along the camera's axis.
+  Eigen::Vector4f depth;
   float calibration_error_m = 0;
   DepthNoise noise;
-  int opacity_256 = 256;  ///< CameraView::opacity in 256ths; below 256 for a stale camera
+  int opacity_256 = 256;  ///< 256 times CameraView::opacity.
 };
 
 MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture);
 
-/// Merges a tile. tiles[i] belongs to cameras[i], and all have the same rows. The images of `view`
-/// that are `wanted` have the view's size. `inverse` gets the inverse depth of the nearest fragments, 1/m along the eye's
-/// axis, 0 without any; it has the view's size, or none if it is not wanted.
+/// Merges a tile. tiles[i] belongs to cameras[i]. `inverse` gets the inverse depths of the nearest
+/// fragments along the eye's axis, 1/m, or 0 where there is no fragment. It may be empty if they
+/// are not needed. Requires tiles of the same rows. Requires that `inverse` and the wanted images
+/// of `view` have the view's size.
 void merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
                 MergedView& view, Image<float>& inverse);
 

@@ -18,7 +18,7 @@ int cells(int pixels) {
 }
 
 struct Ray {
-  float x = 0, y = 0;  // at z = 1
+  float x = 0, y = 0;  // At z = 1.
 };
 
 Image<Ray> ray_image(const CameraModel& model) {
@@ -30,7 +30,7 @@ Image<Ray> ray_image(const CameraModel& model) {
   return image;
 }
 
-// Number of blocks of 16 pixels that contain all pixels' quads, as in InverseDepth.
+// Returns the number of blocks of 16 pixels that contain all quads, as in InverseDepth.
 int patches(int pixels) {
   return (pixels + 14) / 16;
 }

@@ -1,9 +1,8 @@
 #pragma once
 
-// One camera on the graphics card: its frame, its texture and its triangles. They are kept until
-// the frame changes.
+// Holds one camera's frame, texture and triangles on the graphics card until the frame changes.
 //
-// Thread: the context's.
+// Thread: the thread of the OpenGL context.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -19,7 +18,7 @@ namespace copresence::renderer {
 
 class GlCamera {
  public:
-  /// The shaders that prepare a frame. All cameras share them.
+  /// The shaders that prepare a frame, shared by all cameras.
   struct Shaders {
     FindPlanarBlocks planar_blocks;
     MeasureIncidence incidence;
@@ -28,13 +27,12 @@ class GlCamera {
     MakeCameraTexture texture;
   };
 
-  /// For frames of the size of `model`.
   GlCamera(gl::Context& context, const CameraModel& model, int largest_block);
 
   int width() const { return depth_.width(); }
   int height() const { return depth_.height(); }
 
-  /// Prepares the frame if it is a new one. Requires a model of the same size.
+  /// Prepares the frame if it is new. Requires a model of the same size as in the constructor.
   void update(const CameraView& camera, Shaders& shaders);
 
   void draw(const Eigen::Matrix4f& clip_from_camera, DrawMesh& program, gl::Framebuffer& layer) const;

@@ -30,7 +30,7 @@ namespace {
 using gl::Access;
 using gl::Define;
 
-// As a GLSL literal, exact to the last bit.
+// Returns a GLSL literal of exactly this value.
 std::string literal(float value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.9e", double(value));

@@ -1,9 +1,9 @@
 #pragma once
 
-// The shaders of the GL renderer, one class each. The arguments of run() are the uniforms and
-// bindings of shaders/<name>. Constants of merge_rules.h are compiled in.
+// The shaders of the GL renderer, one class each. The arguments of run() become the uniforms and
+// bindings of the shader. Constants of merge_rules.h are compiled in.
 //
-// Thread: the context's.
+// Thread: the thread of the OpenGL context.
 
 #include <Eigen/Core>
 #include <array>
@@ -24,14 +24,13 @@
 
 namespace copresence::renderer {
 
-/// Planes of inverse depth for blocks of 4, 8 and 16 pixels (kRgba32f): PlanarBlocks on the
-/// graphics card.
+/// PlanarBlocks on the graphics card: planes for blocks of 4, 8 and 16 pixels (kRgba32f).
 using GlPlanes = std::array<gl::Texture, 3>;
-/// The first of these levels in kBlockSizes. On a graphics card, blocks of 2 would cost more than
-/// they save.
+/// The index of blocks of 4 in kBlockSizes. On a graphics card, blocks of 2 cost more than they
+/// save.
 inline constexpr int kFirstGlLevel = 1;
 
-/// find_planar_blocks.comp: makes planes from depth (kR16ui).
+/// Finds planes in depth (kR16ui): find_planar_blocks.comp.
 class FindPlanarBlocks {
  public:
   static Result<FindPlanarBlocks> make(gl::Context& context);
@@ -43,7 +42,7 @@ class FindPlanarBlocks {
   gl::Program program_;
 };
 
-/// measure_incidence.comp: makes cos(theta) of each cell (kR32f) from depth and planes.
+/// Computes cos(theta) of each cell (kR32f) from depth and planes: measure_incidence.comp.
 class MeasureIncidence {
  public:
   static Result<MeasureIncidence> make(gl::Context& context);
@@ -55,8 +54,8 @@ class MeasureIncidence {
   gl::Program program_;
 };
 
-/// make_camera_texture.comp: makes corrected colours, or gray if `color` is null, and weights
-/// (kRgba8).
+/// Computes corrected colours and weights (kRgba8): make_camera_texture.comp. The colours are gray
+/// if `color` is null.
 class MakeCameraTexture {
  public:
   static Result<MakeCameraTexture> make(gl::Context& context);
@@ -68,8 +67,7 @@ class MakeCameraTexture {
   gl::Program program_;
 };
 
-/// stitch_planar_blocks.comp: makes inverse depth (kR32f) without cracks between blocks, from depth
-/// and planes.
+/// Computes inverse depth (kR32f) without cracks between blocks: stitch_planar_blocks.comp.
 class StitchPlanarBlocks {
  public:
   static Result<StitchPlanarBlocks> make(gl::Context& context);
@@ -82,11 +80,11 @@ class StitchPlanarBlocks {
   gl::Program program_;
 };
 
-/// build_mesh.comp: makes triangles from inverse depth and planes.
+/// Makes triangles from inverse depth and planes: build_mesh.comp.
 class BuildMesh {
  public:
   static Result<BuildMesh> make(gl::Context& context);
-  /// `command` becomes a gl::DrawCommand. `indices` must have room for six per pixel.
+  /// Writes a gl::DrawCommand to `command`. Requires room for six `indices` per pixel.
   void run(const gl::Texture& inverse, const GlPlanes& planes, const SurfaceLimits& limits, int largest_block,
            gl::Buffer& command, const gl::Buffer& indices);
 
@@ -95,7 +93,7 @@ class BuildMesh {
   gl::Program program_;
 };
 
-/// draw_mesh.vert and .frag: draws triangles into a layer of colours and weights.
+/// Draws triangles into a layer of colours and weights: draw_mesh.vert and draw_mesh.frag.
 class DrawMesh {
  public:
   static Result<DrawMesh> make(gl::Context& context);
@@ -108,14 +106,13 @@ class DrawMesh {
   gl::Program program_;
 };
 
-/// fade_layers.comp: fades the layers of stale cameras, and clears them where a live camera shows
-/// anything.
+/// Fades the layers of stale cameras, and clears them where a live camera shows anything:
+/// fade_layers.comp. A shader is compiled once for each number of layers.
 class FadeLayers {
  public:
   explicit FadeLayers(gl::Context& context) : context_(&context) {}
 
-  /// `opacities`, one per layer; 1 for a live camera. A shader is compiled once for each number of
-  /// layers.
+  /// Requires one opacity per layer, 1 for a live camera.
   Result<void> run(std::span<const float> opacities, const gl::Texture& fragments);
 
  private:
@@ -125,15 +122,17 @@ class FadeLayers {
 
 /// Uniforms that depend on the view's pose and projection only.
 struct ViewUniforms {
-  Eigen::Vector2f w_near_far;      ///< inverse depth of the near and the far plane, 1/m
-  Eigen::Vector4f ray_from_pixel;  ///< xy * pixel + zw is (x, y) at z = 1
+  Eigen::Vector2f w_near_far;      ///< Inverse depth of the near and the far plane, 1/m.
+  Eigen::Vector4f ray_from_pixel;  ///< The ray (x, y) at z = 1 is xy * pixel + zw.
 };
 
-/// merge_layers.comp: merges the layers into the view.
+/// Merges the layers into the view: merge_layers.comp. A shader is compiled once for each number of
+/// cameras.
 class MergeLayers {
  public:
   struct Camera {
-    /// Dot product with (point in the eye's frame, 1): depth along the camera's axis, m.
+    /// The dot product of `axis` and (x, y, z, 1) of a point in the eye's frame is the point's
+    /// depth along the camera's axis, m.
     Eigen::Vector4f axis;
     float calibration_error_m;
     DepthNoise noise;
@@ -144,8 +143,7 @@ class MergeLayers {
 
   explicit MergeLayers(gl::Context& context) : context_(&context) {}
 
-  /// A shader is compiled once for each number of cameras. Without `wants_depth` only the colour is
-  /// written.
+  /// Without `wants_depth`, only the colour is written.
   Result<void> run(std::span<const Camera> cameras, const ViewUniforms& view, const gl::Texture& fragments,
                    const gl::Texture& depths, bool wants_depth, const Target& target);
 
@@ -154,13 +152,12 @@ class MergeLayers {
   std::map<std::size_t, gl::Program> programs_;
 };
 
-/// soften_silhouettes.comp: softens the silhouette edges of a merged view.
+/// Softens the silhouette edges of a merged view: soften_silhouettes.comp. A shader is compiled
+/// once for each number of cameras.
 class SoftenSilhouettes {
  public:
   explicit SoftenSilhouettes(gl::Context& context) : context_(&context) {}
 
-  /// Cameras, layers and `w_near_far` as in MergeLayers. A shader is compiled once for each number
-  /// of cameras.
   Result<void> run(std::span<const MergeLayers::Camera> cameras, const Eigen::Vector2f& w_near_far,
                    const gl::Texture& fragments, const gl::Texture& depths, const gl::Texture& merged,
                    const gl::Texture& softened);
@@ -170,8 +167,8 @@ class SoftenSilhouettes {
   std::map<std::size_t, gl::Program> programs_;
 };
 
-/// extend_blocks, extend_estimate, extend_smooth and extend_view.comp: fill the empty pixels of a view
-/// (extension_rules.h).
+/// Fills the empty pixels of a view (extension_rules.h): extend_blocks.comp, extend_estimate.comp,
+/// extend_smooth.comp and extend_view.comp.
 class ExtendBackground {
  public:
   struct Camera {
@@ -182,8 +179,7 @@ class ExtendBackground {
 
   explicit ExtendBackground(gl::Context& context) : context_(&context) {}
 
-  /// Changes colour (kRgba8), depth (kR32f, m) and origin (kR8ui) where depth is 0. A shader is compiled once for each
-  /// number of cameras.
+  /// Changes colour (kRgba8), depth (kR32f, m) and origin (kR8ui) where depth is 0.
   Result<void> run(std::span<const Camera> cameras, const ViewUniforms& view, float near_m,
                    const UnseenStyle& style, const gl::Texture& color, const gl::Texture& depth,
                    const gl::Texture& origin);

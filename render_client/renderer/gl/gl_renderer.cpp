@@ -18,25 +18,25 @@ namespace {
 using gl::Format;
 using gl::Reader;
 
-// Made for one size of the view and one number of cameras.
+// The fragments and depths of all cameras, for one size of the view and one number of cameras.
 struct Layers {
   gl::Texture fragments, depths;
-  std::vector<gl::Framebuffer> by_camera;  // empty until attach()
+  std::vector<gl::Framebuffer> by_camera;  // Empty until attach().
 
   Layers(gl::Context& context, int width, int height, int count)
       : fragments(context, Format::kRgba8, width, height, count),
         depths(context, Format::kDepth32f, width, height, count) {}
 
-  // Requires that the graphics card had room for the textures.
+  // Makes a framebuffer for each camera. Requires that the textures fit into the card's memory.
   void attach(gl::Context& context) {
     for (int i = 0; i < fragments.layers(); ++i)
       by_camera.emplace_back(context, std::initializer_list<const gl::Texture*>{&fragments}, &depths, i);
   }
 };
 
-// The pictures of one eye, made for one size of the view.
+// The pictures of one eye, for one size of the view.
 struct Target {
-  gl::Texture merged, color, depth, camera, quality, origin;  // `merged` is the colour before softening
+  gl::Texture merged, color, depth, camera, quality, origin;  // `merged` is not softened.
 
   Target(gl::Context& context, int width, int height)
       : merged(context, Format::kRgba8, width, height),
@@ -47,9 +47,9 @@ struct Target {
         origin(context, Format::kR8ui, width, height) {}
 };
 
-// To clip coordinates in which pixel centres are whole numbers and rows run from the top. Depth is
-// linear in w = 1/z, from 0 at the near plane to 1 at the far plane. So the merge gets w back by
-// one multiplication.
+// Returns the matrix from the eye's frame to clip coordinates. Pixel centres are at integer
+// coordinates, and the first row is at the top. The depth buffer is linear in w = 1/z, with 0 at
+// the near plane and 1 at the far plane, so that the merge can compute w by one multiplication.
 Eigen::Matrix4d clip_from_eye(const ViewPose& eye) {
   const CameraModel& intrinsics = eye.intrinsics;
   const double per_w = 1.0 / (1.0 / eye.near_m - 1.0 / eye.far_m);
@@ -132,7 +132,7 @@ class GlRenderer final : public Renderer {
     if (targets_.size() <= index) targets_.resize(index + 1);
     std::optional<Target>& target = targets_[index];
     if (!target || target->color.width() != width || target->color.height() != height) {
-      target.reset();  // frees its memory before the new one needs some
+      target.reset();  // Frees memory before the new target needs it.
       layers_.reset();
       target.emplace(context_, width, height);
     }
@@ -203,7 +203,7 @@ class GlRenderer final : public Renderer {
     return softened;
   }
 
-  // Whether anything must be done to the pixels that no camera shows.
+  // Returns whether the pixels that no camera shows need a colour or an origin.
   bool treats_unseen(HostPixels wanted) const {
     return wanted.depth || style_.show != UnseenStyle::Show::kBlack || !(style_.background == Rgb8{});
   }
@@ -257,12 +257,12 @@ class GlRenderer final : public Renderer {
   SoftenSilhouettes soften_;
   ExtendBackground extend_;
   UnseenStyle style_;
-  std::vector<GlCamera> cameras_;  // by camera
+  std::vector<GlCamera> cameras_;
   std::vector<float> opacities_;
   std::vector<MergeLayers::Camera> merge_cameras_;
   std::vector<ExtendBackground::Camera> extend_cameras_;
   std::optional<Layers> layers_;
-  std::vector<std::optional<Target>> targets_;  // by MergedView::target
+  std::vector<std::optional<Target>> targets_;  // Indexed by MergedView::target.
 };
 
 }  // namespace

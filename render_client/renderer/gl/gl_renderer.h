@@ -1,21 +1,23 @@
 #pragma once
 
-// The renderer on a graphics card. It follows the same rules and draws the same meshes as the CPU
-// renderer. Its steps are shaders in shaders/:
+// The renderer that runs on a graphics card. It follows the same rules and draws the same meshes as
+// the CPU renderer. These shaders run once for each new frame:
 //
-//   once a frame
-//     find_planar_blocks    fits planes of inverse depth to blocks
-//     measure_incidence     computes cos(theta) from planes and depth
-//     stitch_planar_blocks  closes cracks between blocks
-//     build_mesh            makes triangles
-//     make_camera_texture   computes the colours and weights of fragments
-//   once a view
-//     draw_mesh             draws each camera's triangles into its own layer
-//     fade_layers           fades stale cameras, if there are any
-//     merge_layers          merges the layers into the view
-//     soften_silhouettes    softens edges where depth jumps
+//   find_planar_blocks    Fits planes of inverse depth to blocks.
+//   measure_incidence     Computes cos(theta) from planes and depth.
+//   stitch_planar_blocks  Closes cracks between blocks.
+//   build_mesh            Makes triangles.
+//   make_camera_texture   Computes the colours and weights of fragments.
 //
-// Thread: the context's.
+// These shaders run once for each view:
+//
+//   draw_mesh             Draws each camera's triangles into its own layer.
+//   fade_layers           Fades stale cameras, if there are any.
+//   merge_layers          Merges the layers into the view.
+//   soften_silhouettes    Softens edges where depth jumps.
+//   extend_*              Fill pixels that no camera has seen.
+//
+// Thread: the thread of the OpenGL context.
 
 #include <memory>
 
@@ -26,13 +28,12 @@
 namespace copresence::renderer {
 
 struct GlRendererSettings {
-  /// Planar regions are drawn in blocks of up to this many pixels a side: 1, 4, 8 or 16. 1 draws
-  /// every pixel.
+  /// As in CpuRendererSettings.
   int largest_block = 16;
 };
 
-/// `context` must outlive the renderer. Fails with kInvalid if the driver does not compile the
-/// shaders, in the driver's words.
+/// `context` must outlive the renderer. Fails with kInvalid and the driver's message if the driver
+/// cannot compile a shader.
 Result<std::unique_ptr<Renderer>> make_gl_renderer(gl::Context& context,
                                                    const GlRendererSettings& settings = {});
 

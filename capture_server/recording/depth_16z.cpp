@@ -59,8 +59,8 @@ class Differences {
   }
 
   std::vector<std::uint8_t>& bytes_;
-  int pending_ = -1;  // nibble that waits for the second one of its byte
-  int run_ = 0;       // bytes 0x66 not yet written
+  int pending_ = -1;  // Nibble that waits for the second nibble of its byte.
+  int run_ = 0;       // Number of bytes 0x66 that are not written yet.
 };
 
 tl::unexpected<Error> corrupt(const char* what) {
@@ -114,7 +114,7 @@ Result<void> expand_depth_16z(std::span<const std::uint8_t> bytes, DepthTable ta
   const auto u16_at = [&](std::size_t at) {
     return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
   };
-  std::array<std::uint16_t, 65536> values;  // by index
+  std::array<std::uint16_t, 65536> values;  // Depth of each table index.
   std::size_t entries = values.size(), at = 0;
   if (table == DepthTable::kEmbedded) {
     if (bytes.size() < 2) return corrupt("no table");

@@ -1,6 +1,6 @@
 #pragma once
 
-// OpenNI's lossless depth codings: "16zT" with an embedded table, and the older "16zP" without.
+// OpenNI's lossless depth codings: "16zT" with an embedded table, and the older "16zP" without it.
 //
 //   16zT:  u16 n   n x u16 the frame's distinct depths, ascending   u16 table index of pixel 0
 //   16zP:  u16 depth of pixel 0
@@ -8,9 +8,9 @@
 //     |d| <= 6        the nibble d + 6, two to a byte, the first in the high half
 //     7 <= |d| <= 63  escape, byte d + 192
 //     larger          escape, high byte of the index or depth (below 0x80), low byte
-//   The escape is 0xFF, or 0xF in the low half if a nibble is pending. Runs of the byte 0x66 (two
-//   pixels equal to the previous one) are written as 0xE1 to 0xEF for 1 to 15 of them. A pending
-//   nibble at the end is closed with 0xD.
+//   The escape is the byte 0xFF, or the nibble 0xF if the low half of a byte comes next.
+//   The byte 0x66 (two pixels equal to the previous one) is run-length coded: 0xE1 to 0xEF stand for
+//   1 to 15 of it. If the last byte lacks its low half, that half is 0xD.
 //
 // Thread: free functions on values, safe anywhere.
 
@@ -24,16 +24,16 @@
 namespace copresence::recording {
 
 /// Appends the frame as 16zT to `bytes`. Requires at least one pixel.
-/// Fails  kUnsupported if the frame holds more than 32767 distinct values, which the coding cannot
-///        number.
+/// Fails with kUnsupported if the frame holds more than 32767 distinct depths, because a table
+/// index has 15 bits.
 Result<void> append_depth_16z(const DepthImage& depth, std::vector<std::uint8_t>& bytes);
 
-/// Whether the differences are between table indices (16zT) or between the depths themselves
-/// (16zP).
+/// Differences are between table indices (kEmbedded, 16zT) or between depths (kNone, 16zP).
 enum class DepthTable { kEmbedded, kNone };
 
-/// The inverse, for both codings: fills `depth`, whose size the caller sets, from untrusted bytes.
-/// Fails  kCorrupt if they do not hold exactly that many pixels; `depth` is then unspecified.
+/// Decodes both codings from untrusted bytes into `depth`, whose size the caller sets.
+/// Fails with kCorrupt if the bytes do not hold exactly that many pixels. `depth` is then
+/// unspecified.
 Result<void> expand_depth_16z(std::span<const std::uint8_t> bytes, DepthTable table, DepthImage& depth);
 
 }  // namespace copresence::recording

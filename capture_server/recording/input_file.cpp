@@ -12,8 +12,8 @@
 namespace copresence::recording {
 
 Result<InputFile> InputFile::open(const std::string& path) {
-  const int descriptor = ::open(
-      path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // so that open() does not block on a named pipe
+  // With O_NONBLOCK, open() does not block on a named pipe.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat status {};
   if (descriptor < 0 || ::fstat(descriptor, &status) != 0) {
     return fail(ErrorCode::kNotFound,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random access to a file of any size.
+// Reads a file of any size at any offset.
 //
 // Thread: concurrent reads are safe.
 
@@ -15,7 +15,7 @@ namespace copresence::recording {
 
 class InputFile {
  public:
-  /// Fails  kNotFound: it does not exist, cannot be read, or is not a regular file.
+  /// Fails with kNotFound if the file does not exist, cannot be read, or is not a regular file.
   static Result<InputFile> open(const std::string& path);
 
   InputFile(InputFile&& other) noexcept;
@@ -24,11 +24,11 @@ class InputFile {
 
   std::uint64_t size() const { return size_; }
 
-  /// Fills `into` with the bytes from `offset` on. False if they are not in the file or the medium
-  /// fails.
+  /// Fills `into` with the bytes from `offset` on. Returns false if the file does not contain them
+  /// or the disk fails.
   bool read(std::uint64_t offset, std::span<std::uint8_t> into) const;
 
-  /// This file's bytes for a parser. Requires that this outlives it.
+  /// Access to this file's bytes for a parser. This object must outlive it.
   RecordBytes bytes() const;
 
  private:

@@ -1,8 +1,9 @@
 #pragma once
 
-// JPEG pictures of recordings, by libjpeg-turbo with its exact transform. Encoded bytes are those
-// of every program that uses this library; decoded pixels are those of OpenNI2's player. Thread:
-// distinct objects are independent.
+// JPEG pictures of recordings, by libjpeg-turbo with its exact transform. Programs that use this
+// library write the same bytes. Decoded pixels are those of OpenNI2's player.
+//
+// Thread: one thread at a time per object.
 
 #include <cstdint>
 #include <memory>
@@ -18,9 +19,9 @@ class JpegEncoder {
  public:
   JpegEncoder();
 
-  /// `quality` is 1 to 100. Colour is stored at half the resolution in both directions (4:2:0), as
-  /// cameras do. `bytes` is overwritten. Fails with kUnsupported and the library's reason: the
-  /// picture is empty or too large.
+  /// Encodes a picture into `bytes`, which it overwrites. `quality` is 1 to 100. Colour is stored
+  /// at half the resolution in both directions (4:2:0), as cameras do.
+  /// Fails with kUnsupported and the library's reason if the picture is empty or too large.
   Result<void> encode(const ColorImage& image, int quality, std::vector<std::uint8_t>& bytes);
 
  private:
@@ -30,9 +31,9 @@ class JpegEncoder {
   std::unique_ptr<void, Close> codec_;
 };
 
-/// Decodes untrusted bytes. False if they are no JPEG picture of exactly `image`'s size, or have
-/// more than 500 scans. A damaged picture is decoded as far as possible. `image` is unspecified
-/// after a failure.
+/// Decodes untrusted bytes. A damaged picture is decoded as far as possible. Returns false if the
+/// bytes are no JPEG picture of exactly `image`'s size, or have more than 500 scans. `image` is
+/// unspecified after a failure.
 bool decode_jpeg(std::span<const std::uint8_t> bytes, ColorImage& image);
 
 }  // namespace copresence::recording

@@ -28,7 +28,8 @@ std::size_t steps_without_time(const RecordedStream& stream) {
 double usual_period_us(const RecordedStream& stream) {
   const auto& times = stream.timestamps_us;
   const double nominal = 1e6 / std::max(stream.frames_per_second, 1);
-  // If more than a fourth of the times stand still, the other steps are no frame periods either.
+  // If more than a fourth of the times do not increase, the other steps are no frame periods
+  // either.
   if (times.size() < 2 || 4 * steps_without_time(stream) > times.size() - 1) return nominal;
   std::vector<std::uint64_t> steps;
   for (std::size_t i = 1; i < times.size(); ++i) {
@@ -39,7 +40,8 @@ double usual_period_us(const RecordedStream& stream) {
   double sum = 0;
   std::size_t count = 0;
   for (const std::uint64_t step : steps) {
-    // Steps between rounded times alternate around their mean. Pauses do not count.
+    // Steps between rounded times alternate around their mean. Much longer steps are pauses and
+    // much shorter ones are errors, so both are left out.
     if (2 * step < *middle || step > *middle + *middle / 2) continue;
     sum += static_cast<double>(step);
     ++count;

@@ -6,7 +6,7 @@
 namespace copresence::recording {
 namespace {
 
-// A footer that is no longer the last becomes one property of the same size.
+// A property of the same size, which replaces a former footer.
 RecordBytesOut skipped_footer(std::uint32_t node, std::uint64_t size) {
   RecordBytesOut bytes;
   append_general(bytes, node, kFormerEndProperty, {});
@@ -46,9 +46,9 @@ Result<std::uint64_t> write_footer(OutputFile& file, std::span<const FooterStrea
   append_record(bytes, RecordType::kEnd, 0, {});
   if (auto written = file.append(bytes); !written) return fail(written.error());
 
-  // Write order: readers treat frame counts and the largest timestamp as upper bounds, so writing
-  // them early is safe. The position of a seek table may be written only after the former footers
-  // have become properties.
+  // The order of writes matters. Readers treat frame counts and the largest timestamp as upper
+  // bounds, so these may be written early. The position of a seek table may be written only after
+  // the former footers have become properties.
   if (auto written = write_counts(file, streams, {}); !written) return fail(written.error());
   RecordBytesOut largest;
   append_number(largest, largest_timestamp, 8);

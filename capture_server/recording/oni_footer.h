@@ -1,13 +1,13 @@
 #pragma once
 
-// The footer of a recording's file, written so that the file is valid at every moment: a program
-// may be killed between any two writes, and the recording plays up to its last footer.
+// Writes the footer of a recording's file so that the file is valid at every moment. The program
+// may be killed between any two writes, and the recording still plays up to its last footer.
 //
-// Frames may follow a footer without seek tables. They are written after it, then the next footer.
-// Only then does the former footer become a property, which every player skips. This costs a
-// hundred bytes per footer, and no frame that a footer covers is ever lost.
+// Frames may be written after a footer without seek tables, and the next footer after them. Only
+// then does the former footer become a property, which every player skips. This costs a hundred
+// bytes per footer, and no frame before a footer is ever lost.
 //
-// Thread: free functions, one thread per file.
+// Thread: free functions; one thread at a time per file.
 
 #include <cstdint>
 #include <span>
@@ -21,18 +21,18 @@ namespace copresence::recording {
 
 struct FooterStream {
   std::uint32_t node = 0;
-  std::uint64_t added_position = 0;         ///< of its kNodeAdded
-  std::uint64_t counts_position = 0;        ///< of that record's last kNodeCountsBytes
-  std::span<const FramePlace> frames = {};  ///< all of them
+  std::uint64_t added_position = 0;         ///< Position of its kNodeAdded.
+  std::uint64_t counts_position = 0;        ///< Position of that record's last kNodeCountsBytes.
+  std::span<const FramePlace> frames = {};  ///< All frames of the stream.
 };
 
 enum class SeekTables { kNo, kYes };
 
-/// Appends a footer for these streams, at least one, and makes it the valid one by writing counts,
-/// times and, if requested, positions of seek tables at the front of the file. `earlier_footers`
-/// are the positions of these streams' former footers, all without seek tables.
+/// Appends a footer for these streams, at least one. It then makes this footer the valid one: it
+/// writes counts, times and, if requested, positions of seek tables at the front of the file.
+/// `earlier_footers` are the positions of these streams' former footers, all without seek tables.
 /// Returns the new footer's position.
-/// Fails  as OutputFile; the file then still ends with its former footer.
+/// Fails as OutputFile does. The file then still ends with its former footer.
 Result<std::uint64_t> write_footer(OutputFile& file, std::span<const FooterStream> streams,
                                    SeekTables seek_tables, std::span<const std::uint64_t> earlier_footers);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The .oni file of OpenNI 2, as far as this project reads and writes it. All numbers are
+// The .oni file format of OpenNI 2, as far as this project reads and writes it. All numbers are
 // little-endian.
 //
 //   file     header, then records up to kEnd
@@ -24,12 +24,13 @@
 //   entry of a seek table: u64 timestamp, u32 0, u64 position of the kNewData. The first entry is
 //   zeros, then there is one per frame.
 //
-//   undo position: of a kNewData, the position of the node's previous frame, 0 for the first; of a
-//   kNodeRemoved, the position of its kNodeAdded; of all others 0.
+// An undo position depends on the record's type. For a kNewData it is the position of the node's
+// previous frame, or 0 for the first. For a kNodeRemoved it is the position of its kNodeAdded.
+// Other records have 0.
 //
-// OpenNI 1.0 to 1.3 wrote versions 1.0.0.4 to 1.0.0.6, which can be read, too:
-// - The undo position and the position of a seek table are u32. So a record begins with 24 bytes, and
-//   an entry of a seek table has 16.
+// OpenNI 1.0 to 1.3 wrote versions 1.0.0.4 to 1.0.0.6, which this project can also read:
+// - Undo positions and positions of seek tables are u32. So a record begins with 24 bytes, and an
+//   entry of a seek table has 16.
 // - kNodeAddedOlder (1.0.0.5) ends with the last timestamp.
 // - kNodeAddedOld (1.0.0.4) ends with the codec. The node's kDataBegin has the number of frames and
 //   the last timestamp.
@@ -40,26 +41,25 @@ namespace copresence::recording {
 
 inline constexpr char kFileMagic[4] = {'N', 'I', '1', '0'};
 inline constexpr std::uint32_t kHeaderBytes = 24;
-inline constexpr std::uint32_t kHeaderTimestampAt = 12;  ///< u64: largest timestamp
-inline constexpr std::uint32_t kHeaderNodeAt = 20;       ///< u32: largest node
+inline constexpr std::uint32_t kHeaderTimestampAt = 12;  ///< Position of the largest timestamp, a u64.
+inline constexpr std::uint32_t kHeaderNodeAt = 20;       ///< Position of the largest node, a u32.
 
-inline constexpr std::uint32_t kRecordMagic = 0x0052494E;  // "NIR"
-inline constexpr std::uint32_t kRecordBytes = 28;          ///< of a record's head
-inline constexpr std::uint32_t kMaxFields =
-    1 << 20;  ///< the largest real fields are tables of depth levels with 20 kB
-inline constexpr std::uint32_t kFrameFieldBytes = 12;  ///< fields of a kNewData
+inline constexpr std::uint32_t kRecordMagic = 0x0052494E;  // The characters "NIR".
+inline constexpr std::uint32_t kRecordBytes = 28;          ///< Size of a record's head.
+/// Limit for one record. The largest real fields are tables of depth levels with 20 kB.
+inline constexpr std::uint32_t kMaxFields = 1 << 20;
+inline constexpr std::uint32_t kFrameFieldBytes = 12;  ///< Size of a kNewData's fields.
 inline constexpr std::uint32_t kSeekEntryBytes = 20;
-inline constexpr std::uint32_t kOldRecordBytes = 24, kOldSeekEntryBytes = 16;  ///< of files before 1.0.1
+inline constexpr std::uint32_t kOldRecordBytes = 24, kOldSeekEntryBytes = 16;  ///< In files before 1.0.1.
 
-/// The version of a file, as the u64 after kFileMagic, and whether its records have
-/// kOldRecordBytes.
+/// The version of a file, as the u64 after kFileMagic.
 inline constexpr std::uint64_t kFileVersion = 0x10001;
 constexpr bool is_old_version(std::uint64_t version) {
   return (version & 0xffffffff) == 1 && version >> 32 >= 4;
 }
 
 enum class RecordType : std::uint32_t {
-  kNodeAddedOld = 0x02,  ///< of 1.0.0.4
+  kNodeAddedOld = 0x02,  ///< Only in version 1.0.0.4.
   kIntProperty = 0x03,
   kRealProperty = 0x04,
   kStringProperty = 0x05,
@@ -69,7 +69,7 @@ enum class RecordType : std::uint32_t {
   kStateReady = 0x09,
   kNewData = 0x0A,
   kEnd = 0x0B,
-  kNodeAddedOlder = 0x0C,  ///< of 1.0.0.5
+  kNodeAddedOlder = 0x0C,  ///< Only in version 1.0.0.5.
   kNodeAdded = 0x0D,
   kSeekTable = 0x0E,
 };
@@ -81,9 +81,9 @@ constexpr std::uint32_t fourcc(const char (&text)[5]) {
   for (int i = 3; i >= 0; --i) code = code << 8 | static_cast<unsigned char>(text[i]);
   return code;
 }
-inline constexpr std::uint32_t kCodecNone = fourcc("NONE");  ///< pixels as they are in memory
-inline constexpr std::uint32_t kCodec16z = fourcc("16zT");   ///< lossless depth: recording/depth_16z.h
-inline constexpr std::uint32_t kCodecJpeg = fourcc("JPEG");  ///< colour
+inline constexpr std::uint32_t kCodecNone = fourcc("NONE");  ///< Pixels as they are in memory.
+inline constexpr std::uint32_t kCodec16z = fourcc("16zT");   ///< Lossless depth, see recording/depth_16z.h.
+inline constexpr std::uint32_t kCodecJpeg = fourcc("JPEG");  ///< JPEG pictures of colour.
 
 /// Values of the property "oniPixelFormat".
 enum class OniPixelFormat : std::uint32_t {
@@ -93,28 +93,28 @@ enum class OniPixelFormat : std::uint32_t {
   kGray8 = 202,
 };
 
-inline constexpr char kCameraMetadataProperty[] =
-    "copresence.camera";  ///< general: JSON, recording/camera_metadata.h
+/// General property: JSON, see recording/camera_metadata.h.
+inline constexpr char kCameraMetadataProperty[] = "copresence.camera";
 
-inline constexpr char kUnixZeroProperty[] =
-    "copresence.unix_zero";  ///< general: i64, microseconds from 1970 (UTC) to the recording's time zero
+/// General property, i64: microseconds from 1970 (UTC) to the recording's time zero.
+inline constexpr char kUnixZeroProperty[] = "copresence.unix_zero";
 
-/// General, of a depth stream: a u16 per disparity of the sensor, its depth, or 0.
+/// General property of a depth stream: for each disparity of the sensor, its depth as u16, or 0.
 inline constexpr char kDisparityTableProperty[] = "S2D";
 
-inline constexpr char kFormerEndProperty[] =
-    "copresence.end";  ///< general, without meaning: a former footer, see recording/oni_footer.h
+/// General property without meaning: a former footer, see recording/oni_footer.h.
+inline constexpr char kFormerEndProperty[] = "copresence.end";
 
-inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< of one stream: 38 hours
+inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< Frames of one stream: 38 hours.
 
-/// Largest timestamp in microseconds: two thousand years, well below the overflow of sums of times.
+/// Largest timestamp in microseconds. It is 2284 years, so sums of times do not overflow.
 inline constexpr std::uint64_t kMaxTimestamp = std::uint64_t{1} << 56;
 
 /// Frame rates at which a recording can be played.
 inline constexpr double kSlowestRate = 0.1, kFastestRate = 1000;
 
-/// Largest depth value in a recording of this unit. It is the value of "xnDeviceMaxDepth", from
-/// which viewers size tables.
+/// Largest depth value in a recording of this unit: the property "xnDeviceMaxDepth". Viewers size
+/// tables by it.
 inline constexpr std::uint16_t kMaxDepthMillimetre = 10000;
 inline constexpr std::uint16_t kMaxDepth100Micrometres = 65535;
 

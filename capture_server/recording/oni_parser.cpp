@@ -9,12 +9,13 @@
 namespace copresence::recording {
 namespace {
 
-// OpenNI2's player has a table with one entry per node id, up to the header's largest.
+// OpenNI2's player has a table with one entry per node id, up to the largest node in the header.
 constexpr std::uint32_t kMaxNodes = 32;
 // Longer names do not fit into the player's fields.
 constexpr std::size_t kMaxName = 79;
 
-// The distinct depths of a table of 16-bit numbers, ascending; none if it is no such table.
+// The distinct depths of a table of 16-bit numbers, ascending. Empty if the bytes are no such
+// table.
 std::vector<std::uint16_t> levels_in(std::span<const std::uint8_t> table) {
   constexpr std::size_t kMostTableBytes = 2 * 65536;
   std::vector<std::uint16_t> levels;
@@ -65,7 +66,7 @@ Result<RecordingSummary> OniParser::run() {
     if (!record) return fail(record.error());
     if (record->type == RecordType::kEnd) {
       if (configuring_) return damaged(record->at, "a stream's definition breaks off here");
-      return summary();  // OpenNI2's own recorder leaves zeros after the end
+      return summary();  // OpenNI2's own recorder leaves zeros after the end.
     }
     if (auto done = read(*record); !done) return fail(done.error());
   }
@@ -113,7 +114,7 @@ Result<OniParser::Record> OniParser::next_record() {
   if (record.fields_bytes < record_bytes() || record.fields_bytes > kMaxFields) {
     return damaged(at, fmt::format("a record's fields take {} bytes", record.fields_bytes));
   }
-  // Only these types have a payload. For others the player ignores the number, except when it
+  // Only these types have a payload. For others the player ignores the number, except while it
   // counts the frames of an old file.
   if (!record.has_payload()) {
     if (is_old_ && record.payload_bytes) return damaged(at, "a record has a payload that it cannot have");
@@ -126,8 +127,8 @@ Result<OniParser::Record> OniParser::next_record() {
 }
 
 Result<void> OniParser::read(const Record& record) {
-  // The player reads a stream's definition to its end before anything else. Frames within it are
-  // lost, and an end within it sends the player into a recursion.
+  // The player reads a stream's definition to its end before anything else. It loses frames within
+  // the definition, and an end within it makes the player recurse without limit.
   const bool defines =
       (record.type >= RecordType::kIntProperty && record.type <= RecordType::kGeneralProperty) ||
       record.type == RecordType::kNodeAdded || record.type == RecordType::kNodeAddedOlder ||
@@ -175,7 +176,7 @@ Result<void> OniParser::node_added(const Record& record, FieldReader fields) {
   std::uint64_t seek_table_at = 0;
   if (record.type != RecordType::kNodeAddedOld) {
     frames = fields.u32();
-    fields.u64();  // first and last timestamp, which the frames have, too
+    fields.u64();  // First and last timestamp; the frames also have them.
     fields.u64();
   }
   if (record.type == RecordType::kNodeAdded) seek_table_at = is_old_ ? fields.u32() : fields.u64();
@@ -288,7 +289,7 @@ Result<void> OniParser::node_removed(const Record& record) {
 
 Result<void> OniParser::data_begin(const Record& record, FieldReader fields) {
   const std::uint32_t frames = fields.u32();
-  fields.u64();  // last timestamp; newer recorders leave both fields empty
+  fields.u64();  // Last timestamp. Newer recorders leave both fields empty.
   Node* node = find(record.node);
   if (!fields.whole() || !node || !node->is_stream)
     return damaged(record.at, "data begins for an unknown stream");
@@ -313,8 +314,8 @@ Result<void> OniParser::new_data(const Record& record, FieldReader fields) {
     return damaged(record.at, fmt::format("stream {} goes from frame {} to {} of {}", stream.name,
                                           stream.last_frame, number, node->frames_claimed));
   }
-  // Decreasing times are played in the file's order. A time beyond the header's largest ends the
-  // player's reading.
+  // Frames with decreasing times are played in the file's order. A time beyond the header's largest
+  // ends the player's reading.
   if (timestamp > max_timestamp_) {
     return damaged(record.at, fmt::format("frame {} of stream {} has a time beyond the recording's end",
                                           number, stream.name));
@@ -332,7 +333,7 @@ Result<void> OniParser::new_data(const Record& record, FieldReader fields) {
 }
 
 Result<void> OniParser::seek_table(const Record& record) {
-  const auto found = nodes_.find(record.node);  // its node may have been removed
+  const auto found = nodes_.find(record.node);  // Its node may have been removed.
   if (found == nodes_.end()) return damaged(record.at, "a seek table of an unknown stream");
   Node& node = found->second;
   const std::uint64_t entry = is_old_ ? kOldSeekEntryBytes : kSeekEntryBytes;
@@ -344,7 +345,7 @@ Result<void> OniParser::seek_table(const Record& record) {
 Result<RecordingSummary> OniParser::summary() {
   RecordingSummary summary;
   for (auto& [id, node] : nodes_) {
-    if (node.seek_table_at && !node.has_seek_table) {  // the player reads it when it opens the file
+    if (node.seek_table_at && !node.has_seek_table) {  // The player reads the table when it opens the file.
       return damaged(node.seek_table_at,
                      fmt::format("the seek table of stream {} is not here", node.stream.name));
     }

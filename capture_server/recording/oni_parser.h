@@ -1,7 +1,7 @@
 #pragma once
 
-// The strict parser of a recording: one pass over the record chain, with the rules of OpenNI2's
-// player (oni_check.h). The tolerant one is oni_recovery.h.
+// The strict parser of a recording. It reads the record chain once, by the rules of OpenNI2's
+// player (oni_check.h). The tolerant parser is in oni_recovery.h.
 
 #include <cstdint>
 #include <map>
@@ -15,15 +15,15 @@ namespace copresence::recording {
 
 class OniParser {
  public:
-  /// `name` is the recording's name in messages. Both are kept by reference.
+  /// `name` is the recording's name in messages. Both arguments must outlive this object.
   OniParser(RecordBytes& bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
-  /// Once per walk.
+  /// Parses the recording. Call it only once per object.
   Result<RecordingSummary> run();
 
  private:
   struct Record : RecordHead {
-    std::uint64_t at = 0;  ///< its position in the file
+    std::uint64_t at = 0;  ///< Position of the record in the file.
   };
 
   struct Node {
@@ -31,11 +31,11 @@ class OniParser {
     Life life = Life::kConfiguring;
     bool is_stream = false;
     std::uint32_t frames_claimed = 0;
-    bool is_counted_at_data = false;  ///< whether its kDataBegin has the number of frames
-    std::uint64_t seek_table_at = 0;  ///< from its definition; 0 = none
-    bool has_seek_table = false;      ///< whether one of the right size was found
+    bool is_counted_at_data = false;  ///< True if its kDataBegin has the number of frames.
+    std::uint64_t seek_table_at = 0;  ///< Position from its definition, or 0 for no table.
+    bool has_seek_table = false;      ///< True if a table of the right size was found.
     std::uint64_t max_payload = 0;
-    StreamFormat format;  ///< may not change once the node is ready
+    StreamFormat format;  ///< Must not change once the node is ready.
     RecordedStream stream;
   };
 
@@ -64,12 +64,12 @@ class OniParser {
   std::uint64_t max_timestamp_ = 0;
   std::uint32_t max_node_ = 0;
   bool data_begun_ = false;
-  std::uint32_t configuring_ =
-      0;  ///< number of nodes between kNodeAdded and kStateReady; definitions may nest
+  /// Number of nodes between kNodeAdded and kStateReady. Definitions may nest.
+  std::uint32_t configuring_ = 0;
   std::map<std::uint32_t, Node> nodes_;
   std::optional<CameraMetadata> camera_metadata_;
   std::optional<std::int64_t> unix_zero_us_;
-  bool is_old_ = false;  ///< of OpenNI 1.0 to 1.3, with shorter records
+  bool is_old_ = false;  ///< Written by OpenNI 1.0 to 1.3, with shorter records.
 };
 
 }  // namespace copresence::recording

@@ -1,6 +1,6 @@
 #pragma once
 
-// The pictures of a recording by their index.
+// Reads the pictures of a recording by their index.
 //
 // Thread: one thread at a time.
 
@@ -17,17 +17,17 @@ namespace copresence::recording {
 
 class OniReader {
  public:
-  /// Fails as check() does.
+  /// Opens and checks the recording. Fails as check() does.
   static Result<OniReader> open(const std::string& path);
 
   const RecordingSummary& summary() const { return summary_; }
   std::uint64_t file_bytes() const { return file_.size(); }
 
-  /// A frame's coded bytes. Requires a stream of summary() and frame < stream.frames().
+  /// Returns a frame's coded bytes. Requires a stream of summary() and frame < stream.frames().
   Result<std::vector<std::uint8_t>> payload(const RecordedStream& stream, std::size_t frame) const;
 
-  /// A picture. Requires a stream of that kind and frame < its frames(). Fails  kCorrupt: its bytes
-  /// are damaged.
+  /// Returns a picture. Requires that the recording has a stream of that kind and frame < its
+  /// frames(). Fails with kCorrupt if the picture's bytes are damaged.
   Result<DepthImage> depth(std::size_t frame) const;
   Result<ColorImage> color(std::size_t frame) const;
 

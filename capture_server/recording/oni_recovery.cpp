@@ -15,7 +15,7 @@ constexpr std::uint32_t kMaxPayload = 1 << 26;
 constexpr std::uint32_t kSearchStep = 1 << 16;
 
 struct Record : RecordHead {
-  std::uint64_t at = 0, end = 0;  // positions in the file
+  std::uint64_t at = 0, end = 0;  // Positions in the file.
 };
 
 class Search {
@@ -35,7 +35,7 @@ class Search {
       if (record && take(*record)) {
         at = record->end;
         found_.whole_until = at;
-        if (record->type == RecordType::kEnd && !frame_at(at)) break;  // only zeros may follow
+        if (record->type == RecordType::kEnd && !frame_at(at)) break;  // Only zeros may follow.
         continue;
       }
       const auto next = next_frame(at + 1);
@@ -74,7 +74,7 @@ class Search {
     return found == found_.streams.end() ? nullptr : &*found;
   }
 
-  // The record as the next frame of its stream, if it is one.
+  // Returns the record as the next frame of its stream. Nothing if it is no such frame.
   std::optional<RecoveredFrame> frame_of(const Record& record) {
     const RecoveredStream* stream = find(record.node);
     if (record.type != RecordType::kNewData || !stream || record.fields_bytes != frame_head_bytes()) {
@@ -95,7 +95,7 @@ class Search {
     return record && frame_of(*record);
   }
 
-  // Position of the next frame, searched from `from` on.
+  // Returns the position of the next frame at or after `from`.
   std::optional<std::uint64_t> next_frame(std::uint64_t from) {
     const std::uint8_t magic[] = {kRecordMagic & 0xff, kRecordMagic >> 8 & 0xff, kRecordMagic >> 16 & 0xff,
                                   0};
@@ -176,7 +176,7 @@ class Search {
   const std::string& name_;
   std::uint32_t record_bytes_ = kRecordBytes;
   RecoveredRecording found_;
-  std::optional<std::uint64_t> end_begins_;  // the first kNodeRemoved after the last frame
+  std::optional<std::uint64_t> end_begins_;  // Position of the first kNodeRemoved after the last frame.
 };
 
 }  // namespace

@@ -21,7 +21,8 @@ namespace {
 using Bytes = RecordBytesOut;
 
 constexpr std::uint64_t kCopyStep = 1 << 20;
-constexpr std::uint64_t kLargestSkip = 16 << 10;  // of one property: players read it into a buffer
+constexpr std::uint64_t kLargestSkip = 16
+                                       << 10;  // Size of one property, since players read it into a buffer.
 
 Result<void> copy_bytes(const InputFile& from, std::uint64_t begin, std::uint64_t end, OutputFile& to,
                         const std::string& name, const ProgressReport& progress) {
@@ -55,7 +56,6 @@ std::uint64_t skip_overhead(std::uint32_t node) {
   return bytes.size();
 }
 
-// Fills a gap with properties that every player skips.
 Result<void> pass_over(OutputFile& file, const Gap& gap, std::uint32_t node, const std::string& name) {
   const std::uint64_t overhead = skip_overhead(node);
   for (std::uint64_t at = gap.from; at < gap.to;) {
@@ -87,7 +87,8 @@ Result<void> renumber(OutputFile& file, const RecoveredStream& stream) {
 }
 
 Result<void> finish(OutputFile& file, const RecoveredRecording& found, const std::string& name) {
-  const bool end_stays = !found.has_end || !found.has_seek_tables;  // as a former end
+  const bool end_stays =
+      !found.has_end || !found.has_seek_tables;  // The former footer stays in the file as a property.
   const std::uint64_t keep = end_stays ? found.whole_until : found.end_position;
   if (file.size() > keep) {
     if (auto cut = file.truncate(keep); !cut) return cut;
@@ -113,18 +114,18 @@ Result<void> finish(OutputFile& file, const RecoveredRecording& found, const std
   return file.close();
 }
 
-// A frame for a part, and the index of its stream.
+// A frame to write, and the index of its stream.
 struct Wanted {
   const RecoveredFrame* frame;
   std::size_t stream;
 };
 
-// Position of a stream's definition in a part.
+// Position of a stream's definition in the new file.
 struct DefinitionPlace {
   std::uint64_t added_position = 0, counts_position = 0;
 };
 
-// Converts the records of an old file before its first frame to the current format. Returns the
+// Converts the records before the first frame of an old file to the current format. Returns the
 // position of each stream's definition.
 Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& input,
                                                            const RecoveredRecording& found, OutputFile& file,
@@ -165,7 +166,7 @@ Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& inpu
   return places;
 }
 
-// Writes the records before a part's first frame.
+// Writes the records that come before the first frame.
 Result<std::vector<DefinitionPlace>> write_definitions(const InputFile& input,
                                                        const RecoveredRecording& found, OutputFile& file,
                                                        const std::string& name) {
@@ -211,7 +212,7 @@ Result<void> write_part(const InputFile& input, const RecoveredRecording& found,
   return file.close();
 }
 
-// Copies every frame of a recording of OpenNI 1.0 to 1.3 in the current format.
+// Writes every frame of a recording of OpenNI 1.0 to 1.3 in the current format.
 Result<void> rewrite(const InputFile& input, const RecoveredRecording& found, OutputFile& file,
                      const std::string& name, const ProgressReport& progress) {
   std::vector<Wanted> all;
@@ -238,7 +239,7 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, Exi
   report.infrared_frames = found->frames(NodeType::kInfrared);
   report.gaps = found->gaps.size();
   report.dropped_bytes = found->has_end ? 0 : input->size() - found->whole_until;
-  // Players do not need the seek tables, so a full disk may go without them.
+  // A full disk may have prevented the seek tables, but players do not need them.
   report.was_whole = found->has_end && (found->has_seek_tables || found->is_old) && found->gaps.empty() &&
                      check(path).has_value();
   if (report.was_whole && out.empty()) return report;

@@ -14,36 +14,37 @@
 
 namespace copresence::recording {
 
-/// Called repeatedly with the completed share of the work, 0 to 1.
+/// Called repeatedly with the completed share of the work, from 0 to 1.
 using ProgressReport = std::function<void(double)>;
 
 struct RepairReport {
-  bool was_whole = false;                                                 ///< nothing had to be done
-  std::uint64_t depth_frames = 0, color_frames = 0, infrared_frames = 0;  ///< now
-  std::uint64_t dropped_bytes = 0;  ///< of an incomplete record at the end, removed
-  std::uint64_t gaps = 0;           ///< damaged places in the middle, skipped
+  bool was_whole = false;                                                 ///< Nothing had to be done.
+  std::uint64_t depth_frames = 0, color_frames = 0, infrared_frames = 0;  ///< Frames after the repair.
+  std::uint64_t dropped_bytes = 0;  ///< Size of the incomplete record that was removed at the end.
+  std::uint64_t gaps = 0;           ///< Number of damaged places in the middle that were skipped.
 };
 
-/// Completes a recording whose recorder was stopped: removes the incomplete record at its end,
-/// keeps every whole frame, and writes counts, times, seek tables and footer. Works in place if
-/// `out` is empty, else on a copy there. Nothing is changed before the whole file was read. A whole
-/// recording is left as it is. Damage in the middle is skipped only in a copy. A recording of
-/// OpenNI 1.0 to 1.3 is completed only as a copy in the current format.
-/// Fails  kNotFound, kCorrupt (nothing to save, or a copy is needed and `out` is empty), kInvalid
-///        (`out` exists, with kKeep), kUnavailable (disk).
+/// Completes a recording whose recorder was stopped. It removes the incomplete record at the end,
+/// keeps every whole frame, and writes counts, times, seek tables and footer. It works in place if
+/// `out` is empty, else on a copy at `out`. The whole file is read before anything is changed. A
+/// complete recording stays as it is. Damage in the middle is skipped only in a copy. A recording
+/// of OpenNI 1.0 to 1.3 is completed only as a copy in the current format.
+/// Fails with kNotFound if the file does not exist. Fails with kCorrupt if nothing can be saved, or
+/// if a copy is needed and `out` is empty. Fails with kInvalid if `out` exists, with kKeep. Fails
+/// with kUnavailable if the disk fails.
 Result<RepairReport> repair(const std::string& path, const std::string& out, Existing existing,
                             const ProgressReport& progress);
 
 struct CutReport {
   std::uint64_t depth_frames = 0, color_frames = 0;
-  double whole_s = 0;  ///< length of the whole recording, the latest end of a part
+  double whole_s = 0;  ///< Latest end of a part: the length of the recording.
 };
 
-/// Writes the frames from `from_s` (included) to `to_s` (excluded), in seconds after the first
-/// frame, into a new recording at `out`. They keep their times, and the part keeps the start by the
-/// clock. `to_s` may be beyond the end.
-/// Fails  as check(); kInvalid if it has no depth frame in that range, or `out` exists with kKeep;
-///        kUnavailable (disk).
+/// Writes the frames from `from_s` (included) to `to_s` (excluded) into a new recording at `out`.
+/// Both are seconds after the first frame, and `to_s` may be beyond the end. The frames keep their
+/// times, and the part keeps the wall clock time of the recording's start.
+/// Fails as check() does. Fails with kInvalid if that range has no depth frame, or if `out` exists
+/// with kKeep. Fails with kUnavailable if the disk fails.
 Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out,
                       Existing existing, const ProgressReport& progress);
 

@@ -20,7 +20,7 @@ RecordedStream::FieldOfView view_of(const CameraModel& model) {
   return {2 * std::atan(0.5 * model.width / model.fx), 2 * std::atan(0.5 * model.height / model.fy)};
 }
 
-// Rejects at once what the check would reject in the finished file.
+// Rejects early what check() would reject in the finished file.
 Result<void> check_stream(RecordedStream::Kind kind, const CameraModel& model, const OniContent& content) {
   if (!is_sane(view_of(model))) {
     return fail(
@@ -111,9 +111,9 @@ std::uint16_t OniWriter::largest_depth() const {
       content_.camera.unit == DepthUnit::kMillimetre ? kMaxDepthMillimetre : kMaxDepth100Micrometres);
 }
 
-// The order is that of OpenNI's recorder. Without xnDeviceMaxDepth a 16zT node does not open.
-// Without xnCropping the player drops every frame. Without xnFOV points cannot be converted to the
-// world.
+// Appends the properties in the order of OpenNI's recorder. Players need three of them: without
+// xnDeviceMaxDepth a 16zT node does not open, without xnCropping every frame is dropped, and
+// without xnFOV points cannot be converted to the world.
 void OniWriter::append_definition(Bytes& bytes, Stream& stream) {
   const CameraModel& model = camera_of(stream);
   const bool is_depth = &stream == &depth_;

@@ -1,10 +1,10 @@
 #pragma once
 
 // Writes an .oni recording that OpenNI 2 plays. Depth is bit-exact, each stream keeps its own
-// timestamps, and the same calls give the same bytes.
+// timestamps, and the same calls write the same bytes.
 //
 // Frames are passed to the system at once. If the program dies, the file plays up to the last
-// checkpoint(), and repair() (recording/oni_repair.h) completes it up to the last whole frame.
+// checkpoint(), and repair() (oni_repair.h) completes it up to the last whole frame.
 //
 // Thread: one thread creates, uses and destroys a writer.
 
@@ -28,69 +28,70 @@ namespace copresence::recording {
 enum class DepthCoding { k16z, kNone };
 enum class ColorCoding { kJpeg, kRaw };
 
-/// The content of a recording, fixed before its first frame.
+/// The properties of a recording, fixed before its first frame.
 struct OniContent {
-  CameraMetadata camera;  ///< gives the streams' sizes, unit and fields of view
+  CameraMetadata camera;  ///< Gives the streams' sizes, unit and fields of view.
   DepthCoding depth = DepthCoding::k16z;
   std::optional<ColorCoding> color = ColorCoding::kJpeg;
-  int jpeg_quality = 90;  ///< 1 to 100
+  int jpeg_quality = 90;  ///< Quality of JPEG colour, 1 to 100.
   int frames_per_second = 30;
-  /// Largest depth value, from which viewers size tables. Default: kMaxDepthMillimetre or
-  /// kMaxDepth100Micrometres of oni_format.h.
+  /// Largest depth value, by which viewers size tables. The default is kMaxDepthMillimetre or
+  /// kMaxDepth100Micrometres.
   std::optional<std::uint16_t> max_depth = std::nullopt;
-  /// Microseconds from 1970 (UTC) to the recording's time zero, if it is known before the first
-  /// frame.
+  /// Microseconds from 1970 (UTC) to the recording's time zero, if known before the first frame.
   std::optional<std::int64_t> unix_zero_us = std::nullopt;
 };
 
 class OniWriter {
  public:
   /// Creates the file and writes the records before the first frame.
-  /// Fails  kInvalid (impossible content or, with kKeep, an existing file), kUnavailable (the file
-  ///        cannot be written).
+  /// Fails with kInvalid if the content is impossible or, with kKeep, the file exists. Fails with
+  /// kUnavailable if the file cannot be written.
   static Result<OniWriter> create(const std::string& path, const OniContent& content,
                                   Existing existing = Existing::kKeep);
-  /// The same with the first free name, see OutputFile::create_numbered().
+  /// Creates the file under the first free name, see OutputFile::create_numbered().
   static Result<OniWriter> create_numbered(const std::string& path, const OniContent& content);
 
   const std::string& path() const { return path_; }
 
   /// Writes OniContent::unix_zero_us, if it became known only with the first frame. Requires that
-  /// no frame has been written. Fails  kUnavailable: the disk is full.
+  /// no frame has been written. Fails with kUnavailable if the disk is full.
   Result<void> note_unix_zero(std::int64_t unix_zero_us);
 
-  /// Writes one depth picture, in the unit and size of the content. `timestamp` is on the device's
-  /// clock, at least 0 and not before that of the stream's previous frame.
-  /// Fails  kInvalid (wrong size, time or depth), kUnsupported (the coding cannot represent the
-  ///        picture), kUnavailable (the disk is full, or the file has its maximum size). The file
-  ///        is then unchanged.
+  /// Writes one depth picture in the unit and size of the content. `timestamp` is on the device's
+  /// clock, at least 0 and not before that of the stream's previous frame. After a failure the file
+  /// is unchanged.
+  /// Fails with kInvalid on a wrong size, time or depth. Fails with kUnsupported if the coding
+  /// cannot represent the picture. Fails with kUnavailable if the disk is full or the file has its
+  /// maximum size.
   Result<void> write_depth(std::chrono::microseconds timestamp, const DepthImage& depth);
 
   /// Writes one colour picture of the colour camera's size. Requires that the content has colour.
-  /// Fails as write_depth().
+  /// Fails as write_depth() does.
   Result<void> write_color(std::chrono::microseconds timestamp, const ColorImage& color);
 
-  /// Writes one colour picture that is a JPEG of the right size and three components already: its
+  /// Writes one colour picture that is already a JPEG of the right size with three components. Its
   /// bytes are stored unchanged. Requires ColorCoding::kJpeg.
   Result<void> write_jpeg(std::chrono::microseconds timestamp, std::span<const std::uint8_t> jpeg);
 
-  /// Completes the file for now: if the program dies, it plays up to here. Takes a hundred bytes of
-  /// the file if frames were written since the last call. Fails  kUnavailable: the disk is full.
+  /// Completes the file up to here, so that it plays even if the program dies. If frames were
+  /// written since the last call, this takes a hundred bytes. Fails with kUnavailable if the disk
+  /// is full.
   Result<void> checkpoint();
 
-  /// Writes seek tables and counts, and closes the file. Call it once, last. If there is no room
-  /// for seek tables, the file is completed without them and still plays. Fails  kUnavailable: the
-  /// disk has no room at all.
+  /// Writes seek tables and counts, and closes the file. Call it once, last. If the disk has no
+  /// room for seek tables, the file is completed without them and still plays. Fails with
+  /// kUnavailable if there is no room at all.
   Result<void> finish();
 
-  /// Instead of finish(): deletes the file.
+  /// Deletes the file. Call it instead of finish().
   void discard() { file_.discard(); }
 
   std::uint64_t bytes() const { return file_.size(); }
 
  private:
   struct Stream {
-    std::uint32_t node = 0;  // 1 depth, 2 colour
+    std::uint32_t node = 0;  // 1 is depth, 2 is colour.
     std::uint64_t added_position = 0, counts_position = 0;
     std::vector<FramePlace> frames;
   };
@@ -114,8 +115,8 @@ class OniWriter {
   std::vector<std::uint8_t> record_;
   Stream depth_{1, 0, 0, {}};
   Stream color_{2, 0, 0, {}};
-  std::optional<std::uint64_t> end_at_;  // position of the last checkpoint
-  bool frames_since_ = false;            // whether frames came after it
+  std::optional<std::uint64_t> end_at_;  // Position of the last checkpoint.
+  bool frames_since_ = false;            // True if frames were written after the last checkpoint.
 };
 
 }  // namespace copresence::recording

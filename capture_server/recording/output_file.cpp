@@ -41,7 +41,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, Existing existing
   int descriptor = ::open(path.c_str(), kWrite | how, 0666);
   if (descriptor < 0 && errno == EEXIST) {
     descriptor = ::open(path.c_str(), kWrite | O_NONBLOCK);
-    // A dangling link counts as an existing file.
+    // A dangling symbolic link counts as an existing file.
     if (descriptor < 0 ? errno == ENOENT || errno == EACCES : is_regular(descriptor)) {
       if (descriptor >= 0) ::close(descriptor);
       return fail(ErrorCode::kInvalid,
@@ -100,7 +100,7 @@ tl::unexpected<Error> OutputFile::failure() const {
 
 Result<void> OutputFile::append(std::span<const std::uint8_t> bytes) {
   if (auto written = write(size_, bytes); !written) {
-    // Best effort: bytes after a recording's end do no harm.
+    // If this fails, the bytes after the recording's end do no harm.
     [[maybe_unused]] const int cut = ::ftruncate(descriptor_, static_cast<off_t>(size_));
     return written;
   }

@@ -1,7 +1,7 @@
 #pragma once
 
-// The file of a recording while it is written. Bytes are appended or overwritten; every failure is
-// a sentence for the user.
+// Writes the file of a recording. Bytes are appended or overwritten. Every failure has a sentence
+// for the user.
 //
 // Thread: one thread at a time.
 
@@ -13,22 +13,24 @@
 
 namespace copresence::recording {
 
-/// What to do with an existing file. Nothing is overwritten without the user's request.
+/// The treatment of an existing file. Nothing is overwritten without the user's request.
 enum class Existing {
-  kKeep,     ///< creating fails
-  kReplace,  ///< the file is emptied
+  kKeep,     ///< Creating the file fails.
+  kReplace,  ///< The file is emptied.
 };
 
 class OutputFile {
  public:
-  /// Creates the file. With kKeep, exactly one of several processes that create the same name
-  /// succeeds. Other things than regular files (/dev/full, a named pipe) are opened as they are.
-  /// Fails  kInvalid (with kKeep, a file of this name exists), kUnavailable (it cannot be written).
+  /// Creates the file. If several processes create the same name with kKeep, exactly one of them
+  /// succeeds. Devices and named pipes are opened as they are.
+  /// Fails with kInvalid if a file of this name exists, with kKeep. Fails with kUnavailable if the
+  /// file cannot be written.
   static Result<OutputFile> create(const std::string& path, Existing existing = Existing::kKeep);
   /// Creates `path`, or the first of `name-2.ext`, `name-3.ext` and so on that does not exist yet.
-  /// Fails  kInvalid (10 000 names are taken), kUnavailable (it cannot be written).
+  /// Fails with kInvalid if 10 000 names are taken, and with kUnavailable if the file cannot be
+  /// written.
   static Result<OutputFile> create_numbered(const std::string& path);
-  /// Opens an existing file to change it in place. Fails (kNotFound, kUnavailable).
+  /// Opens an existing file to change it in place. Fails with kNotFound or kUnavailable.
   static Result<OutputFile> open(const std::string& path);
 
   OutputFile(OutputFile&& other) noexcept;
@@ -38,21 +40,22 @@ class OutputFile {
   const std::string& path() const { return path_; }
   std::uint64_t size() const { return size_; }
 
-  /// Writes at the end. After a failure the file is unchanged.
-  /// Fails  kUnavailable: the disk is full, the file has its maximum size, or the medium is gone.
+  /// Appends bytes. After a failure the file is unchanged.
+  /// Fails with kUnavailable if the disk is full or removed, or if the file has its maximum size.
   Result<void> append(std::span<const std::uint8_t> bytes);
 
-  /// Overwrites bytes of the file. Requires offset + bytes.size() <= size(). Fails as append().
+  /// Overwrites bytes of the file. Requires offset + bytes.size() <= size(). Fails as append()
+  /// does.
   Result<void> write_at(std::uint64_t offset, std::span<const std::uint8_t> bytes);
 
   /// Cuts the file off at `size`. Requires size <= size().
   Result<void> truncate(std::uint64_t size);
 
-  /// Call it last. Fails if the system reports a delayed failure.
+  /// Closes the file. Call it last. Fails if the system reports a delayed write failure.
   Result<void> close();
 
-  /// Instead of close(): deletes a file that could not be completed. Other things than regular
-  /// files stay.
+  /// Deletes a file that could not be completed. Call it instead of close(). Devices and named
+  /// pipes stay.
   void discard();
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
-// Access to the bytes of a recording for its parsers: in any order, with bounds checks, and with
-// little memory.
+// Gives parsers access to the bytes of a recording in any order, with bounds checks and little
+// memory.
 //
 // Thread: one thread at a time.
 
@@ -18,10 +18,10 @@
 
 namespace copresence::recording {
 
-/// Reads `into.size()` bytes from `offset` on; false if the medium fails.
+/// Reads `into.size()` bytes from `offset` on. Returns false if the disk fails.
 using ReadAt = std::function<bool(std::uint64_t offset, std::span<std::uint8_t> into)>;
 
-/// A window into a file, so that short reads close to each other need one call of the medium.
+/// A window into a file. Short reads close to each other need only one call of ReadAt.
 class RecordBytes {
  public:
   static constexpr std::size_t kWindow = 4096;
@@ -30,8 +30,8 @@ class RecordBytes {
 
   std::uint64_t size() const { return size_; }
 
-  /// `count` bytes from `offset` on, valid until the next call. Nothing if they are outside the
-  /// file or cannot be read.
+  /// Returns `count` bytes from `offset` on, valid until the next call. Nothing if they are outside
+  /// the file or cannot be read.
   std::optional<std::span<const std::uint8_t>> at(std::uint64_t offset, std::uint32_t count);
 
  private:
@@ -41,8 +41,8 @@ class RecordBytes {
   std::uint64_t window_at_ = 0;
 };
 
-/// The fields of one record in order, little-endian. After a read beyond the end, `whole()` stays
-/// false.
+/// Reads the fields of one record in order, little-endian. After a read beyond the end, ok() and
+/// whole() stay false.
 class FieldReader {
  public:
   explicit FieldReader(std::span<const std::uint8_t> fields) : left_(fields) {}
@@ -51,16 +51,16 @@ class FieldReader {
   std::uint64_t u64() { return number(8); }
   double f64();
 
-  /// A length that includes the final NUL, then the text: printable ASCII, returned without the
-  /// NUL.
+  /// Reads a length that includes the final NUL, then printable ASCII text. Returns the text
+  /// without the NUL.
   std::string_view text();
 
-  /// A length, then bytes.
+  /// Reads a length, then that many bytes.
   std::span<const std::uint8_t> blob();
 
-  /// Whether everything read so far was present.
+  /// True if the record contained every field read so far.
   bool ok() const { return ok_; }
-  /// Whether everything read so far was present and nothing is left.
+  /// True if the record contained every field read so far and nothing else.
   bool whole() const { return ok_ && left_.empty(); }
 
  private:
@@ -71,18 +71,18 @@ class FieldReader {
   bool ok_ = true;
 };
 
-/// The first fields of a record, unchecked.
+/// The first fields of a record. Their values are unchecked.
 struct RecordHead {
-  std::uint32_t magic = 0;  ///< kRecordMagic if a record begins here
+  std::uint32_t magic = 0;  ///< It is kRecordMagic if a record begins here.
   RecordType type{};
   std::uint32_t node = 0;
-  std::uint32_t fields_bytes = 0;   ///< head and fields
-  std::uint32_t payload_bytes = 0;  ///< meaningful only for types with a payload
+  std::uint32_t fields_bytes = 0;   ///< Size of head and fields.
+  std::uint32_t payload_bytes = 0;  ///< Meaningful only for types with a payload.
 
   bool has_payload() const { return type == RecordType::kNewData || type == RecordType::kSeekTable; }
 };
 
-/// Requires kOldRecordBytes or more.
+/// Requires at least kOldRecordBytes bytes.
 RecordHead parse_record_head(std::span<const std::uint8_t> bytes);
 
 }  // namespace copresence::recording

@@ -19,8 +19,8 @@ constexpr auto kDepth100Micrometres = static_cast<std::uint64_t>(OniPixelFormat:
 constexpr auto kRgb888 = static_cast<std::uint64_t>(OniPixelFormat::kRgb888);
 constexpr auto kGray8 = static_cast<std::uint64_t>(OniPixelFormat::kGray8);
 
-// "xnPixelFormat" of OpenNI 1 from 1 on, as OpenNI2 translates it: RGB24, YUV422, 8-bit and 16-bit
-// grey, MJPEG.
+// The values of OpenNI 1's "xnPixelFormat" from 1 on, as OpenNI2 translates them: RGB24, YUV422,
+// 8-bit and 16-bit grey, MJPEG.
 constexpr std::uint64_t kFromOpenNi1[] = {kRgb888, 201, kGray8, 203, 204};
 
 // The player's buffer for one decoded frame, in bytes.
@@ -61,8 +61,8 @@ bool StreamFormat::apply(Kind kind, RecordType type, std::string_view key,
   if (is_int && key == "xnPixelFormat") {
     const std::uint64_t number = fields.u64();
     if (kind == Kind::kDepth) {
-      pixel_format =
-          kDepthMillimetre;  // whatever the value: a recorder of another format adds oniPixelFormat
+      // This holds for every value, because a recorder of another format adds oniPixelFormat.
+      pixel_format = kDepthMillimetre;
       return true;
     }
     if (number < 1 || number > std::size(kFromOpenNi1)) return false;
@@ -85,7 +85,7 @@ bool StreamFormat::apply(Kind kind, RecordType type, std::string_view key,
   if (is_general && key == "xnCropping") {
     cropped = fields.u32() != 0;
     has_cropping = true;
-    fields.u64();  // offset and size, four times 16 bits
+    fields.u64();  // Offset and size, four times 16 bits.
     return fields.whole();
   }
   if (is_general && key == "xnFOV") {
@@ -94,14 +94,14 @@ bool StreamFormat::apply(Kind kind, RecordType type, std::string_view key,
     return fields.whole() && is_sane(*field_of_view);
   }
   if (is_general && key == "xnRealWorldTranslationData") {
-    // The field of view in early versions of OpenNI 1: distance of the zero plane, pixel size
-    // there, ratio of source to depth pixels.
+    // Early versions of OpenNI 1 state the field of view by the distance of the zero plane, the
+    // pixel size there, and the ratio of source to depth pixels.
     const double distance = fields.f64(), pixel = fields.f64(), ratio = fields.f64();
     const auto angle = [&](std::uint32_t size) { return 2 * std::atan(pixel * ratio * size / 2 / distance); };
     field_of_view = {angle(width), angle(height)};
     return fields.whole() && is_sane(*field_of_view);
   }
-  // The player looks only at the key: it would misread one of these in a property of another type.
+  // The player looks only at the key, so it would misread such a property if it had another type.
   constexpr std::string_view kKnown[] = {"xnMapOutputMode",      "xnPixelFormat", "oniPixelFormat",
                                          "oniRequiredFrameSize", "xnCropping",    "xnFOV",
                                          "xnDeviceMaxDepth"};
@@ -153,7 +153,7 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
     return unsupported("has no property xnCropping, without which OpenNI2 plays nothing; record it again");
   }
   if (cropped) return unsupported("was recorded cropped; record it without cropping");
-  // In each of these cases the player would have no decoder for the frames.
+  // In each of these cases the player has no decoder for the frames.
   const bool depth_codec = stream.codec == "16zT" || stream.codec == "16zP";
   const bool fits = stream.codec == "NONE" ||
                     (stream.kind == Kind::kColor ? stream.codec == "JPEG" : depth_codec) ||
@@ -170,13 +170,13 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
   return {};
 }
 
-// A frame larger than its codec can produce is a broken record. The limit also keeps OpenNI2's
-// reads beyond a damaged payload inside its own buffer, which is much larger.
+// A frame larger than its codec can produce is a broken record. With this limit, OpenNI2's reads
+// beyond a damaged payload also stay inside its much larger buffer.
 std::uint64_t StreamFormat::max_payload(std::string_view codec, Kind kind) const {
   const std::uint64_t pixels = std::uint64_t{width} * height;
   const std::uint64_t frame_bytes = pixels * bytes_per_pixel(kind);
-  if (codec == "16zT")
-    return 3 * pixels + 2 * 65536 + 4;  // an escape and two bytes per pixel; the table; two numbers
+  // An escape and two bytes per pixel, the table, and two numbers.
+  if (codec == "16zT") return 3 * pixels + 2 * 65536 + 4;
   if (codec == "16zP") return 3 * pixels + 2;
   if (codec == "Im8z") return 2 * pixels + 2;
   if (codec == "JPEG") return 2 * frame_bytes + 65536;

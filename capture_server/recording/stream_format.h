@@ -1,9 +1,9 @@
 #pragma once
 
-// The format of a stream's frames, from its properties, and whether this project and OpenNI2's
-// player can use it. Part of the recording's check.
+// The format of a stream's frames, from its properties. It also decides whether this project and
+// OpenNI2's player can use the stream. Part of the recording's check.
 //
-// Thread: a value.
+// Thread: one thread at a time per object.
 
 #include <cstdint>
 #include <optional>
@@ -17,26 +17,26 @@ namespace copresence::recording {
 
 struct StreamFormat {
   std::uint32_t width = 0, height = 0, frames_per_second = 0;
-  std::uint64_t pixel_format = 0;  ///< OpenNI2's number; 0 = not given
-  std::uint64_t frame_buffer = 0;  ///< size of the player's buffer for a frame in bytes; 0 = not given
+  std::uint64_t pixel_format = 0;  ///< OpenNI2's number. 0 if not given.
+  std::uint64_t frame_buffer = 0;  ///< Size of the player's buffer for a frame in bytes. 0 if not given.
   bool has_max_depth = false;
   bool has_cropping = false;
   bool cropped = false;
   std::optional<RecordedStream::FieldOfView> field_of_view;
 
-  /// Applies one property as the player would. Properties without meaning for the frames are
-  /// ignored.
-  /// Returns false if the property is invalid for this project or the player.
+  /// Applies one property as the player would. Properties that do not concern the frames are
+  /// ignored. Returns false if the property is invalid for this project or the player.
   bool apply(RecordedStream::Kind kind, RecordType type, std::string_view key,
              std::span<const std::uint8_t> value);
 
-  /// Fills in `stream` once all its properties have been applied. `stream` has its kind and codec.
-  /// Fails  kCorrupt, kUnsupported, with a phrase that begins with the stream's name, for a
-  ///        sentence about the file.
+  /// Fills in `stream` once all its properties have been applied. `stream` must have its kind and
+  /// codec.
+  /// Fails with kCorrupt or kUnsupported. The message is a phrase that begins with the stream's
+  /// name, for a sentence about the file.
   Result<void> describe(RecordedStream& stream) const;
 
-  /// The maximum size of a coded frame in bytes; with codec NONE its exact size. Requires that
-  /// describe() succeeded.
+  /// The maximum size of a coded frame in bytes. With codec NONE it is the exact size. Requires
+  /// that describe() succeeded.
   std::uint64_t max_payload(std::string_view codec, RecordedStream::Kind kind) const;
 
   friend bool operator==(const StreamFormat&, const StreamFormat&) = default;
@@ -45,7 +45,7 @@ struct StreamFormat {
   std::uint64_t bytes_per_pixel(RecordedStream::Kind kind) const;
 };
 
-/// Whether both angles are plausible for a camera.
+/// True if both angles are plausible for a camera.
 bool is_sane(const RecordedStream::FieldOfView& view);
 
 /// "depth", "colour", "infrared".

@@ -21,8 +21,8 @@
 
 namespace copresence::drivers {
 
-/// Copies a property's `size` bytes to a caller of OpenNI2. The caller is untrusted: a wrong
-/// `*data_size` is an error.
+/// Copies a property's `size` bytes to a caller of OpenNI2. The caller is untrusted: a
+/// `*data_size` below `size` is an error.
 OniStatus answer(const void* value, int size, void* data, int* data_size);
 
 /// Returns the value of a property that is being set, or nothing if its size is wrong.

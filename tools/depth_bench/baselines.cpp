@@ -17,13 +17,12 @@ namespace copresence::depth_bench {
 namespace {
 
 constexpr std::array<std::string_view, 5> kNames{"rvl", "rvl_zstd", "png", "split16", "holoimage"};
-constexpr int kZstdLevel = 1;  // fast enough for a camera
+constexpr int kZstdLevel = 1;  // Level 1 is fast enough for a camera.
 constexpr int kPngLevel = 1;
 constexpr int kLossyQp = 12;
 
 using Bytes = std::vector<std::uint8_t>;
 
-// A lossless baseline.
 struct Lossless {
   std::function<Bytes(const DepthImage&)> encode;
   std::function<void(const Bytes&, DepthImage&)> decode;
@@ -65,8 +64,8 @@ Lossless lossless(std::string_view name) {
           }};
 }
 
-// The states of decoded depth. Baselines code holes as zeros and do not know which pixels were
-// filled, so these count as correct.
+// Returns the validity states of decoded depth. Baselines code holes as zeros and cannot mark
+// filled pixels, so filled pixels count as correct.
 StateImage states_of(const DepthImage& depth, const StateImage& original) {
   StateImage states(depth.width(), depth.height(), DepthState::kHole);
   for (std::size_t i = 0; i < states.pixels().size(); ++i) {
@@ -105,7 +104,7 @@ Row run_lossless(const DepthRecording& recording, const std::string& name) {
   return row;
 }
 
-// A picture of twice the height: high bytes in the upper half, low bytes in the lower half.
+// Makes a picture of twice the height: high bytes in the upper half, low bytes in the lower half.
 Picture split(const DepthImage& depth) {
   Picture picture(PixelFormat::kGray8, depth.width(), 2 * depth.height());
   const auto samples = picture.plane8(0);

@@ -1,8 +1,7 @@
 #pragma once
 
 // Baselines that the depth codecs are compared with: rvl and rvl_zstd (rvl.h), png of 16-bit depth,
-// split16 (high and low bytes as two 8-bit pictures, coded with H.264), and holoimage
-// (holoimage.h).
+// split16 (high and low bytes as two 8-bit pictures in H.264), and holoimage (holoimage.h).
 
 #include <span>
 #include <string>
@@ -16,9 +15,8 @@ namespace copresence::depth_bench {
 std::span<const std::string_view> baseline_names();
 bool is_baseline(std::string_view name);
 
-/// Runs a baseline: split16 and holoimage at QP 12, the others lossless. Requires
-/// is_baseline(name).
-/// Fails  as the video encoder.
+/// Runs a baseline. The baselines split16 and holoimage run at QP 12, the others are lossless.
+/// Requires is_baseline(name). Fails as the video encoder.
 Result<Row> run_baseline(const DepthRecording& recording, const std::string& name);
 
 }  // namespace copresence::depth_bench

@@ -16,23 +16,23 @@
 namespace copresence::depth_bench {
 
 struct Setting {
-  std::optional<int> qp, kbps;  ///< exactly one is set
+  std::optional<int> qp, kbps;  ///< Exactly one of both is set.
   video::Preset preset = video::Preset::kLive;
-  std::string text() const;  ///< such as qp=12 or kbps=1000
+  std::string text() const;  ///< Such as "qp=12" or "kbps=1000".
 };
 
 /// The middle frame of a recording, for plots.
 struct Snapshot {
-  Picture before, after;   ///< The picture before and after video coding.
+  Picture before, after;   ///< The depth picture before and after video coding.
   DepthImage depth, back;  ///< Original and decoded depth.
 };
 
-/// Codes and decodes all frames. Fails as the encoders and decoders, and for an incompletely
-/// decoded frame.
+/// Codes and decodes all frames. Fails as the encoders and decoders, and if a frame decodes only in
+/// part.
 Result<Row> run_codec(const DepthRecording& recording, const std::string& codec, const Setting& setting,
                       Snapshot* snapshot = nullptr);
 
-/// The codecs that tune() tries: all of them, and some with other parameters.
+/// Codecs that tune() tries: all codecs, some of them also with other parameters.
 std::vector<std::string> tuning_candidates();
 
 /// Runs all candidates at a bitrate and sorts them by RMSE in disparity steps, the best first

@@ -11,7 +11,7 @@ double step_mm(double z_mm) {
   return kKinectV1Noise.step_m(z_mm * 1e-3) * 1e3;
 }
 
-constexpr double kEdgeSteps = 10;   // Smallest difference between two surfaces.
+constexpr double kEdgeSteps = 10;   // Smallest distance of two surfaces at an edge.
 constexpr double kFlyingSteps = 5;  // A flying pixel is farther than this from both surfaces.
 constexpr int kEdgeReach = 2;       // Distance from a pixel to the surfaces on both sides, pixels.
 
@@ -51,7 +51,7 @@ void DepthError::add_edges(const DepthImage& depth, const DepthImage& back) {
         return std::min(std::abs(at - left) / step_mm(left), std::abs(at - right) / step_mm(right)) >
                kFlyingSteps;
       };
-      if (is_flying(z)) continue;  // the original pixel is flying, too
+      if (is_flying(z)) continue;  // The original pixel is flying, too.
       ++edges_;
       flying_ += is_flying(z_back) && std::abs(z_back - z) > kFlyingSteps * step;
     }

@@ -15,7 +15,7 @@ class DepthError {
   explicit DepthError(DepthUnit unit)
       : mm_per_unit_(metres_per_unit(unit) * 1000), histogram_(kBins), steps_(kBins) {}
 
-  /// Adds a frame. Requires images of one shape.
+  /// Adds a frame. Requires images of one size.
   void add(const DepthImage& depth, const StateImage& states, const DepthImage& back,
            const StateImage& states_back);
 
@@ -25,10 +25,11 @@ class DepthError {
   double percentile_mm(double share) const;     ///< Resolution 0.01 mm, at most 655 mm.
   double percentile_steps(double share) const;  ///< Resolution 0.01 disparity steps.
   double max_mm() const { return max_mm_; }
-  double percent_beyond_3_steps() const { return percent(beyond_3_steps_); }  ///< error > 3 step(z) + 1 mm
+  /// Share of pixels with an error above 3 disparity steps + 1 mm.
+  double percent_beyond_3_steps() const { return percent(beyond_3_steps_); }
   double percent_beyond_100mm() const { return percent(beyond_100mm_); }
-  /// Flying pixels: the share of pixels at depth edges that are more than 5 disparity steps from
-  /// both sides of the edge.
+  /// Share of pixels at depth edges that are more than 5 disparity steps from both sides of the
+  /// edge. Such pixels are called flying pixels.
   double percent_flying() const {
     return edges_ ? 100.0 * static_cast<double>(flying_) / static_cast<double>(edges_) : 0;
   }
@@ -45,7 +46,7 @@ class DepthError {
   }
 
   double mm_per_unit_;
-  std::vector<std::uint64_t> histogram_, steps_;  // bins of kBin mm and kBin steps
+  std::vector<std::uint64_t> histogram_, steps_;  // Bins of kBin mm and of kBin steps.
   double sum_mm_ = 0, sum_mm2_ = 0, sum_steps2_ = 0, max_mm_ = 0;
   std::uint64_t pixels_ = 0, beyond_3_steps_ = 0, beyond_100mm_ = 0, flips_ = 0, edges_ = 0, flying_ = 0;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// The depth of a recording in memory, as input of all codecs. Depth outside the range is a hole.
+// Holds a recording's depth in memory as input of all codecs. Depth outside the range is a hole.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace copresence::depth_bench {
 
 struct DepthRecording {
   depth::DepthFormat format;
-  std::vector<std::uint16_t> levels;  ///< as SensorDescription::levels
+  std::vector<std::uint16_t> levels;  ///< See SensorDescription::levels.
   std::vector<DepthImage> depth;
   std::vector<StateImage> states;
 };

@@ -11,10 +11,10 @@ namespace copresence::depth_bench {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Neighbours whose depth differs by more than this are not one surface. Between them nothing throws
-// a shadow.
+// Neighbours whose depth differs by more than this are separate surfaces. The gap between separate
+// surfaces casts no shadow.
 constexpr double kDiscontinuityM = 0.1;
-constexpr double kShadowTolerance = 2;  // pixels: a surface must not shade itself through rounding
+constexpr double kShadowTolerance = 2;  // In pixels; keeps a surface from shading itself through rounding.
 
 std::uint8_t to_sample(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
@@ -24,7 +24,7 @@ double fraction(double value) {
   return value - std::floor(value);
 }
 
-// The wave on top of a stair, K = 0 in equation 2.6: it rises from one stair to the next without a
+// The wave within a stair, K = 0 in equation 2.6. It continues from one stair to the next without a
 // jump.
 double wave(double stair, double phase) {
   return stair / 2 - (stair - 2) / 2 * std::cos(kPi * phase);
@@ -40,7 +40,7 @@ Holoimage::Holoimage(const depth::DepthFormat& format) : format_(format) {
   width_ = kFringeWidthM / unit;
   first_ = fringe_coordinate(0, format.units().near);
   const double fringes = std::ceil((fringe_coordinate(format.width, format.units().far) - first_) / width_);
-  stair_ = 255 / (fringes + 1);  // the lowest stair is black
+  stair_ = 255 / (fringes + 1);  // The lowest stair is black.
 }
 
 double Holoimage::fringe_coordinate(double x, double z) const {
@@ -51,8 +51,7 @@ std::vector<bool> Holoimage::find_lit_pixels(const DepthImage& depth) const {
   std::vector<bool> lit(depth.pixels().size());
   const auto rays = static_cast<std::size_t>(
       std::ceil((fringe_coordinate(format_.width, format_.units().far) - first_) / (pixel_ * cosine_)) + 2);
-  std::vector<double> nearest(
-      rays);  // of each projector ray: the distance to the first surface that it meets
+  std::vector<double> nearest(rays);  // Distance to the first surface along each projector ray.
   const auto ray = [&](double fringe) { return (fringe - first_) / (pixel_ * cosine_); };
   const auto distance = [&](int x, double z) { return z * cosine_ - x * pixel_ * sine_; };
   const double gap = kDiscontinuityM / metres_per_unit(format_.unit);

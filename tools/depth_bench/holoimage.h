@@ -2,16 +2,15 @@
 
 // Holoimage (thesis 2.7.1 and equation 2.6): a virtual projector throws fringes onto the surface
 // from the side, and a virtual camera takes a picture of it. Depth is triangulated from the
-// fringes. Surfaces that the projector does not reach lie in shadow: their depth is lost, in any
-// coding.
+// fringes. Where the surface is in shadow of the projector, depth is lost.
 //
 // Projector and camera are orthographic. The depth image is a height field whose pixels are kPixelM
 // apart. The projector stands to the right of the camera. A point at (x, z) has the fringe
 // coordinate p = x cos(angle) + z sin(angle).
 //
-// Picture: YUV 4:4:4. U holds the sine of the phase of p, V the cosine, Y the stair that counts
-// whole fringes. Pixels without light are black. The thesis's equation has the channels in RGB; it
-// recommends YUV for H.264.
+// The picture is YUV 4:4:4. U holds the sine of the phase of p, V holds the cosine, and Y holds the
+// stair that counts whole fringes. Pixels without light are black. The thesis's equation uses RGB
+// channels, but the thesis recommends YUV for H.264.
 
 #include <vector>
 
@@ -25,8 +24,8 @@ namespace copresence::depth_bench {
 class Holoimage {
  public:
   static constexpr double kProjectorDegrees = 30;
-  static constexpr double kPixelM = 0.0043;     ///< What a Kinect's pixel covers at 2.5 m.
-  static constexpr double kFringeWidthM = 0.4;  ///< P of the equation; 0.8 m of depth.
+  static constexpr double kPixelM = 0.0043;     ///< Width that a Kinect's pixel covers at 2.5 m.
+  static constexpr double kFringeWidthM = 0.4;  ///< P in equation 2.6; corresponds to 0.8 m of depth.
 
   /// Requires a format that passes check().
   explicit Holoimage(const depth::DepthFormat& format);
@@ -34,20 +33,21 @@ class Holoimage {
   /// Requires an image of the format's size.
   Picture encode(const DepthImage& depth) const;
 
-  /// Depth in the format's unit; 0 where the picture is black. Requires a picture of encode()'s
-  /// format and size.
+  /// Returns depth in the format's unit; 0 where the picture is black. Requires a picture of
+  /// encode()'s format and size.
   void decode(const Picture& picture, DepthImage& depth) const;
 
   /// True for each pixel that has depth and that the projector reaches, row by row.
   std::vector<bool> find_lit_pixels(const DepthImage& depth) const;
 
  private:
-  double fringe_coordinate(double x, double z) const;  // x in pixels, z in the format's unit
+  double fringe_coordinate(double x, double z) const;  // Takes x in pixels and z in the format's unit.
 
   depth::DepthFormat format_;
   double pixel_, sine_, cosine_;  // Pixel distance in the format's unit.
-  double first_, width_;          // Fringe coordinate of the first stair, fringe width, in the format's unit.
-  double stair_;                  // S of the equation, of 255.
+  // Fringe coordinate of the first stair and fringe width, in the format's unit.
+  double first_, width_;
+  double stair_;  // S in equation 2.6, from 0 to 255.
 };
 
 }  // namespace copresence::depth_bench

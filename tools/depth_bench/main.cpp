@@ -35,7 +35,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
     runs += is_baseline(codec) ? 1 : static_cast<int>(list.size());
   tools::Progress progress(runs);
   std::vector<Row> rows;
-  std::string left_out;  // codec that does not support this recording
+  std::string left_out;  // Last codec that does not support this recording.
   print(progress, heading());
   for (const std::string& codec : settings.codecs) {
     if (is_baseline(codec)) {
@@ -46,7 +46,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
       continue;
     }
     Snapshot snapshot;
-    std::string shot;  // the setting of the snapshot
+    std::string shot;  // The setting of the snapshot.
     for (const Setting& setting : list) {
       const std::string title = codec + ' ' + setting.text();
       progress.begin(title);

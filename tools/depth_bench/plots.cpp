@@ -18,7 +18,7 @@ Result<void> write(const cv::Mat& image, const std::string& path) {
   bool written = false;
   try {
     written = cv::imwrite(path, image);
-  } catch (const cv::Exception&) {  // thrown for an unknown extension
+  } catch (const cv::Exception&) {  // Thrown for an unknown extension.
   }
   if (written) return {};
   return fail(ErrorCode::kUnavailable,
@@ -98,8 +98,8 @@ struct Measure {
   std::pair<double, double> range;
 };
 
-// Extends the usual range so that it contains all rows. The value 0 is drawn at the end of the
-// axis, because the axis is logarithmic.
+// Extends the usual range so that it contains all rows. The axis is logarithmic, so the value 0 is
+// drawn at its end.
 std::pair<double, double> with_all(std::pair<double, double> usual, const std::vector<Row>& rows,
                                    double (*of)(const Row&)) {
   for (const Row& row : rows) {
@@ -117,7 +117,7 @@ std::vector<std::string> codecs_of(const std::vector<Row>& rows) {
   return names;
 }
 
-// A 256x256 histogram of the chroma samples. Darkness is the logarithm of the count, redness the
+// Draws a 256x256 histogram of the chroma samples. Darker means more samples. Redder means a larger
 // distance from `before`.
 cv::Mat uv_plane(const Picture& picture, const Picture& before) {
   cv::Mat count = cv::Mat::zeros(256, 256, CV_32F), moved = cv::Mat::zeros(256, 256, CV_32F);

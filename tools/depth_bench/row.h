@@ -1,7 +1,7 @@
 #pragma once
 
-// One result: a codec with a setting, its bitrate, its error and its time.
-// docs/internals/compression.md describes the keys of the JSON.
+// One result: a codec with a setting, its bitrate, error and time. docs/internals/compression.md
+// describes the keys of the JSON.
 
 #include <cstdint>
 #include <string>
@@ -14,14 +14,16 @@ namespace copresence::depth_bench {
 
 struct Row {
   std::string codec;
-  std::string pixel_format;  ///< gray8, gray10, yuv420, yuv444; "none" without a video codec.
-  std::string setting;       ///< qp=12, kbps=1000, or lossless.
-  double mbps = 0;           ///< Total at 30 frames per second.
-  double mask_mbps = 0;      ///< Part of mbps: the validity mask.
+  /// One of gray8, gray10, yuv420 and yuv444, or "none" without a video codec.
+  std::string pixel_format;
+  std::string setting;   ///< Such as qp=12, kbps=1000, or lossless.
+  double mbps = 0;       ///< Total bitrate at 30 frames per second.
+  double mask_mbps = 0;  ///< Bitrate of the validity mask, part of mbps.
   double rmse_mm = 0, rmse_steps = 0, mae_mm = 0, p50_mm = 0, p99_mm = 0, max_mm = 0, p99_steps = 0;
   double percent_beyond_3_steps = 0, percent_beyond_100mm = 0, percent_flying = 0;
   std::uint64_t hole_flips = 0;
-  double encode_ms = 0, decode_ms = 0;  ///< median CPU time per frame, one thread, including the mask
+  /// Median CPU time per frame on one thread, including the mask.
+  double encode_ms = 0, decode_ms = 0;
   double max_frame_kb = 0;
   int frames = 0;
 };
@@ -38,7 +40,7 @@ void conclude(const Tally& tally, const DepthError& error, Row& row);
 /// Writes rows as a JSON list. Fails  kUnavailable if the file cannot be written.
 Result<void> write_json(const std::vector<Row>& rows, const std::string& path);
 
-/// The heading and a line of the table on standard output.
+/// The heading and one line of the table on standard output.
 std::string heading();
 std::string line(const Row& row);
 

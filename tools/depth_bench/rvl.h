@@ -3,10 +3,10 @@
 // RVL, a lossless depth codec, implemented from the description in the paper.
 // Source: Andrew D. Wilson, Fast Lossless Depth Image Compression, ISS 2017.
 //
-// Runs of holes and runs of depth alternate. Each pair is coded as the number of zeros, the number
-// of non-zeros, and for each non-zero its difference to the depth before, zigzag-coded. Numbers
+// Runs of holes and runs of depth alternate. A pair of runs is coded as the number of zeros, the
+// number of non-zeros, and the differences between consecutive non-zeros, zigzag-coded. Numbers
 // consist of nibbles, the lowest first: three bits of value and one bit that is set if another
-// nibble follows. Eight nibbles form a 32-bit word, the first one in the highest bits.
+// nibble follows. Eight nibbles form a 32-bit word, with the first nibble in the highest bits.
 
 #include <cstdint>
 #include <span>

@@ -15,18 +15,18 @@ namespace copresence::depth_bench {
 
 struct Settings {
   std::filesystem::path recording;
-  std::vector<std::string> codecs;  ///< names of codecs and baselines; all are known
+  std::vector<std::string> codecs;  ///< Known codecs and baselines.
   std::vector<int> qps;
   std::vector<int> rates_kbps;
-  int frames = 0;  ///< 0: all
+  int frames = 0;  ///< 0 means all frames.
   video::Preset preset = video::Preset::kLive;
   DepthRange range;
   std::optional<std::filesystem::path> json, plot;
-  bool tune = false;  ///< requires rates_kbps
+  bool tune = false;  ///< Requires rates_kbps.
 };
 
 /// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command
-/// line, which is reported on standard error.
+/// line. Errors are reported on standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::depth_bench

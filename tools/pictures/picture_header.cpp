@@ -12,9 +12,9 @@
 namespace copresence::pictures {
 namespace {
 
-constexpr std::size_t kBeginning = 512;  // enough bytes to recognise every format
+constexpr std::size_t kBeginning = 512;  // Enough bytes to recognise every format.
 
-// Limits of the size of a file: bytes per pixel, and bytes of metadata.
+// Limits of a file's size: bytes per pixel, plus bytes of metadata.
 constexpr std::uint64_t kBytesPerPixel = 8, kMetadataBytes = 64 << 20;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -85,8 +85,7 @@ Result<PictureHeader> png_header(Bytes bytes) {
   return header;
 }
 
-// Reads a number of `count` bytes at `at` in the byte order of a TIFF file. Returns 0 beyond the
-// end.
+// Reads a number of `count` bytes at `at` in the byte order of a TIFF file. Returns 0 past the end.
 std::uint32_t tiff_number(Bytes tiff, std::size_t at, std::size_t count, bool is_big_endian) {
   if (at > tiff.size() || tiff.size() - at < count) return 0;
   std::uint32_t value = 0;
@@ -122,11 +121,11 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
     std::array<std::uint8_t, 10> bytes{};
     if (read_at(at, std::span(bytes).first(4)) < 4 || bytes[0] != 0xFF) return broken();
     const std::uint8_t marker = bytes[1];
-    if (marker == 0xFF) {  // fill byte
+    if (marker == 0xFF) {  // Skips a fill byte.
       ++at;
       continue;
     }
-    if (marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8)) {  // a marker without length
+    if (marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8)) {  // Skips a marker without length.
       at += 2;
       continue;
     }
@@ -156,8 +155,8 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
   return broken();
 }
 
-// Reads the next number of a Netpbm or PFM header. White space separates numbers; comments go from
-// # to the end of the line.
+// Reads the next number of a Netpbm or PFM header. White space separates numbers. A comment extends
+// from # to the end of the line.
 std::optional<double> next_number(Bytes bytes, std::size_t& at) {
   while (at < bytes.size() && (std::isspace(bytes[at]) || bytes[at] == '#')) {
     if (bytes[at] == '#') {
@@ -213,7 +212,7 @@ Result<PictureHeader> tiff_header(const ReadAt& read_at, Bytes bytes) {
     if (read_at(directory + 2 + 12ull * i, entry) < entry.size()) return broken();
     const std::uint32_t tag = number(entry, 0, 2), type = number(entry, 2, 2), count = number(entry, 4, 4);
     std::uint32_t value = number(entry, 8, type == 3 ? 2 : 4);
-    if (type == 3 && count > 2) {  // the entry contains the offset of the values
+    if (type == 3 && count > 2) {  // The entry holds the offset of the values.
       std::array<std::uint8_t, 2> there{};
       if (read_at(number(entry, 8, 4), there) < 2) return broken();
       value = number(there, 0, 2);

@@ -1,6 +1,6 @@
 #pragma once
 
-// A progress bar on standard error. It is shown only on a terminal.
+// A progress bar on standard error, shown only on a terminal.
 
 #include <string>
 
@@ -8,13 +8,13 @@ namespace copresence::tools {
 
 class Progress {
  public:
-  /// `runs` is the number of begin() calls of the whole run.
+  /// `runs` is the total number of begin() calls.
   explicit Progress(int runs);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Begins the next step; `what` is shown next to the bar.
+  /// Begins the next step. The bar shows `what` beside it.
   void begin(const std::string& what);
   /// Removes the bar before other output.
   void clear();

@@ -23,7 +23,7 @@ using std::chrono::microseconds;
 constexpr double kTumPerMetre = 5000, kUsualPerMetre = 1000, kFloatPerMetre = 1;
 // Floating-point depth with a larger median is in millimetres.
 constexpr double kFarthestMedian = 100;
-// Plausible medians of the depth in a room, metres. Outside this range the scale is probably wrong.
+// Plausible medians of depth in a room, metres. Outside this range the scale is probably wrong.
 constexpr double kNearestRoom = 0.35, kFarthestRoom = 12;
 
 struct Size {
@@ -44,7 +44,7 @@ Result<void> check_size(const std::filesystem::path& path, const cv::Mat& image,
           path.string(), image.cols, image.rows, size.width, size.height));
 }
 
-// The same view at another size. Pixels keep their shape; if the aspect ratio differs, the centre
+// Scales a camera model to another picture size. Pixels keep their shape, and the picture's centre
 // stays the centre.
 CameraModel scaled(const CameraModel& model, const Size& size) {
   const double scale = static_cast<double>(size.width) / model.width;
@@ -63,7 +63,7 @@ class ImageImport {
   ImageImport(const FromImagesSettings& settings, ImageFolder images)
       : settings_(settings), images_(std::move(images)) {
     report_.remarks = images_.remarks;
-    // Lists may contain negative times. The first of them becomes the zero of the recording.
+    // Lists may contain negative times. The first one becomes the zero of the recording.
     zero_ = std::min(images_.depth.front().time, microseconds(0));
     if (!images_.color.empty()) zero_ = std::min(images_.color.front().time, zero_);
   }
@@ -90,7 +90,7 @@ class ImageImport {
  private:
   microseconds time_of(const TimedImage& image) const { return image.time - zero_; }
 
-  // The times of the depth stream that will be written.
+  // The times of the depth stream to be written.
   recording::RecordedStream times_of_depth() const {
     recording::RecordedStream stream;
     stream.frames_per_second = static_cast<int>(std::lround(settings_.frames_per_second));

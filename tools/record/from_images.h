@@ -15,16 +15,17 @@ namespace copresence::record {
 struct FromImagesReport {
   std::size_t depth_frames = 0, color_frames = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t too_far = 0;         ///< Depth pixels beyond the range of the unit; they became holes.
+  /// Number of depth pixels beyond the range of the unit, which became holes.
+  std::uint64_t too_far = 0;
   double depth_per_metre = 0;        ///< Pixel value of one metre; 0 for raw disparities.
-  std::vector<std::string> remarks;  ///< For the user: what was used, left out and assumed.
+  std::vector<std::string> remarks;  ///< Messages for the user: what was used, left out and assumed.
 };
 
 /// Reads the images in the order of their times and writes a recording. JPEG files are copied
 /// unchanged. The recording is then checked as capture_server checks it, and removed if it fails.
-/// Fails  as find_images(); kCorrupt or kInvalid for an unsuitable image, a recording that could
-///        not be played, or an existing
-///        file without `overwrite`; kUnavailable if writing fails.
+/// Fails  as find_images(); kCorrupt or kInvalid for an unsuitable image, for a recording that
+///        could not be played, or for an existing file without `overwrite`; kUnavailable if writing
+///        fails.
 Result<FromImagesReport> make_from_images(const FromImagesSettings& settings,
                                           const recording::ProgressReport& progress);
 

@@ -17,15 +17,14 @@ namespace fs = std::filesystem;
 using pictures::Format;
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{kLargestSide} * kLargestSide;
-// The value for a hole in 7-Scenes. In other data sets it is the largest possible value, which is
-// no measurement either.
+// Marks a hole in 7-Scenes. Elsewhere it is the largest possible value and no measurement either.
 constexpr std::uint16_t kNotMeasured = 65535;
-// A Kinect's raw disparity has 11 bits; the largest value stands for a hole. NYU Depth v2's toolbox
-// converts it to metres by kMetresTimesDisparity / (kDisparityAtInfinity - raw).
+// A Kinect's raw disparity has 11 bits; the largest value stands for a hole. The toolbox of NYU
+// Depth v2 converts it to metres by kMetresTimesDisparity / (kDisparityAtInfinity - raw).
 constexpr int kNoDisparity = 2047;
 constexpr double kDisparityAtInfinity = 1092.5;
 constexpr double kMetresTimesDisparity = kKinectV1Noise.disparity_constant_m;
-// The right byte order must be smoother than the other by this factor.
+// The image in the right byte order must be smoother than the other by this factor.
 constexpr double kSmoother = 3;
 
 struct Loaded {
@@ -60,8 +59,8 @@ tl::unexpected<Error> does_not_decode(const fs::path& path) {
               fmt::format("{}: the image is damaged and cannot be decoded; use another copy", path.string()));
 }
 
-// The offset of the pixels behind a Netpbm or PFM header of `numbers` numbers. One white space
-// follows the last number.
+// Returns the offset of the pixels after a Netpbm or PFM header of `numbers` numbers. One
+// white-space byte follows the last number.
 std::size_t end_of_header(const std::vector<std::uint8_t>& bytes, int numbers) {
   std::size_t at = 2;
   for (int i = 0; i < numbers; ++i) {
@@ -77,7 +76,7 @@ std::size_t end_of_header(const std::vector<std::uint8_t>& bytes, int numbers) {
   return at + 1;
 }
 
-// PFM has floats, the bottom row first. A negative scale means little-endian.
+// PFM stores floats, beginning with the bottom row. A negative scale means little-endian.
 cv::Mat decode_pfm(const Loaded& loaded) {
   const std::size_t begin = end_of_header(loaded.bytes, 3);
   const std::size_t row_bytes = 4u * static_cast<std::size_t>(loaded.header.width);
@@ -120,7 +119,7 @@ double roughness(const cv::Mat& image, Value value) {
   return count ? sum / static_cast<double>(count) : 0;
 }
 
-// True for 8-bit depth that was scaled to 16 bits. It is smooth in either byte order.
+// True for 8-bit depth that was scaled to 16 bits. Such depth is smooth in either byte order.
 bool has_empty_low_bytes(const cv::Mat& image) {
   for (int y = 0; y < image.rows; ++y) {
     const auto* row = image.ptr<std::uint16_t>(y);
@@ -177,8 +176,8 @@ class Pixels {
   const DepthCoding coding_;
 };
 
-// True if OpenNI2's player shows the JPEG correctly: it needs three components and ignores the EXIF
-// orientation.
+// True if OpenNI2's player shows the JPEG correctly. The player needs three components and ignores
+// the EXIF orientation.
 bool is_playable(const cv::Mat& as_stored, const cv::Mat& as_meant) {
   return as_stored.type() == as_meant.type() && as_stored.size() == as_meant.size() &&
          cv::norm(as_stored, as_meant, cv::NORM_INF) == 0;

@@ -16,14 +16,14 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::microseconds;
 
-// Depth and colour with a larger distance in time do not belong together.
+// Depth and colour that are farther apart in time do not belong together.
 constexpr microseconds kFarthestApart = std::chrono::seconds(10);
 
 using Listed = std::vector<ListedImage>;
 
 struct FoundImages {
   ListedStreams streams;
-  std::optional<TimeScale> depth_scale, color_scale;  // if the names determine them
+  std::optional<TimeScale> depth_scale, color_scale;  // Set if the names determine them.
 };
 
 std::string counted(const ImageGroup& group) {

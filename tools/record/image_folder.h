@@ -17,33 +17,32 @@ namespace copresence::record {
 
 struct TimedImage {
   std::filesystem::path path;
-  std::chrono::microseconds time{};  ///< since 1970 if ImageFolder::since_1970, otherwise since any zero
+  std::chrono::microseconds time{};  ///< Since 1970 if ImageFolder::since_1970, otherwise since any zero.
   friend bool operator==(const TimedImage&, const TimedImage&) = default;
 };
 
-/// The images of each stream, in ascending order of time.
+/// The images of each stream in ascending order of time.
 struct ImageFolder {
   std::vector<TimedImage> depth, color;
-  bool has_tum_depth = false;  ///< found by a list as in TUM's data sets, whose depth is 5000 per metre
+  bool has_tum_depth = false;  ///< True if a list as in TUM's data sets named the depth, with 5000 per metre.
   TimeUnit unit = TimeUnit::kFrames;
   bool since_1970 = false;
-  /// For the user: which images are used, which are not, and the unit of the times.
+  /// Messages for the user: images used and left out, and the unit of the times.
   std::vector<std::string> remarks;
 };
 
-/// The choices of the user.
+/// Options that the user chose.
 struct FolderChoice {
   double frames_per_second = 30;       ///< Converts frame numbers to times.
-  std::optional<TimeUnit> times = {};  ///< Recognised if not given.
-  std::string depth = {}, color = {};  ///< Folder or label of an ImageGroup; chosen automatically if empty.
+  std::optional<TimeUnit> times = {};  ///< Unit of the times; recognised if not given.
+  std::string depth = {}, color = {};  ///< Folder or label of an ImageGroup; recognised if empty.
 };
 
 /// Finds the images. Times and pairs are read from associations.txt or a similar name, from
 /// depth.txt and rgb.txt or color.txt, or from file names: a date, a time (recognise_times()) or a
 /// frame number.
 /// Fails  kNotFound if the folder, an image in a list, or all depth is missing; kInvalid for a list
-///        that cannot be read, and for
-///        ambiguous times or groups of images.
+///        that cannot be read, and for ambiguous times or groups of images.
 Result<ImageFolder> find_images(const std::filesystem::path& folder, const FolderChoice& choice);
 
 }  // namespace copresence::record

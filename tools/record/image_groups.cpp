@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kEndings[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm",  ".pfm", ".tif",
                                          ".tiff", ".bmp", ".webp", ".exr", ".npy", ".heic", ".jp2", ".gif"};
 
-// Words in names, in lower case. Whole words are compared, because "ir" is part of many others.
+// Lower-case words in names. Whole words are compared, because many other words contain "ir".
 constexpr std::string_view kOtherWords[] = {
     "mask",      "masks",      "label",     "labels",      "seg",       "segmentation", "semantic",
     "semantics", "instance",   "instances", "normal",      "normals",   "ir",           "infrared",
@@ -31,8 +31,7 @@ constexpr std::string_view kOtherWords[] = {
 constexpr std::string_view kDepthWords[] = {"depth", "depths", "dpt", "depthmap", "depthmaps", "dep"};
 constexpr std::string_view kColorWords[] = {"color",  "colors", "colour", "rgb",   "bgr",   "image",
                                             "images", "img",    "imgs",   "photo", "photos"};
-// Words for depth that was registered to the colour camera, and for images that were computed from
-// measurements.
+// Words for depth registered to the colour camera, and for images computed from measurements.
 constexpr std::string_view kAlignedWords[] = {"aligned", "registered", "reg"};
 constexpr std::string_view kComputedWords[] = {
     "filled",  "inpaint",   "inpainted", "completed",    "completion", "dense",
@@ -47,7 +46,7 @@ bool is_in(const std::string_view (&words)[N], const std::string& word) {
   return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
-// "alignedDepth_0012.left" has the words aligned, depth and left.
+// Splits a name: "alignedDepth_0012.left" has the words aligned, depth and left.
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
   bool begins = true, was_lower = false;
@@ -82,7 +81,7 @@ Content content_of(const fs::path& path) {
   return header->bits >= 16 ? Content::kDepth : Content::kGrey;
 }
 
-// The kind of a group. `content` is that of its first readable image.
+// The kind of a group. `content` is the content of its first readable image.
 ImageKind kind_of(const NamedKind& named, Content content) {
   if (!named.known) {
     return content == Content::kDepth   ? ImageKind::kDepth
@@ -103,8 +102,8 @@ int rank_of(const fs::path& relative, const NamedKind& named, Content content) {
       if ((word.starts_with("image") || word.starts_with("img")) && rank == kRankPlain) rank = kRankLoose;
     }
   }
-  // Content that contradicts the name, such as a visualisation of depth. It is chosen only if there
-  // is nothing else, and then reported.
+  // The content contradicts the name, as for a visualisation of depth. Such a group is chosen only
+  // if there is nothing else, and is then reported.
   if (named.kind == ImageKind::kDepth && content != Content::kDepth) return kRankByContent + 1;
   if (named.kind == ImageKind::kColor && content != Content::kColor) return kRankByContent + 1;
   return rank;
@@ -125,8 +124,8 @@ bool is_hidden(const fs::path& path) {
   return name.starts_with('.') || name == "__MACOSX" || name == "Thumbs.db" || name == "desktop.ini";
 }
 
-// Adds the images in a folder to `images` and the number of its hidden files to `hidden`.
-// Subfolders are ignored.
+// Adds the images of a folder to `images` and the number of its hidden files to `hidden`. Ignores
+// subfolders.
 void list(const fs::path& folder, std::vector<fs::path>& images, std::size_t& hidden) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -139,8 +138,8 @@ void list(const fs::path& folder, std::vector<fs::path>& images, std::size_t& hi
   }
 }
 
-// The words in a file name that distinguish groups: "depth_left_1" and "depth_right_1" belong to
-// different groups. Names that differ in other words belong to the same group.
+// Returns the words in a file name that distinguish groups: "depth_left_1" and "depth_right_1"
+// belong to different groups. Names that differ in other words belong to the same group.
 std::string distinguishing_words(const fs::path& relative) {
   std::string words;
   for (const std::string& word : words_of(relative.stem().string())) {
@@ -160,7 +159,7 @@ NamedKind kind_by_name(const fs::path& relative) {
     parts.push_back(parent.filename().string());
     if (parent == parent.parent_path()) break;
   }
-  // A word for neither depth nor colour decides, wherever it is.
+  // A word that means neither depth nor colour decides, in any part of the path.
   for (const std::string& part : parts) {
     for (const std::string& word : words_of(part)) {
       if (kind_of_word(word) == ImageKind::kOther) return {ImageKind::kOther, true};
@@ -171,7 +170,7 @@ NamedKind kind_by_name(const fs::path& relative) {
       if (const auto kind = kind_of_word(word)) return {*kind, true};
     }
   }
-  // Names of NYU and fakenect: "d-1294886362.665769-...pgm" and "r-...ppm".
+  // File names of NYU and fakenect: "d-1294886362.665769-...pgm" and "r-...ppm".
   const std::string& stem = parts.front();
   const bool is_letter_and_number =
       stem.size() > 1 && stem.find_first_of("0123456789") == stem.find_first_not_of("-_", 1);
@@ -214,8 +213,8 @@ FolderContent list_images(const fs::path& folder) {
   for (const fs::path& path : images) {
     const fs::path relative = path.lexically_relative(folder);
     const bool is_named = kind_by_name(relative).known;
-    // If no word is known, groups are divided by content. Otherwise, an image with other content is
-    // an error and reported.
+    // If the path has no known word, groups are divided by content. If it has one, an image with
+    // other content is reported as an error.
     const Content kind = is_named ? Content::kUnreadable : content_of(path);
     auto& paths = by_key[{relative.parent_path().string(), distinguishing_words(relative), kind}];
     if (paths.empty()) ++groups_in[relative.parent_path().string()];

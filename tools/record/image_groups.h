@@ -2,9 +2,7 @@
 
 // Sorts the images of a folder into groups of depth, colour and others, by the words in their names
 // and by their headers. Public data sets also contain masks, labels, infrared images and
-// visualisations of depth.
-//
-// Thread: free functions; concurrent calls are safe.
+// visualisations of depth. Thread: free functions; concurrent calls are safe.
 
 #include <cstddef>
 #include <filesystem>
@@ -18,8 +16,8 @@ namespace copresence::record {
 enum class ImageKind { kDepth, kColor, kOther };
 
 /// The kind of an image according to the words in its path. Words of the file name have precedence
-/// over those of folders. Words such as mask, label or infrared mean kOther. `known` is false if no
-/// word has a meaning.
+/// over those of folders. Words such as mask, label or infrared mean kOther. If no word has a
+/// meaning, `known` is false.
 struct NamedKind {
   ImageKind kind = ImageKind::kOther;
   bool known = false;
@@ -35,23 +33,24 @@ bool holds_depth(const std::filesystem::path& path);
 
 /// Images in one folder with similar names.
 struct ImageGroup {
-  std::string label;   ///< For messages: "depth/", "ir*.png".
+  std::string label;   ///< For messages, such as "depth/" or "ir*.png".
   std::string folder;  ///< Relative to the folder of images; may be empty.
   ImageKind kind = ImageKind::kOther;
-  int rank = 0;  ///< Of groups of the same kind, the lowest rank is the most likely one.
+  /// In groups of the same kind, the lowest rank is the most likely group.
+  int rank = 0;
   std::vector<std::filesystem::path> paths;  ///< Sorted by name.
 };
 
 struct FolderContent {
   std::vector<ImageGroup> groups;
-  std::size_t hidden = 0;  ///< files of operating systems: ._0.png, .DS_Store, __MACOSX
+  std::size_t hidden = 0;  ///< Number of files of operating systems: ._0.png, .DS_Store, __MACOSX.
 };
 
 /// Lists all images in a folder and in its direct subfolders.
 FolderContent list_images(const std::filesystem::path& folder);
 
-/// Chooses a group of this kind: the one with the label or folder `wanted`, or if `wanted` is empty
-/// the one with the lowest rank. Returns null if there is none. `folder` is for messages.
+/// Chooses a group of this kind by its label or folder `wanted`. If `wanted` is empty, chooses the
+/// group with the lowest rank. Returns null if there is no group. `folder` is for messages.
 /// Fails  kNotFound if no group is called `wanted`; kInvalid if several groups have the lowest
 ///        rank.
 Result<const ImageGroup*> choose(const FolderContent& content, ImageKind kind, const std::string& wanted,

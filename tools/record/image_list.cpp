@@ -23,8 +23,7 @@ constexpr const char* kColorLists[] = {"rgb.txt", "color.txt", "colour.txt"};
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-// A word of a line. `ends_field` means that a comma, a semicolon, a tab or the end of the line
-// follows.
+// A word of a line. `ends_field` is true before a comma, a semicolon, a tab or the end of the line.
 struct Word {
   std::string text;
   bool is_quoted = false, ends_field = false;
@@ -92,14 +91,13 @@ bool is_header(const std::vector<Word>& words) {
   });
 }
 
-// One line of a list.
 struct ListLine {
-  int number = 0;  // from 1
+  int number = 0;  // Line number from 1.
   std::vector<ListedImage> images;
 };
 
-// Reads lines of `images_per_line` pairs of a time and a file name relative to `folder`. `name` is
-// the name of the list in messages.
+// Reads lines with `images_per_line` pairs of a time and a file name relative to `folder`. Messages
+// call the list `name`.
 Result<std::vector<ListLine>> parse_list(std::string_view text, const fs::path& folder,
                                          const std::string& name, std::size_t images_per_line) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
@@ -158,7 +156,7 @@ Result<ListedStreams> from_associations(const fs::path& list, const std::string&
     ListedImage& color = line.images[depth_first ? 1 : 0];
     if (relative(color).string().find("rgb") == std::string::npos &&
         relative(color).string().find("colo") != std::string::npos) {
-      found.has_tum_depth = false;  // data sets with "color", such as OpenLORIS, have millimetres
+      found.has_tum_depth = false;  // Data sets with "color", such as OpenLORIS, have millimetres.
     }
     found.depth.push_back(std::move(line.images[depth_first ? 0 : 1]));
     found.color.push_back(std::move(color));

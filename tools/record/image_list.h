@@ -1,8 +1,7 @@
 #pragma once
 
 // Reads lists of images with their times, as in TUM's RGB-D data sets: "time file", or pairs "time
-// file time file". Variants that other tools and editors write are accepted.
-//
+// file time file". Accepts variants that other tools and editors write.
 // Thread: free functions; concurrent calls are safe.
 
 #include <filesystem>
@@ -24,15 +23,15 @@ struct ListedImage {
 /// The images of both streams in the order of the lists.
 struct ListedStreams {
   std::vector<ListedImage> depth, color;
-  bool has_tum_depth = false;  ///< depth is 5000 per metre, as in TUM's data sets
+  bool has_tum_depth = false;  ///< True for depth of 5000 per metre, as in TUM's data sets.
 };
 
 /// Reads the lists of a folder: associations.txt or a similar name, otherwise depth.txt and rgb.txt
-/// or color.txt. Returns nothing if there are none. Adds to `remarks` which lists are used.
+/// or color.txt. Returns nothing if there are no lists. Adds the names of the lists to `remarks`.
 ///
 /// Fields are separated by white space, commas or semicolons. A name is relative to the folder. It
-/// may be quoted, and may contain spaces if it ends with an image extension. Ignored are comment
-/// lines with #, a byte order mark, a header line, Windows line ends and additional fields.
+/// may be quoted, and may contain spaces if it ends with an image extension. These are ignored:
+/// comment lines with #, a byte order mark, a header line, Windows line ends and additional fields.
 /// Fails  kInvalid for a line that cannot be read, with its number; kNotFound if an image or a list
 ///        of depth is missing.
 Result<std::optional<ListedStreams>> read_lists(const std::filesystem::path& folder,

@@ -1,4 +1,5 @@
-// record: describes, repairs, cuts and creates recordings. settings.cpp has its command line.
+// The program record describes, repairs, cuts and creates recordings. Its command line is in
+// settings.cpp.
 
 #include <fmt/format.h>
 
@@ -15,9 +16,9 @@ namespace copresence::record {
 namespace {
 
 constexpr int kSteps = 100;
-constexpr double kNoEnd = 1e18;  // seconds
+constexpr double kNoEnd = 1e18;  // In seconds.
 
-/// A progress bar in steps of one percent.
+/// A progress bar with steps of one percent.
 class Bar {
  public:
   explicit Bar(std::string what) : what_(std::move(what)), progress_(kSteps) {}
@@ -103,9 +104,11 @@ Result<std::string> run(const FromImagesSettings& settings) {
 }  // namespace
 }  // namespace copresence::record
 
-// Only a lack of memory throws, and then the program has to end.
-int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
-  std::signal(SIGXFSZ, SIG_IGN);  // beyond a file size limit, writing fails with an error instead of a signal
+// Only a lack of memory can throw here, and then the program has to end.
+// NOLINTNEXTLINE(bugprone-exception-escape).
+int main(int argc, char** argv) {
+  // Beyond a file size limit, writing then fails with an error instead of a signal.
+  std::signal(SIGXFSZ, SIG_IGN);
   const auto settings = copresence::record::read_command_line(argc, argv);
   if (!settings) return settings.error();
   const auto done =

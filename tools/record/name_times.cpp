@@ -16,8 +16,8 @@ bool is_digit(char c) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-// The numbers in a file name. "1305031102.175304" and "Depth_1582018310593.059" contain a number
-// with a decimal point, "frame-000012.color" does not.
+// Returns the numbers in a file name. "1305031102.175304" and "Depth_1582018310593.059" contain a
+// number with a decimal point, "frame-000012.color" does not.
 std::vector<std::string> numbers_in(const std::string& stem) {
   constexpr std::size_t kDigitsOfATime = 6;
   const bool is_one_number = stem.find_first_not_of("0123456789.") == std::string::npos;
@@ -39,8 +39,8 @@ std::vector<std::string> numbers_in(const std::string& stem) {
   return numbers;
 }
 
-// The numbers of all names, by their position in the name. If the names contain different counts of
-// numbers, only the last number of each.
+// Collects the numbers of all names by their position in the name. If names contain different
+// counts of numbers, uses only the last number of each.
 std::vector<std::vector<std::string>> columns_of(const std::vector<fs::path>& paths) {
   std::vector<std::vector<std::string>> rows;
   bool are_alike = true;
@@ -68,7 +68,7 @@ bool varies(const Column& column) {
                      [&](const TimeNumber& number) { return number.value != column.front().value; });
 }
 
-// Names such as "1305031102-175304000": Unix seconds, then the fraction in milli-, micro- or
+// Reads names such as "1305031102-175304000": Unix seconds, then the fraction in milli-, micro- or
 // nanoseconds.
 std::optional<Column> seconds_and_fraction(const std::vector<std::string>& seconds,
                                            const std::vector<std::string>& fractions) {
@@ -92,7 +92,7 @@ NamedTimes with_times(const std::vector<fs::path>& paths, const Column& column, 
   return named;
 }
 
-// The dates in the names, if all names have one and their steps are plausible for a recording.
+// Returns the dates in the names if all names have one and the steps are plausible for a recording.
 std::optional<Column> dates_of(const std::vector<fs::path>& paths, double frames_per_second) {
   Column column;
   for (const fs::path& path : paths) {
@@ -107,7 +107,7 @@ std::optional<Column> dates_of(const std::vector<fs::path>& paths, double frames
   if (column.size() > 1) {
     const long double span = *distinct.rbegin() - *distinct.begin();
     if (span < static_cast<long double>(column.size()) * 1e-3L)
-      return std::nullopt;  // the dates are equal, so another number counts frames
+      return std::nullopt;  // The dates are equal, so another number counts frames.
   }
   return column;
 }
@@ -142,7 +142,7 @@ Result<NamedTimes> times_of_names(const std::vector<fs::path>& paths, std::optio
       positions.push_back({static_cast<long double>(i), false, false});
     return with_times(paths, positions, {TimeUnit::kFrames, false});
   }
-  std::optional<std::size_t> counts;  // the last column with frame numbers
+  std::optional<std::size_t> counts;  // The last column with frame numbers.
   std::optional<Error> undecided;
   for (std::size_t i = columns.size(); i-- > 0;) {
     const auto scale = recognise_times(columns[i], frames_per_second);

@@ -1,7 +1,6 @@
 #pragma once
 
-// The times of images from their file names, for folders without lists.
-//
+// Finds the times of images from their file names, for folders without lists.
 // Thread: free functions; concurrent calls are safe.
 
 #include <filesystem>
@@ -20,9 +19,9 @@ struct NamedTimes {
 };
 
 /// Finds the times of the images of one stream. A name may contain several numbers, such as
-/// "0000012-000000366000". A time has precedence over a frame number, and the last of several frame
-/// numbers is used. Dates are UTC. If no number changes from name to name, the order of the names
-/// gives frame numbers. `unit` is recognised if not given.
+/// "0000012-000000366000". A time has precedence over a frame number, and of several frame numbers
+/// the last one is used. Dates are UTC. If no number changes from name to name, the order of the
+/// names gives frame numbers. `unit` is recognised if not given.
 /// Fails  kInvalid if recognise_times() cannot decide.
 Result<NamedTimes> times_of_names(const std::vector<std::filesystem::path>& paths,
                                   std::optional<TimeUnit> unit, double frames_per_second);

@@ -19,7 +19,7 @@ using recording::OniReader;
 using recording::RecordedStream;
 using Kind = RecordedStream::Kind;
 
-constexpr double kPause = 1.5;  // times the usual period
+constexpr double kPause = 1.5;  // Shortest pause, as a multiple of the usual period.
 constexpr std::size_t kPausesShown = 10;
 
 const char* name(Kind kind) {
@@ -50,7 +50,7 @@ StreamInfo describe(const RecordedStream& stream) {
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   info.seconds = (static_cast<double>(*last - *first) + period_us) * 1e-6;
   info.without_time = recording::steps_without_time(stream);
-  // The duration of playback. If times do not advance, the player uses the period.
+  // The duration of playback. If times do not advance, the player uses the usual period.
   const bool has_times = 4 * info.without_time < times.size();
   if (!has_times) info.seconds = static_cast<double>(times.size()) * period_us * 1e-6;
   double bytes = 0;

@@ -16,8 +16,8 @@ namespace copresence::record {
 struct StreamInfo {
   /// A gap of more than 1.5 times the usual period between two frames.
   struct Pause {
-    std::size_t after_frame = 0;  ///< Counted from 1.
-    double at_s = 0;              ///< After the first frame of the stream.
+    std::size_t after_frame = 0;  ///< Number of the frame before the pause, from 1.
+    double at_s = 0;              ///< Time after the first frame of the stream, seconds.
     double ms = 0;
   };
 
@@ -25,21 +25,22 @@ struct StreamInfo {
   std::string name, codec;
   int width = 0, height = 0;
   std::size_t frames = 0;
-  std::uint64_t frames_missing = 0;  ///< According to frame numbers.
-  double nominal_fps = 0, fps = 0;   ///< fps: from the mean time between frames.
-  double seconds = 0;                ///< From the first frame to one period after the last.
+  std::uint64_t frames_missing = 0;  ///< Missing frames according to the frame numbers.
+  double nominal_fps = 0, fps = 0;   ///< `fps` is computed from the mean time between frames.
+  double seconds = 0;                ///< From the first frame to one period after the last one.
   double mbps = 0;
   std::vector<Pause> pauses;
-  std::size_t without_time = 0;  ///< frames whose time is not later than that of the frame before
+  /// Number of frames whose time is not later than that of the frame before.
+  std::size_t without_time = 0;
 };
 
 /// Statistics of the depth pictures.
 struct DepthInfo {
   double unit_mm = 1;
   double holes_percent = 0;
-  std::size_t levels = 0;  ///< distinct depth values
+  std::size_t levels = 0;  ///< Number of distinct depth values.
   double nearest_m = 0, farthest_m = 0;
-  std::size_t damaged = 0;  ///< frames that cannot be decoded
+  std::size_t damaged = 0;  ///< Number of frames that cannot be decoded.
 };
 
 struct RecordingInfo {

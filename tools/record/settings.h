@@ -1,6 +1,6 @@
 #pragma once
 
-// The validated command line of record.
+// The validated command line of the program record.
 
 #include <array>
 #include <optional>
@@ -21,7 +21,7 @@ struct InfoSettings {
 
 struct RepairSettings {
   std::string recording;
-  std::string out;  ///< empty: repair in place
+  std::string out;  ///< Empty: repair in place.
   bool overwrite = false;
 };
 
@@ -33,20 +33,20 @@ struct CutSettings {
 };
 
 struct Intrinsics {
-  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< Pixels of the depth images.
-  std::array<double, 8> distortion{};     ///< k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV.
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< In pixels of the depth images.
+  std::array<double, 8> distortion{};     ///< Numbers k1 k2 p1 p2 k3 k4 k5 k6, as in OpenCV.
 };
 
 struct FromImagesSettings {
   std::string folder, out;
-  std::string name;               ///< Of the camera; by default the name of the folder.
-  double frames_per_second = 30;  ///< Used if the images have no times.
-  std::optional<TimeUnit> times;  ///< Unit of numbers in lists and names; recognised if not given.
-  std::string depth, color;       ///< Folder or group of images to use; chosen automatically if empty.
+  std::string name;                       ///< Name of the camera; by default the name of the folder.
+  double frames_per_second = 30;          ///< Used if the images have no times.
+  std::optional<TimeUnit> times;          ///< Unit of numbers in lists and names; recognised if not given.
+  std::string depth, color;               ///< Folder or group of images to use; recognised if empty.
   std::optional<double> depth_per_metre;  ///< Pixel value of one metre; recognised if not given.
   DepthUnit unit = DepthUnit::kMillimetre;
-  std::optional<Intrinsics> intrinsics;  ///< Those of a Kinect if not given.
-  bool registered = true;                ///< Colour has the viewpoint of the depth camera.
+  std::optional<Intrinsics> intrinsics;  ///< A Kinect's intrinsics if not given.
+  bool registered = true;                ///< True if colour has the viewpoint of the depth camera.
   int jpeg_quality = 95;
   bool overwrite = false;
 };
@@ -54,7 +54,7 @@ struct FromImagesSettings {
 using Settings = std::variant<InfoSettings, RepairSettings, CutSettings, FromImagesSettings>;
 
 /// Returns the settings of one command, or an exit code: 0 after --help and --version, 2 after an
-/// invalid command line, which is reported on standard error.
+/// invalid command line. Errors are reported on standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::record

@@ -18,17 +18,17 @@ using std::chrono::microseconds;
 constexpr TimeUnit kTimes[] = {TimeUnit::kSeconds, TimeUnit::kMilliseconds, TimeUnit::kMicroseconds,
                                TimeUnit::kNanoseconds};
 
-// 2000-01-01 and 2100-01-01 in seconds since 1970.
+// The dates 2000-01-01 and 2100-01-01 in seconds since 1970.
 constexpr long double kEarliestDate = 946'684'800, kLatestDate = 4'102'444'800;
 
-// Frames per second: the usual range of cameras, and the range that recordings may have.
+// Frames per second: the usual range of cameras, and the possible range of recordings.
 constexpr double kSlowVideo = 4, kFastVideo = 200, kSlowest = 0.1, kFastest = 300;
 // Numbers with a longer step are not dates.
 constexpr double kLongestStepS = 600;
 constexpr long double kLargestFrameStep = 4;
 // Time steps differ from their median by less than this share.
 constexpr long double kJitter = 0.25;
-constexpr long double kMostMicroseconds = 3.2e16L;  // a thousand years
+constexpr long double kMostMicroseconds = 3.2e16L;  // Limit of a time: a thousand years.
 
 long double per_second(TimeUnit unit) {
   switch (unit) {
@@ -136,8 +136,8 @@ class Numbers {
                                                          : span / per_second(unit));
   }
 
-  // True for steps such as 33, 33, 34: rounded times of a camera. Steps of frame numbers with lost
-  // frames are multiples of one number.
+  // True for steps such as 33, 33, 34, which are rounded times of a camera. Steps of frame numbers
+  // with lost frames are multiples of one number.
   bool steps_are_times() const {
     const bool multiples = std::all_of(steps_.begin(), steps_.end(),
                                        [&](long double step) { return std::fmod(step, usual_step_) == 0; });

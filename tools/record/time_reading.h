@@ -1,8 +1,6 @@
 #pragma once
 
-// Interprets numbers in lists and file names as times. The unit is recognised from their size and
-// their steps.
-//
+// Interprets numbers in lists and file names as times. Their size and steps reveal the unit.
 // Thread: free functions; concurrent calls are safe.
 
 #include <chrono>
@@ -18,36 +16,36 @@ namespace copresence::record {
 
 enum class TimeUnit { kSeconds, kMilliseconds, kMicroseconds, kNanoseconds, kFrames };
 
-/// "seconds", "milliseconds", ..., "frame numbers".
+/// Such as "seconds", "milliseconds" or "frame numbers".
 const char* name(TimeUnit unit);
 
 /// A number in a list or a file name.
 struct TimeNumber {
   long double value = 0;     ///< Exact for nanoseconds since 1970 on x86-64.
-  bool has_point = false;    ///< Written with a decimal point, so it is not a frame number.
-  bool zero_padded = false;  ///< Such as "000012", which suggests a frame number.
+  bool has_point = false;    ///< True for a decimal point, which a frame number has not.
+  bool zero_padded = false;  ///< True for numbers such as "000012", which suggest a frame number.
 };
 
 /// Returns nothing if the text is not a finite decimal number.
 std::optional<TimeNumber> parse_number(std::string_view text);
 
-/// The interpretation of numbers.
+/// The interpretation of the numbers of one stream.
 struct TimeScale {
   TimeUnit unit = TimeUnit::kSeconds;
-  bool since_1970 = false;  ///< Unix time, so the wall-clock time of the start is known
+  bool since_1970 = false;  ///< True for Unix time: the clock time of the start is known.
 };
 
-/// Recognises the unit of the numbers of one stream. These rules are tried in order:
-///   1. the unit in which all numbers are dates from 2000 to 2100
-///   2. whole numbers with steps of 1 to 4 are frame numbers
-///   3. the only unit that gives 4 to 200 images per second
-///   4. the only unit that gives 0.1 to 300 images per second
+/// Recognises the unit of the numbers of one stream by the first rule that applies:
+///   1. All numbers are dates from 2000 to 2100 in one unit.
+///   2. Whole numbers with steps of 1 to 4 are frame numbers.
+///   3. Only one unit gives 4 to 200 images per second.
+///   4. Only one unit gives 0.1 to 300 images per second.
 /// `frames_per_second` converts frame numbers.
 /// Fails  kInvalid if several units or none are possible. The message lists the possible
-///        interpretations and names --times.
+///        interpretations and names the option --times.
 Result<TimeScale> recognise_times(std::span<const TimeNumber> numbers, double frames_per_second);
 
-/// The interpretation in a given unit. Only TimeScale::since_1970 is recognised.
+/// Interprets numbers in a given unit. Recognises only TimeScale::since_1970.
 TimeScale given_times(std::span<const TimeNumber> numbers, TimeUnit unit);
 
 /// Fails  kInvalid for a time of more than a thousand years before or after zero.

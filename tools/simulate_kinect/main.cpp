@@ -16,7 +16,7 @@
 namespace copresence::simulate_kinect {
 namespace {
 
-const Eigen::Vector3d kUp{0, -1, 0};  // y is down in all simulated worlds
+const Eigen::Vector3d kUp{0, -1, 0};  // In all simulated worlds, y points down.
 
 Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
   std::error_code problem;
@@ -34,13 +34,12 @@ std::chrono::microseconds time_of(int frame) {
   return std::chrono::microseconds((static_cast<std::int64_t>(frame) * 1'000'000 + 15) / 30);
 }
 
-// An artificial start time of the session from 2000 to 2010, derived from the arguments. All
-// cameras of a session have the same start, the same command gives the same bytes, and different
-// sessions have different starts.
+// An artificial start time from 2000 to 2010, computed from the arguments. The same command gives
+// the same bytes, all cameras of a session start together, and sessions differ.
 std::chrono::microseconds invented_start(const Settings& settings) {
   constexpr std::uint32_t kSecondsOfTenYears = 10 * 365 * 24 * 3600;
   constexpr std::chrono::seconds kYear2000{946'684'800};
-  std::uint32_t hash = 2'166'136'261;  // FNV-1a
+  std::uint32_t hash = 2'166'136'261;  // The hash is FNV-1a.
   for (const char c : fmt::format("{} {} {} {} {}x{}", settings.world, settings.cameras, settings.frames,
                                   settings.seed, settings.width, settings.height)) {
     hash = (hash ^ static_cast<unsigned char>(c)) * 16'777'619;
@@ -104,7 +103,7 @@ Result<void> show_truth(const Settings& settings, const std::shared_ptr<const si
   return {};
 }
 
-// Fails if a file to be written exists already, before anything is rendered.
+// Fails if an output file exists already, before anything is rendered.
 Result<void> keep_existing(const Settings& settings) {
   std::vector<std::filesystem::path> files{settings.folder / "scene.toml"};
   for (int i = 0; i < settings.cameras; ++i)

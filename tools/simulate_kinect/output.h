@@ -15,7 +15,7 @@
 namespace copresence::simulate_kinect {
 
 /// The scene file for cameras camera0, camera1, ... with the same intrinsics. Addresses begin at
-/// 127.0.0.1:7001. The source of each camera is its recording in the folder of the scene file.
+/// 127.0.0.1:7001. The source of each camera is its recording in the scene file's folder.
 std::string scene_toml(const CameraModel& model, std::span<const Rigid3> poses, const std::string& made_by);
 
 /// Fails  kUnavailable if the file cannot be written.

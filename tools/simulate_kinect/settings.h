@@ -17,19 +17,19 @@ struct Settings {
   int cameras = 2;
   int frames = 60;
   std::filesystem::path folder;
-  bool overwrite = false;  ///< replace existing files
+  bool overwrite = false;  ///< Replace existing files.
   std::uint32_t seed = 1;
   int width = 640, height = 480;
   DepthUnit unit = DepthUnit::kMillimetre;
   int jpeg_quality = 85;
   bool truth = false;                              ///< Also write the ground truth.
   std::vector<std::filesystem::path> truth_views;  ///< Path files of additional viewpoints.
-  int truth_width = 1280, truth_height = 720;      ///< Of these views.
-  double truth_fov_deg = 50;                       ///< Vertical.
+  int truth_width = 1280, truth_height = 720;      ///< Size of these views, pixels.
+  double truth_fov_deg = 50;                       ///< Their vertical field of view, degrees.
 };
 
 /// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command
-/// line, which is reported on standard error.
+/// line. Errors are reported on standard error.
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::simulate_kinect

@@ -19,7 +19,7 @@ constexpr const char* kDescription =
     "have shown,\n"
     "black ones as black. PSNR in dB; flicker and seam step in 1/255.";
 
-// JSON has no "not a number".
+// JSON has no value for "not a number".
 nlohmann::json finite(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }

@@ -44,7 +44,7 @@ constexpr std::array kScenes{
     SceneChoice{"four", 4, true, false},
 };
 
-// The person's own motion, carried along a line of 2 m and back through the middle of the room.
+// The person walks on the spot, and is carried 2 m through the middle of the room and back.
 std::vector<Eigen::Isometry3f> walk(double phase) {
   static const auto stand = simulation::make_scene("room")->figure.motion;
   constexpr float kHalfWayM = 1.0F;
@@ -62,7 +62,7 @@ Result<simulation::LitScene> light(const SceneChoice& choice) {
   return simulation::LitScene::make(std::move(*scene));
 }
 
-// A simulated Kinect with what its server and the client make of its frames.
+// A simulated Kinect with the processing of its server and of the client.
 class Camera {
  public:
   static Result<Camera> open(const std::shared_ptr<const simulation::LitScene>& scene,
@@ -120,7 +120,7 @@ class Camera {
   RgbdFrame frame_;
 };
 
-// The eye stands between the first two cameras, a little nearer to the person.
+// The viewpoint lies between the first two cameras, a little nearer to the person.
 renderer::ViewPose eye_between(const std::vector<Rigid3>& poses, const RunSettings& settings) {
   const Eigen::Vector3d middle = 0.5 * (poses[0].translation + poses[1].translation);
   const Eigen::Vector3d target =

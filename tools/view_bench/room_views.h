@@ -1,8 +1,7 @@
 #pragma once
 
-// Simulated rooms, as simulated Kinects record them and as the client's renderer shows them, without coding.
-//
-// Thread: one thread.
+// Simulated rooms, recorded by simulated Kinects and rendered by the client's renderer without
+// video coding. Thread: one thread.
 
 #include <string>
 #include <string_view>
@@ -13,18 +12,21 @@
 
 namespace copresence::view_bench {
 
-/// empty, standing, walking, four: what moves in the room, and how many cameras look.
+/// Names of scenes: empty, standing, walking and four. They differ in the person's motion and the
+/// number of cameras.
 std::vector<std::string_view> scene_names();
 
 struct RunSettings {
   int width = 640, height = 360;
   double fov_degrees = 50;
-  int frames = 60;  ///< at 30 per second; the first second is not scored, so that filters settle
+  /// Number of frames at 30 per second. The first second is not scored, because filters settle.
+  int frames = 60;
   renderer::UnseenStyle unseen{.show = renderer::UnseenStyle::Show::kExtend};
-  std::string pictures;  ///< folder for the last view and its truth as PNG; empty for none
+  /// Folder for PNG files of the last view and its ground truth; empty for none.
+  std::string pictures;
 };
 
-/// Fails as the simulator, the hole filler and the renderer do. Requires one of scene_names().
+/// Requires one of scene_names(). Fails as the simulator, the hole filler and the renderer.
 Result<ViewScore> run_scene(std::string_view name, const RunSettings& settings);
 
 }  // namespace copresence::view_bench

@@ -9,10 +9,10 @@
 namespace copresence::view_bench {
 namespace {
 
-constexpr float kEdgeSteps = 8.0F;      // an edge in inverse depth, in disparity steps of a Kinect
-constexpr float kFlatSteps = 1.0F;      // most curvature of a flat surface
-constexpr double kFlatLuma = 6;         // most change of the true colour across a seam on a flat surface
-constexpr float kStep = 1.0F / 351.3F;  // 1/m, a Kinect v1's disparity step
+constexpr float kEdgeSteps = 8.0F;      // Smallest step of an edge, in disparity steps of a Kinect.
+constexpr float kFlatSteps = 1.0F;      // Largest curvature of a flat surface, in disparity steps.
+constexpr double kFlatLuma = 6;         // Largest change of the true colour across a flat seam.
+constexpr float kStep = 1.0F / 351.3F;  // A Kinect v1's disparity step, 1/m.
 
 double luma(const Rgb8& p) {
   return 0.299 * p.r + 0.587 * p.g + 0.114 * p.b;
@@ -30,7 +30,7 @@ float inverse(float depth_m) {
   return depth_m > 0 ? 1 / depth_m : 0;
 }
 
-// Sets every pixel within `radius` of a set one, in a square neighbourhood.
+// Sets all pixels in a square of `radius` around each set pixel.
 Image<std::uint8_t> dilate(const Image<std::uint8_t>& image, int radius) {
   const int width = image.width(), height = image.height();
   Image<std::uint8_t> rows(width, height), result(width, height);
@@ -57,7 +57,7 @@ bool is_in(const ViewVolume& camera, const Eigen::Vector3d& world_point) {
          pixel.y() <= camera.model.height - 1;
 }
 
-// The four neighbours' difference to the pixel: large at fine detail.
+// Difference of each pixel to its four neighbours, which is large at fine detail.
 template <class Pixels>
 double laplacian(const Pixels& image, int x, int y) {
   return luma(image(x - 1, y)) + luma(image(x + 1, y)) + luma(image(x, y - 1)) + luma(image(x, y + 1)) -

@@ -1,10 +1,8 @@
 #pragma once
 
-// How far rendered views are from the truth, over every pixel that some camera could have shown.
-//
-// A pixel counts as reachable if its true surface point lies in the image and in the depth range of at least one
-// camera, whether or not something hides it from that camera. Pixels that show nothing count as black.
-//
+// Measures the difference of rendered views from the ground truth, over all reachable pixels. A
+// pixel is reachable if its true surface point lies in the image and depth range of a camera, even
+// if something hides it from that camera. Pixels that show nothing count as black.
 // Thread: one thread per object.
 
 #include <cstdint>
@@ -27,13 +25,13 @@ struct ViewVolume {
   DepthRange range;
 };
 
-/// What a perfect camera at the eye sees, and what the metrics need to know of it.
+/// The ground truth at the viewpoint, and masks that the metrics need.
 struct TrueEyeView {
   ColorImage color;
   Image<float> depth_m;
-  Image<std::uint8_t> reachable;      ///< 1 if some camera could have shown the pixel's surface
-  Image<std::uint8_t> at_silhouette;  ///< 1 within kSilhouettePixels of a depth edge
-  Image<std::uint8_t> is_flat;        ///< 1 where depth and colour are smooth within kSeamPixels
+  Image<std::uint8_t> reachable;      ///< 1 if a camera could have shown the pixel's surface.
+  Image<std::uint8_t> at_silhouette;  ///< 1 within kSilhouettePixels of a depth edge.
+  Image<std::uint8_t> is_flat;        ///< 1 where depth and colour are smooth within kSeamPixels.
 };
 
 inline constexpr int kSilhouettePixels = 12;
@@ -42,24 +40,27 @@ inline constexpr int kSeamPixels = 3;
 TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::ViewPose& eye,
                            std::span<const ViewVolume> cameras);
 
-/// One scene's result. PSNR in dB, shares in percent of the reachable pixels, differences in 1/255.
+/// The result of one scene: PSNR in dB, shares in percent of reachable pixels, differences in
+/// 1/255.
 struct ViewScore {
   double seen_percent = 0, extended_percent = 0, empty_percent = 0;
-  double psnr = 0;             ///< over all reachable pixels
-  double psnr_seen = 0;        ///< over those that show a camera's pixel
-  double psnr_extended = 0;    ///< over those that continue a surface; not a number without any
-  double psnr_silhouette = 0;  ///< over those near depth edges
-  double flicker = 0;          ///< mean change of shown pixels from view to view where the truth is still
-  double seam_step = 0;  ///< mean step across borders between cameras on flat surfaces, less the truth's
-  double sharpness = 0;  ///< variance of the Laplacian, as a share of the truth's
+  double psnr = 0;             ///< PSNR over all reachable pixels.
+  double psnr_seen = 0;        ///< PSNR over pixels that show a camera's pixel.
+  double psnr_extended = 0;    ///< PSNR over pixels that extend a surface; NaN if none.
+  double psnr_silhouette = 0;  ///< PSNR over pixels near depth edges.
+  /// Mean change of shown pixels between consecutive views, where the ground truth does not change.
+  double flicker = 0;
+  /// Mean step across borders between cameras on flat surfaces, less that of the ground truth.
+  double seam_step = 0;
+  double sharpness = 0;  ///< Variance of the Laplacian, as a share of the ground truth's.
   int views = 0;
 };
 
-/// Gathers the views of one scene.
+/// Computes the errors of the views of one scene.
 class ViewError {
  public:
-  /// Adds a view with colour, depth and camera images. `is_next` says that the view before was of the same eye one
-  /// frame earlier, so that flicker can be measured. Requires equal sizes.
+  /// Adds a view with colour, depth and camera images. Requires equal sizes. Set `is_next` if the
+  /// view before had the same viewpoint one frame earlier, so that flicker can be measured.
   void add(const TrueEyeView& truth, const renderer::MergedView& view, bool is_next);
 
   ViewScore score() const;

@@ -2,9 +2,7 @@
 
 // Bundle adjustment: finds the camera poses and marker positions that agree best with all
 // observations. Each observation is weighted by its expected error. The result includes an estimate
-// of its own error.
-//
-// Thread: pure functions.
+// of its own error. Thread: pure functions.
 
 #include <Eigen/Core>
 #include <span>

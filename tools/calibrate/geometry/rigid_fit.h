@@ -3,7 +3,6 @@
 // Finds the pose of one camera relative to another from points that both have measured. There are
 // two methods: rigid least squares, and the thesis's linear equations for 12 unknowns. The linear
 // method also fits scale and shear, which absorb noise. It needs points that are not in one plane.
-//
 // Thread: pure functions.
 
 #include <Eigen/Core>

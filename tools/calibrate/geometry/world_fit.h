@@ -4,7 +4,6 @@
 //
 // Each pair of cameras that shares enough markers is first fitted alone. A tree of pairs from the
 // reference camera gives initial poses. A bundle adjustment then fits all cameras together.
-//
 // Thread: pure functions.
 
 #include <Eigen/Core>

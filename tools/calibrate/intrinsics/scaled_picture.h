@@ -1,6 +1,7 @@
 #pragma once
 
-// A grey picture scaled down for a search. Converts positions back to full pixels. Thread: one thread per object.
+// A grey picture scaled down for a search. Converts positions back to full pixels.
+// Thread: one thread per object.
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,6 @@
 // Finds the pose of a sensor's colour camera relative to its depth camera, for sensors whose colour
 // is not registered. The markers' dark cells are aluminium foil (thesis 3.1), which returns no
 // depth. So the markers are visible in a picture of the pixels without depth.
-//
 // Thread: pure functions.
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 #pragma once
 
 // Dictionaries of ArUco and AprilTag markers, by name. Hides the differences between OpenCV 4.6 and
-// 4.10. Where not stated otherwise, a name must be in marker_dictionaries(). Thread: pure
-// functions.
+// 4.10. Where not stated otherwise, a name must be in marker_dictionaries().
+// Thread: pure functions.
 
 #include <opencv2/aruco.hpp>
 #include <optional>

@@ -1,8 +1,8 @@
 #pragma once
 
 // Boards and markers on paper: black rectangles and text, in millimetres from the page's top left
-// corner. Each page has rulers for checking the print and the flags for its use. Thread: pure
-// functions.
+// corner. Each page has rulers for checking the print and the flags for its use.
+// Thread: pure functions.
 
 #include <span>
 #include <string>

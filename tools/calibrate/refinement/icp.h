@@ -7,9 +7,7 @@
 // mean of both points' normals, as in the symmetric point-to-plane distance (Rusinkiewicz 2019).
 // The weight w is weight_of() the expected error. The function rho is Tukey's kernel, which is
 // constant beyond a limit. The limit shrinks from level to level. Each iteration finds new matches
-// and makes one Gauss-Newton step.
-//
-// Thread: pure functions.
+// and makes one Gauss-Newton step. Thread: pure functions.
 
 #include <Eigen/Core>
 #include <span>

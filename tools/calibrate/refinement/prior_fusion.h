@@ -6,7 +6,6 @@
 // The error of the surfaces comes from their own residuals, by the sandwich estimator of Huber and
 // White with blocks of pixels as clusters. A pose of known error moves under two conditions: the
 // surfaces are more accurate, and surfaces left out of the fit then agree better.
-//
 // Thread: pure functions.
 
 #include <span>

@@ -8,7 +8,6 @@
 // (Agreement::score) are refined finely. Then all cameras move together. Directions that no surface
 // determines, such as along a single wall, keep the given pose. A result that agrees worse than the
 // given poses, by more than chance, is discarded.
-//
 // Thread: pure functions; the same input gives the same output.
 
 #include <cstddef>

@@ -9,7 +9,6 @@
 //
 // The score is evaluated some millimetres to both sides along each principal direction of the
 // matches. A parabola through the three values gives the step.
-//
 // Thread: pure functions; the same input gives the same output.
 
 #include <vector>

@@ -4,9 +4,7 @@
 //
 // A plane is fitted around each pixel, by linear least squares on 1/z. In a pinhole camera's
 // picture 1/z of a plane is linear, and the noise of a Kinect is uniform in 1/z. A second pass
-// leaves out outliers, and a third pass fits a curved surface.
-//
-// Thread: pure functions.
+// leaves out outliers, and a third pass fits a curved surface. Thread: pure functions.
 
 #include <Eigen/Core>
 

@@ -11,15 +11,15 @@ namespace copresence::depth {
 
 namespace {
 
-// A hole is filled again if its value differs from its border by this many steps more than the two
-// ends of the border differ from each other. A lower limit costs bits in static scenes, where
-// borders flicker; a higher one in moving scenes.
+// In disparity steps. A hole is filled again if its value differs from its border by more than this
+// plus the difference between the border's two ends. A lower limit costs bits in static scenes,
+// where borders flicker. A higher limit costs bits in moving scenes.
 constexpr double kCliffSteps = 10;
 
-// A pixel moved if it changed by more than this many steps. If more than half of all pixels moved,
-// all holes are filled again.
+// A pixel has moved if it changed by more than this many steps. If more than half of all pixels
+// have moved, all holes are filled again.
 constexpr double kMovedSteps = 2.5;
-constexpr std::size_t kSampling = 37;  // tests every 37th pixel; an odd number favours no column
+constexpr std::size_t kSampling = 37;  // Tests every 37th pixel; an odd number avoids a bias to columns.
 
 }  // namespace
 
@@ -104,7 +104,7 @@ bool BackgroundFill::has_cliffs(const Gap& gap) const {
 bool BackgroundFill::moves_fast() const {
   const std::uint16_t* const now = depth_.data();
   const std::uint16_t* const before = earlier_.data();
-  // Tests steps(now, before) > kMovedSteps without a division for every pixel.
+  // Test steps(now, before) > kMovedSteps without a division for every pixel.
   const auto reach = static_cast<std::int64_t>(steps_per_inverse_unit_ / kMovedSteps);
   std::size_t seen = 0, moved = 0;
   for (std::size_t i = 0; i < depth_.pixels().size(); i += kSampling) {
@@ -115,7 +115,7 @@ bool BackgroundFill::moves_fast() const {
   return moved * 2 > seen;
 }
 
-// Copies the row above into rows that never had depth; the first rows take the row below.
+// Copies the row above into rows that never had depth. The first rows copy the row below.
 void BackgroundFill::fill_rows_without_depth() {
   const auto has_depth = [&](int y) {
     const auto row = states_.row(y);
@@ -123,7 +123,7 @@ void BackgroundFill::fill_rows_without_depth() {
   };
   int first_with = 0;
   while (first_with < depth_.height() && !has_depth(first_with)) ++first_with;
-  if (first_with == depth_.height()) return;  // no depth at all: the next frame counts as the first
+  if (first_with == depth_.height()) return;  // Without any depth, the next frame counts as the first frame.
   const auto copy_row = [&](int from, int to) {
     std::copy_n(depth_.row(from).begin(), depth_.width(), depth_.row(to).begin());
   };

@@ -1,13 +1,13 @@
 #pragma once
 
 // Fills holes so that the picture costs few bits in a video codec, which codes smooth and unchanged
-// areas cheaply. The values are never shown, since the validity mask makes these pixels holes
-// again.
+// areas cheaply. The filled values are never shown, since the validity mask makes these pixels
+// holes again.
 //
-// A hole keeps its value of the frame before, which H.264 can skip if the camera stands still. It
-// is filled again if that value has become a cliff against the hole's border, or if most of the
-// picture moves. Then the hole takes the farther of the two depths at its ends in its row. Thread:
-// distinct objects are independent.
+// A hole keeps its value from the frame before, which H.264 can skip if the camera stands still. It
+// is filled again if that value differs too much from the hole's border, or if most of the picture
+// moves. Then the hole takes the farther of the two depths at its ends in its row. Thread: distinct
+// objects are independent.
 
 #include "common/frame/depth_unit.h"
 #include "common/frame/image.h"
@@ -19,11 +19,10 @@ class BackgroundFill {
   BackgroundFill(int width, int height, DepthRangeUnits range, DepthUnit unit, const DepthNoise& noise);
 
   /// Fills the holes of a frame. Depth outside the range becomes a hole. The result is in depth()
-  /// and states().
-  /// Requires the shape given to the constructor.
+  /// and states(). Requires the shape given to the constructor.
   void take(const DepthImage& depth, const StateImage& states);
 
-  const DepthImage& depth() const { return depth_; }  ///< within the range at every pixel
+  const DepthImage& depth() const { return depth_; }  ///< Within the range at every pixel.
   /// The input's states, but kHole where depth is outside the range.
   const StateImage& states() const { return states_; }
 
@@ -39,13 +38,13 @@ class BackgroundFill {
   bool has_cliffs(const Gap& gap) const;
   bool moves_fast() const;
   void fill_rows_without_depth();
-  double steps(int from, int to) const;  // disparity steps between two depths
+  double steps(int from, int to) const;  // Disparity steps between two depths.
 
   DepthRangeUnits range_;
   double steps_per_inverse_unit_;
   DepthImage depth_, earlier_;
   StateImage states_;
-  bool first_ = true;  // no hole has a value yet
+  bool first_ = true;  // True until holes have values.
 };
 
 }  // namespace copresence::depth

@@ -14,8 +14,8 @@ namespace copresence::depth {
 
 struct CodecEntry {
   std::string_view name;
-  PixelFormat picture;  ///< of its pictures
-  bool has_period;      ///< takes "NAME:period=METRES"
+  PixelFormat picture;  ///< Format of its pictures.
+  bool has_period;      ///< True if it takes "NAME:period=METRES".
   std::unique_ptr<PlaneEncoder> (*make_encoder)(std::string_view name, double period_m,
                                                 const DepthFormat& format);
   Result<std::unique_ptr<PlaneDecoder>> (*make_decoder)(const DepthCodecDescription& description,
@@ -24,13 +24,12 @@ struct CodecEntry {
 
 std::span<const CodecEntry> codec_catalogue();
 
-/// Fails (kInvalid) on an unknown name; the message lists the known ones.
+/// Fails with kInvalid for an unknown name. The message lists the known names.
 Result<const CodecEntry*> find_codec(std::string_view name);
 
 /// Makes the encoder for a command line's text: NAME or, for codecs with a period,
-/// NAME:period=METRES.
-/// Fails (kInvalid) as find_codec() does, on parameters that the codec does not have, and on an
-/// unsuitable period.
+/// NAME:period=METRES. Fails with kInvalid for an unknown name, a parameter that the codec does not
+/// have, or an unsuitable period.
 Result<std::unique_ptr<PlaneEncoder>> make_encoder(std::string_view text, const DepthFormat& format);
 
 }  // namespace copresence::depth

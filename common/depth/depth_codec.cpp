@@ -15,13 +15,13 @@ namespace copresence::depth {
 
 namespace {
 
-// The byte before a validity mask says how the picture is coded.
+// The first byte before a validity mask. It says how the picture is coded.
 constexpr std::uint8_t kThroughVideo = 0, kAsResiduals = 1;
 
-// The lowest QP at 8 bits at which edges are repaired. H.264's deblocking begins to act there. At
-// lower QPs, a point that really lies between two surfaces is more frequent than a blurred edge.
+// Lowest QP at 8 bits at which edges are repaired. H.264's deblocking begins to act there. At lower
+// QPs, a point that really lies between two surfaces is more frequent than a blurred edge.
 constexpr int kRepairFrom = 12;
-constexpr int kTenBits = 12;  // at 10 bits, an equally coarse QP is higher by this
+constexpr int kTenBits = 12;  // At 10 bits, an equally coarse QP is higher by 12.
 
 bool is_monochrome(PixelFormat format) {
   return format == PixelFormat::kGray8 || format == PixelFormat::kGray10;
@@ -51,7 +51,7 @@ struct Encoder::Parts {
   DepthFormat format;
   BackgroundFill background;
   ValidityMaskEncoder mask;
-  std::optional<ResidualEncoder> residuals;  // if monochrome pictures are coded without loss
+  std::optional<ResidualEncoder> residuals;  // Used if monochrome pictures are coded losslessly.
   std::uint8_t coding = kThroughVideo;
   bool lossless = false;
   bool keyframe_due = true;
@@ -94,7 +94,7 @@ Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& s
   parts.background.take(depth, states);
   PlanarDepth out;
   out.keyframe = keyframe || parts.keyframe_due;
-  parts.keyframe_due = true;  // stays set if this frame fails
+  parts.keyframe_due = true;  // Stays set if this frame fails.
   const auto encoded = parts.planes->encode(parts.background.depth(), parts.background.states(), out);
   if (!encoded) return fail(encoded.error());
   out.validity_mask.push_back(parts.coding);
@@ -126,9 +126,9 @@ struct Decoder::Parts {
   PixelFormat picture;
   ValidityMaskDecoder mask;
   ResidualDecoder residuals;
-  PlanarDepth exact;  // the last frame with residuals; its picture is empty after a frame without
+  PlanarDepth exact;  // Last frame with residuals; its picture is empty after other frames.
   EdgeRepair repair;
-  int repair_from;  // QP
+  int repair_from;  // Lowest QP at which edges are repaired.
   bool keyframe_needed = true;
 };
 
@@ -156,7 +156,7 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
   Parts& parts = *parts_;
   if (parts.keyframe_needed && !planes.keyframe)
     return fail(ErrorCode::kCorrupt, "depth builds on a frame that did not decode: a keyframe is needed");
-  parts.keyframe_needed = true;  // stays set if this frame fails
+  parts.keyframe_needed = true;  // Stays set if this frame fails.
   const std::span<const std::uint8_t> mask = planes.validity_mask;
   const std::uint8_t coding = mask.empty() ? std::uint8_t{255} : mask.front();
   const bool exact = coding == kAsResiduals;

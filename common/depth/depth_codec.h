@@ -5,11 +5,9 @@
 // description.
 //
 // Every codec keeps states exactly: a hole is never decoded as depth, nor depth as a hole. All
-// decoded depth lies within the stream's range. The codecs' errors are in their own headers and in
-// docs/internals/codecs.md.
-//
-// Units: depth in the stream's DepthUnit along the optical axis. Thread: distinct objects are
-// independent; one object is used by one thread at a time.
+// decoded depth lies within the stream's range. Each codec's header and docs/internals/codecs.md
+// give its error. Depth is in the stream's DepthUnit along the optical axis. Thread: distinct
+// objects are independent; one object is used by one thread at a time.
 
 #include <cstdint>
 #include <memory>
@@ -24,13 +22,13 @@
 
 namespace copresence::depth {
 
-/// The names that Encoder::open() accepts; the best for most uses is first.
+/// The names that Encoder::open() accepts. The first name is the best for most uses.
 std::span<const std::string_view> codec_names();
 
 class Encoder {
  public:
-  /// Fails (kInvalid) on an unknown name, with a sentence that lists the known ones, and as
-  /// check(DepthFormat) does.
+  /// Fails with kInvalid for an unknown name, with a message that lists the known names. Fails as
+  /// check(DepthFormat) does, too.
   static Result<Encoder> open(std::string_view codec_name, const DepthFormat& format);
   ~Encoder();
   Encoder(Encoder&&) noexcept;
@@ -38,21 +36,21 @@ class Encoder {
 
   const DepthCodecDescription& description() const;
 
-  /// Sets the depths that the sensor can report, ascending, in the stream's unit. Call it before
-  /// the first frame. A codec with a codebook then has these levels from the beginning. The list
-  /// need not be complete.
+  /// Sets the depths that the sensor can report, ascending, in the stream's unit. Call this before
+  /// the first frame. The codebook, if any, then has these levels from the beginning. The list need
+  /// not be complete.
   void set_sensor_levels(std::span<const std::uint16_t> levels);
 
-  /// Switches lossless coding on or off from the next frame on, which becomes a keyframe. Codecs
-  /// with monochrome pictures then give residuals instead of pictures (residual_coder.h). The
-  /// pictures of other codecs must be coded without loss by the video codec. Off at first.
+  /// Switches lossless coding on or off. The next frame becomes a keyframe. Codecs with monochrome
+  /// pictures then write residuals instead of pictures (residual_coder.h). With other codecs, the
+  /// video codec must code the pictures losslessly. Initially off.
   void set_lossless(bool lossless);
 
   /// Converts depth and states to a picture and side data. Depth 0 and depth outside the range
-  /// become holes, whatever their state. The frame is a keyframe if `keyframe` is set, if it is the
-  /// first, or if the codec decides so.
-  /// Requires the shape of the format. Fails (kUnsupported) if lossless coding is not possible for
-  /// this depth; the next frame is a keyframe then.
+  /// become holes, whatever their state. The result is a keyframe if `keyframe` is set, for the
+  /// first frame, or if the codec decides so. Requires the shape of the format. Fails with
+  /// kUnsupported if lossless coding is impossible for this depth; the next frame is then a
+  /// keyframe.
   Result<PlanarDepth> encode(const DepthImage& depth, const StateImage& states, bool keyframe);
 
  private:
@@ -63,19 +61,18 @@ class Encoder {
 
 class Decoder {
  public:
-  /// `description` may come from an untrusted peer. Fails (kInvalid) on an unknown name, on
+  /// `description` may come from an untrusted peer. Fails with kInvalid for an unknown name or
   /// impossible parameters, and as check(DepthFormat) does.
   static Result<Decoder> open(const DepthCodecDescription& description, const DepthFormat& format);
   ~Decoder();
   Decoder(Decoder&&) noexcept;
   Decoder& operator=(Decoder&&) noexcept;
 
-  /// Decodes depth and states; depth is 0 exactly where the state is kHole. Requires the frames in
-  /// the order of encoding and without gaps since the last keyframe. video::FrameDecoder checks
-  /// this, and that the bytes are undamaged; other bytes decode to other depth or fail.
-  /// Fails (kCorrupt) on side data that no encoder writes, and on a picture of another format or
-  /// shape. Every frame up to the next keyframe fails then, and `depth` and `states` are
-  /// unspecified.
+  /// Decodes depth and states. Depth is 0 exactly where the state is kHole. Requires all frames
+  /// since the last keyframe, undamaged and in the order of encoding; video::FrameDecoder checks
+  /// this. Other bytes decode to other depth or fail. Fails with kCorrupt for side data that no
+  /// encoder writes, and for a picture of another format or shape. Then every frame up to the next
+  /// keyframe fails, and `depth` and `states` are unspecified.
   Result<void> decode(const PlanarDepth& planes, DepthImage& depth, StateImage& states);
 
  private:

@@ -6,11 +6,12 @@
 namespace copresence::depth {
 namespace {
 
-constexpr int kReach = 2;          // pixels to either side
-constexpr int kBlock = 32;         // pixels that are tested for edges at a time
-constexpr float kEdgeSteps = 10;   // sides that differ by more are two surfaces
-constexpr float kFlyingSteps = 5;  // a flying pixel's least difference from both sides
-// Part of the difference between the sides. A pixel that is farther from both may belong to either.
+constexpr int kReach = 2;          // Pixels to either side.
+constexpr int kBlock = 32;         // Number of pixels that are tested for edges at a time.
+constexpr float kEdgeSteps = 10;   // Sides that differ by more are two surfaces.
+constexpr float kFlyingSteps = 5;  // Least difference between a flying pixel and both sides.
+// As a share of the difference between the sides. A pixel farther than this from both sides may
+// belong to either.
 constexpr float kSureShare = 0.3f;
 
 }  // namespace
@@ -29,7 +30,7 @@ void EdgeRepair::repair(DepthImage& depth) {
       repair_row(row + kReach, old, old + kReach, old + 2 * kReach, width - 2 * kReach);
     }
   }
-  // Along columns, the row above is already repaired, which does no harm.
+  // Along columns, the row above is already repaired, which is harmless.
   for (int y = kReach; y + kReach < height; ++y) {
     std::uint16_t* const row = depth.row(y).data();
     repair_row(row, depth.row(y - kReach).data(), row, depth.row(y + kReach).data(), width);
@@ -38,8 +39,8 @@ void EdgeRepair::repair(DepthImage& depth) {
 
 void EdgeRepair::repair_row(std::uint16_t* row, const std::uint16_t* before, const std::uint16_t* here,
                             const std::uint16_t* behind, int count) const {
-  // |a - b| S / (a b) > k steps is tested as |a - b| S > k a b, without a division. The compiler
-  // uses vector instructions. Most blocks have no edge at all.
+  // Test |a - b| S / (a b) > k steps as |a - b| S > k a b, without a division, so that the compiler
+  // uses vector instructions. S converts to disparity steps. Most blocks have no edge.
   const float S = steps_per_inverse_unit_;
   for (int first = 0; first < count; first += kBlock) {
     const int end = std::min(first + kBlock, count);
@@ -48,13 +49,13 @@ void EdgeRepair::repair_row(std::uint16_t* row, const std::uint16_t* before, con
       const float a = before[i], b = behind[i];
       edges |= std::abs(a - b) * S > kEdgeSteps * a * b;
     }
-    if (edges == 0) continue;  // `row` already equals `here`
+    if (edges == 0) continue;  // `row` already equals `here`.
     for (int i = first; i < end; ++i) {
       const float a = before[i], b = behind[i], c = here[i];
       const float off_a = std::abs(c - a), off_b = std::abs(c - b);
       const bool flying = (std::abs(a - b) * S > kEdgeSteps * a * b) & (off_a * S > kFlyingSteps * a * c) &
                           (off_b * S > kFlyingSteps * b * c);
-      const float near_a = off_a * b, near_b = off_b * a;  // in steps, times a b c / S
+      const float near_a = off_a * b, near_b = off_b * a;  // In steps, times a b c / S.
       const bool sure = std::min(near_a, near_b) < kSureShare * std::abs(a - b) * c;
       row[i] = flying & sure ? (near_a < near_b ? before[i] : behind[i]) : here[i];
     }

@@ -1,12 +1,12 @@
 #pragma once
 
 // Repairs flying pixels: pixels that lossy coding has placed between two surfaces by blurring a
-// depth edge. Two pixels to the left and right (or above and below) of a flying pixel are at least
-// 10 disparity steps apart, and it is more than 5 steps from both. It takes the depth of the side
-// that is clearly nearer. Pixels near the midpoint stay as they are: moving one to the wrong
-// surface would make its error larger. At fine QPs the repair moves more correct pixels than
-// blurred ones, so it is not used there (depth_codec.cpp). Thread: distinct objects are
-// independent.
+// depth edge. The two pixels at a distance of 2 on opposite sides of a flying pixel differ by at
+// least 10 disparity steps. The flying pixel differs from both by more than 5 steps. It takes the
+// depth of the side that is clearly nearer. Pixels near the midpoint are not changed: moving a
+// pixel to the wrong surface would make its error larger. At fine QPs the repair would move more
+// correct pixels than blurred ones, so it is not used there (depth_codec.cpp). Thread: distinct
+// objects are independent.
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The interface of a single depth codec: it converts depth to a picture and back. Encoder and
-// Decoder (depth_codec.h) do what all codecs have in common: they fill holes, clip to the range,
+// The interface of a single depth codec, which converts depth to a picture and back. Encoder and
+// Decoder (depth_codec.h) do the work that all codecs share: they fill holes, clip to the range,
 // and code the validity mask. Thread: distinct objects are independent.
 
 #include <cstdint>
@@ -21,10 +21,9 @@ class PlaneEncoder {
 
   virtual DepthCodecDescription description() const = 0;
 
-  /// Writes `out.picture` and, for a codec with a codebook, `out.table`. `out.keyframe` says
-  /// whether a keyframe is asked for; the codec may set it. Requires `depth` within the range at
-  /// every pixel. Values in holes do not matter.
-  /// Fails (kUnsupported) if lossless coding is on but impossible.
+  /// Writes `out.picture` and, for a codec with a codebook, `out.table`. `out.keyframe` requests a
+  /// keyframe; the codec may set it, too. Requires `depth` within the range at every pixel. Values
+  /// in holes do not matter. Fails with kUnsupported if lossless coding is on but impossible.
   virtual Result<void> encode(const DepthImage& depth, const StateImage& states, PlanarDepth& out) = 0;
 
   /// Switches lossless coding on or off from the next frame on.
@@ -39,8 +38,8 @@ class PlaneDecoder {
   virtual ~PlaneDecoder() = default;
 
   /// Writes a depth within the range to every pixel of `out`, which has the picture's shape. Values
-  /// in holes are arbitrary. Requires a picture of the described format. Fails (kCorrupt) on an
-  /// impossible codebook change.
+  /// in holes are arbitrary. Requires a picture of the described format. Fails with kCorrupt if the
+  /// codebook change is impossible.
   virtual Result<void> decode(const PlanarDepth& in, const StateImage& states, DepthImage& out) = 0;
 };
 

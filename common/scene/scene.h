@@ -31,9 +31,8 @@ struct Camera {
   /// The source that its capture_server opens. A path in the file is relative to the file's folder.
   std::string source;
   std::optional<ColorCamera> color;
-  std::optional<Eigen::Matrix<float, 3, 4>>
-      /// Colour correction of RGB values from 0 to 1, to the reference camera.
-      color_matching;
+  /// Colour correction of RGB values from 0 to 1, to the reference camera.
+  std::optional<Eigen::Matrix<float, 3, 4>> color_matching;
   std::optional<double> calibration_error_mm;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Rate controller for depth: keeps picture and side data together at a bit rate. |
+// Rate controller for depth: keeps picture and side data together at a bit rate.
+//
 // x264 keeps the pictures below its rate, but it spends slightly less than allowed and does not
 // count the side data. So each picture gets its own rate: the nominal rate minus the side data,
 // corrected by the level of a leaky bucket. The level is the number of bits that earlier frames

@@ -1,6 +1,7 @@
 #pragma once
 
-// Decodes H.264 to frames; the inverse of FrameEncoder. Each call decodes one frame or fails. |
+// Decodes H.264 to frames; the inverse of FrameEncoder. Each call decodes one frame or fails.
+//
 // A call fails if the frame is damaged, cut or out of order, if an earlier frame is missing, or if
 // the two pictures belong to different frames. All later calls fail until the next keyframe, so a
 // wrong picture is never returned. Thread: one at a time; different decoders are independent.
@@ -33,9 +34,8 @@ class FrameDecoder {
   PictureDecoder depth_;
   std::optional<PictureDecoder> color_;
   Rigid3 world_from_camera_;
-  std::optional<std::uint64_t>
-      // Sequence of the last decoded frame. If absent, a keyframe is needed.
-      previous_;
+  // Sequence of the last decoded frame. If absent, a keyframe is needed.
+  std::optional<std::uint64_t> previous_;
 };
 
 }  // namespace copresence::video

@@ -1,7 +1,8 @@
 #pragma once
 
 // Decodes H.264 to pictures; the inverse of PictureEncoder. Each call decodes one access unit or
-// fails. |
+// fails.
+//
 // The bytes may be untrusted: the result is an error, or a picture of the expected format and size.
 // After an error only a keyframe is accepted, since other pictures depend on the failed picture.
 // Thread: one at a time; different decoders are independent.

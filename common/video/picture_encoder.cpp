@@ -121,9 +121,8 @@ void refer_to(const Picture& picture, AVFrame& frame) {
         deep ? reinterpret_cast<const std::uint8_t*>(picture.plane10().data()) : picture.plane8(plane).data();
     const std::size_t row_bytes =
         static_cast<std::size_t>(picture.plane_width(plane)) * picture.bytes_per_sample();
-    auto* const bytes =
-        // AV_BUFFER_FLAG_READONLY prevents writing.
-        const_cast<std::uint8_t*>(first);
+    // AV_BUFFER_FLAG_READONLY prevents writing.
+    auto* const bytes = const_cast<std::uint8_t*>(first);
     frame.buf[plane] = av_buffer_create(
         bytes, row_bytes * picture.plane_height(plane), [](void*, std::uint8_t*) {}, nullptr,
         AV_BUFFER_FLAG_READONLY);

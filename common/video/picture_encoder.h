@@ -1,7 +1,8 @@
 #pragma once
 
 // Encodes pictures to H.264 without delay, one access unit for each. Uses libx264 without B frames,
-// lookahead or threads. |
+// lookahead or threads.
+//
 // The first picture is a keyframe (IDR, with its parameter sets). Later keyframes are made only on
 // request. Samples are full range and are not copied for x264. Equal inputs give equal outputs. At
 // QP 0 the decoder returns exactly the same samples. Thread: one at a time; different encoders are

@@ -61,10 +61,8 @@ Result<GLFWwindow*> make_window(const std::string& title, int width, int height,
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, debug == gl::Debug::kOn);
-  glfwWindowHint(GLFW_ALPHA_BITS,
-                 // Pixels without a surface are transparent in the view, but the window must be
-                 // opaque.
-                 0);
+  // Pixels without a surface are transparent in the view, but the window must be opaque.
+  glfwWindowHint(GLFW_ALPHA_BITS, 0);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   // Some drivers have only EGL.

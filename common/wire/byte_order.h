@@ -1,6 +1,6 @@
 #pragma once
 
-// Writes and reads little-endian numbers, on machines of any byte order. Thread: values.
+// Writes and reads little-endian numbers on machines of any byte order. Thread: values.
 
 #include <bit>
 #include <concepts>
@@ -24,7 +24,7 @@ class ByteWriter {
     }
   }
   void real(double value) { number(std::bit_cast<std::uint64_t>(value)); }
-  void text(std::string_view value) {  // two bytes of length, then the text
+  void text(std::string_view value) {  // Two bytes of length, then the text.
     number(static_cast<std::uint16_t>(value.size()));
     out_.insert(out_.end(), value.begin(), value.end());
   }

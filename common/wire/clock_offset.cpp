@@ -9,9 +9,9 @@
 namespace copresence::wire {
 namespace {
 
-constexpr std::size_t kSamples = 64;  // a minute of pings at one a second
+constexpr std::size_t kSamples = 64;  // About a minute at one ping a second.
 
-/// The largest drift of two quartz clocks: 50 ppm each.
+/// Returns the largest possible drift between two quartz clocks: 50 ppm each.
 Duration drift(Duration age) {
   return age / 10000;
 }
@@ -43,7 +43,7 @@ ClockOffset ClockEstimate::at(Instant now) const {
 std::uint64_t monotonic_clock_id() {
   const std::string boot = content("/proc/sys/kernel/random/boot_id");
   if (boot.empty()) return 0;
-  std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
+  std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a hash.
   for (const char c : boot + content("/proc/self/timens_offsets")) {
     hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001b3;
   }

@@ -1,10 +1,10 @@
 #pragma once
 
 // Estimates the offset between the server's and the client's monotonic clock (Cristian 1989). The
-// server answers a ping with its time. That time is assumed at the middle of the round trip, so the
+// server answers a ping with its time, which is assumed to be the middle of the round trip. So the
 // error is at most half the round trip. The best ping has the smallest bound: half its round trip
-// plus the possible drift since then. The drift itself is not estimated: over the age of a ping,
-// the error of an estimate would exceed the drift. Thread: values.
+// plus the possible drift since then. The drift itself is not estimated, since the estimate's error
+// would exceed it. Thread: values.
 
 #include <cstdint>
 #include <deque>
@@ -14,8 +14,8 @@
 namespace copresence::wire {
 
 struct ClockOffset {
-  Duration offset{};       ///< server's clock minus client's clock
-  Duration uncertainty{};  ///< the true offset differs by at most this
+  Duration offset{};       ///< Server's clock minus client's clock.
+  Duration uncertainty{};  ///< Largest possible error of `offset`.
 
   Instant to_local(Instant server_time) const { return server_time - offset; }
   friend bool operator==(const ClockOffset&, const ClockOffset&) = default;
@@ -23,11 +23,11 @@ struct ClockOffset {
 
 class ClockEstimate {
  public:
-  /// Adds a ping: the server's clock showed `server_time` between `sent` and `received` on the
+  /// Adds a ping. The server's clock showed `server_time` between `sent` and `received` on the
   /// client's clock. Requires sent <= received.
   void add(Instant sent, Instant server_time, Instant received);
 
-  /// The best estimate at `now`. Requires at least one add().
+  /// Returns the best estimate at `now`. Requires at least one add().
   ClockOffset at(Instant now) const;
 
  private:
@@ -36,11 +36,11 @@ class ClockEstimate {
     Duration offset;
     Duration half_round_trip;
   };
-  std::deque<Sample> samples_;  // the newest kSamples
+  std::deque<Sample> samples_;  // The newest kSamples samples.
 };
 
-/// Identifies the monotonic clock of this machine: two processes with the same number use the same
-/// clock. It is a hash of the kernel's boot id and the time namespace's offsets; 0 if they are
+/// Identifies the monotonic clock of this machine. Processes with the same number share a clock.
+/// The number is a hash of the kernel's boot id and the time namespace's offsets, or 0 if they are
 /// unknown.
 std::uint64_t monotonic_clock_id();
 

@@ -8,7 +8,7 @@
 namespace copresence::wire {
 namespace {
 
-constexpr std::size_t kNetworks = 1000;  // counted in one period
+constexpr std::size_t kNetworks = 1000;  // Limit of the networks counted in one period.
 
 const char* in_words(Ending why) {
   switch (why) {

@@ -2,10 +2,10 @@
 
 // Writes the log lines about a server's connections and limits their number.
 //
-// Each client that joins or leaves is one line, at most kLines of them per kPeriod. At the end of a
-// period, one line has the number of further clients that joined and left. Another line has the
-// number of connections that ended before they acknowledged a frame, the reasons, and the network
-// of most of them. Thread: a value.
+// Each client that joins or leaves gets one line, up to kLines per kPeriod. At the end of a period,
+// one line counts the further clients that joined and left. Another line counts the connections
+// that ended before they acknowledged a frame. It also gives the reasons, and the network of most
+// of them. Thread: a value.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,16 +17,15 @@
 
 namespace copresence::wire {
 
-/// Why a connection ended.
 enum class Ending {
-  kHungUp,        ///< the peer or the network closed it
-  kNoHello,       ///< sent no Hello in time
-  kNonsense,      ///< violated the protocol
-  kSilent,        ///< sent nothing and received nothing for too long
-  kNoProgress,    ///< acknowledged no frame in time
-  kMadeRoom,      ///< closed to make room for another connection
-  kNoPlace,       ///< the server has as many clients as it takes
-  kOtherVersion,  ///< has another protocol version
+  kHungUp,        ///< The peer or the network closed it.
+  kNoHello,       ///< The peer sent no Hello in time.
+  kNonsense,      ///< The peer violated the protocol.
+  kSilent,        ///< No bytes were sent or received for too long.
+  kNoProgress,    ///< The peer acknowledged no frame in time.
+  kMadeRoom,      ///< It was closed to make room for another connection.
+  kNoPlace,       ///< The server has its maximum number of clients.
+  kOtherVersion,  ///< The peer has another protocol version.
   kServerEnds,
 };
 
@@ -40,10 +39,9 @@ class ConnectionLog {
     std::string text;
   };
 
-  /// `clients` is their number now.
   void joined(const std::string& address, std::size_t clients, Instant now);
   void left(const std::string& address, Ending why, Duration after, std::size_t clients, Instant now);
-  /// A connection ended before its first acknowledgement.
+  /// Counts a connection that ended before its first acknowledgement.
   void ended_early(const std::string& network, Ending why, Instant now);
 
   /// Returns the lines that are due and forgets them.

@@ -21,9 +21,9 @@ using asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFirstPings{100}, kPings{1000};
-constexpr int kFirst = 8;  // pings at the short interval, so that the clock offset is known soon
+constexpr int kFirst = 8;  // Number of pings at the short interval, for an early clock offset.
 constexpr std::size_t kMaxUnsent = 64 * 1024;
-// Between two frames. Plugging a camera in and out by hand causes a few.
+// Limit between two frames. Plugging a camera in and out by hand causes a few.
 constexpr int kMostStatuses = 100;
 
 }  // namespace
@@ -64,8 +64,8 @@ class FrameClient::Protocol {
   std::uint64_t bytes_received() const { return connection_.bytes_read(); }
 
  private:
-  /// Runs the event loop until `done` returns true. Fails if the connection fails, on a stop
-  /// request, and after `deadline` with the message `too_late`.
+  /// Runs the event loop until `done` returns true. Fails if the connection fails or on a stop
+  /// request. Fails after `deadline` with the message `too_late`.
   template <class Done>
   Result<void> run_until(const Done& done, const std::stop_token& stop, std::optional<Instant> deadline,
                          const char* too_late) {
@@ -161,7 +161,7 @@ class FrameClient::Protocol {
                        incoming_.received_at = connection_.last_arrival();
                        send(encode(FrameAck{incoming_.frame.sequence}));
                        arrived_ = std::exchange(incoming_, {});
-                       reading_ = false;  // receive() starts the next read
+                       reading_ = false;  // Now receive() starts the next read.
                        statuses_ = 0;
                      });
   }
@@ -221,7 +221,7 @@ class FrameClient::Protocol {
     ping_later();
   }
 
-  /// Adds the answer that was just read. The kernel's arrival time may lie slightly before the
+  /// Adds the answer that was just read. The kernel's arrival time may be slightly before the
   /// question.
   void learn_clock(Instant asked, Instant server_time) {
     estimate_.add(asked, server_time, std::max(asked, connection_.last_arrival()));
@@ -243,7 +243,7 @@ class FrameClient::Protocol {
         case ArrivalWatch::Verdict::kAlive:
           break;
       }
-      if (!ping_at_) {  // one ping at a time
+      if (!ping_at_) {  // Only one ping at a time.
         ++pings_;
         ping_at_ = Clock::now();
         send(encode(Ping{*ping_at_}));
@@ -252,7 +252,7 @@ class FrameClient::Protocol {
     });
   }
 
-  /// Queues a message and sends it as soon as the connection can take it.
+  /// Queues a message and sends it as soon as the connection can accept it.
   void send(const Bytes& message) {
     if (failure_ || !connection_.is_open()) return;
     unsent_.insert(unsent_.end(), message.begin(), message.end());
@@ -277,7 +277,7 @@ class FrameClient::Protocol {
   void protocol_error() { fail_with(ErrorCode::kCorrupt, "a message that does not belong here"); }
   void fail_with(const Error& error) { fail_with(error.code, error.what); }
   void fail_with(ErrorCode code, std::string what) {
-    if (failure_) return;  // later errors are consequences of the first one
+    if (failure_) return;  // Later errors are consequences of the first error.
     if (code == ErrorCode::kCorrupt) what = "this is no capture_server of this release: it sent " + what;
     failure_ = Error{code, code == ErrorCode::kEndOfStream ? std::move(what) : address_ + ": " + what};
     connection_.close();
@@ -296,12 +296,12 @@ class FrameClient::Protocol {
   StreamDescription description_;
   ClockEstimate estimate_;
   ArrivalWatch watch_;
-  std::uint64_t bytes_of_messages_ = 0;  // bytes of complete messages
+  std::uint64_t bytes_of_messages_ = 0;  // Bytes of complete messages.
   Instant hello_at_{};
-  std::optional<Instant> ping_at_;  // time of the ping without an answer
+  std::optional<Instant> ping_at_;  // Time of the unanswered ping.
   int pings_ = 0, statuses_ = 0;
 
-  bool reading_ = false;  // a read is under way, perhaps since a receive() that was stopped
+  bool reading_ = false;  // True while a read is under way, perhaps since a stopped receive().
   std::array<std::uint8_t, kHeaderBytes> header_;
   std::array<std::uint8_t, kFrameHeadBytes> frame_head_;
   Bytes body_;

@@ -2,17 +2,16 @@
 
 // A connection to a capture_server: receives frames, sends acknowledgements and pings.
 //
-// Errors:
-//   kRefused      the releases differ; connecting again is of no use
-//   kEndOfStream  the server ended the stream; the text is its reason
-//   kNotFound     no server answers at this address
-//   kUnavailable  the server is full or closed the connection, or a stop was requested
-//   kCorrupt      the peer is no capture_server, or its messages are damaged
-//   kTimeout      the server sent nothing for too long
-// After an error the connection is closed, except when receive() was stopped or reached `latest`.
-// Connecting again may help after all errors but kRefused.
+//   `kRefused`: the releases differ, so connecting again is useless.
+//   `kEndOfStream`: the server ended the stream; the text is its reason.
+//   `kNotFound`: no server answers at this address.
+//   `kUnavailable`: the server is full or closed the connection, or a stop was requested.
+//   `kCorrupt`: the peer is not a capture_server, or its messages are damaged.
+//   `kTimeout`: the server sent nothing for too long.
 //
-// Thread: one thread; any thread may call request_keyframe().
+// After an error the connection is closed, unless receive() was stopped or reached `latest`.
+// Connecting again may help after all errors except kRefused. Thread: one thread; any thread may
+// call request_keyframe().
 
 #include <chrono>
 #include <cstdint>
@@ -33,14 +32,14 @@ namespace copresence::wire {
 struct ReceivedFrame {
   EncodedFrame frame;
   FrameCounters counters;
-  Instant sent_at{};      ///< server's clock; FrameClient::clock() converts it
-  Instant received_at{};  ///< own clock: arrival of the last byte, also if it was read later
+  Instant sent_at{};      ///< Server's clock; FrameClient::clock() converts it.
+  Instant received_at{};  ///< Arrival of the last byte, on the client's clock.
 };
 
 class FrameClient {
  public:
-  /// Connects and exchanges the first messages within `timeout`. The lookup of a host name comes
-  /// before that and is not limited. A stop request returns kUnavailable at once.
+  /// Connects and exchanges the first messages within `timeout`. The host name is looked up before
+  /// that, without a time limit. A stop request returns kUnavailable at once.
   static Result<FrameClient> connect(const std::string& host_port, std::chrono::milliseconds timeout,
                                      std::stop_token stop);
   FrameClient(FrameClient&&) noexcept;
@@ -50,19 +49,19 @@ class FrameClient {
   const StreamDescription& description() const;
 
   /// Sets a callback for the status of the server's camera. receive() calls it with the reason why
-  /// no frames come, and with an empty text once the camera works again.
+  /// no frames come. Once the camera works again, the text is empty.
   void on_camera_status(std::function<void(const std::string&)> callback);
 
-  /// Waits for the next frame and acknowledges it. Call it when you can use another frame: the
-  /// acknowledgements bound the latency. A stop request returns kUnavailable. Returns kTimeout if
-  /// no byte arrives for 5 s, or if no frame arrives until `latest`; in the second case the
-  /// connection stays open.
+  /// Waits for the next frame and acknowledges it. Call this only when you can use another frame,
+  /// since the acknowledgements bound the latency. A stop request returns kUnavailable. Returns
+  /// kTimeout if no byte arrives for 5 s, or if no frame arrives until `latest`. In the second case
+  /// the connection stays open.
   Result<ReceivedFrame> receive(std::stop_token stop, std::optional<Instant> latest = {});
 
-  /// Requests a keyframe, because the stream cannot be decoded. The request is sent by receive().
+  /// Requests a keyframe because the stream cannot be decoded. receive() sends the request.
   void request_keyframe();
 
-  ClockOffset clock() const;  ///< exactly 0 +- 0 if both ends use the same clock
+  ClockOffset clock() const;  ///< Exactly 0 +- 0 if both ends use the same clock.
   std::uint64_t bytes_received() const;
 
  private:

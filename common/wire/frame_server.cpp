@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSweep{250};
 constexpr std::chrono::milliseconds kFlush{400};
-constexpr std::size_t kMaxOutbound = 8;  // frames that the wire thread has not distributed yet
+constexpr std::size_t kMaxOutbound = 8;  // Frames that the wire thread has not distributed yet.
 
 Duration period_of(const StreamDescription& stream) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / stream.frames_per_second));
@@ -56,7 +56,7 @@ class FrameServer::Loop {
   void send(OutboundFrame outbound) {
     std::lock_guard lock(mutex_);
     ++frames_offered_;
-    if (outbound_.size() >= kMaxOutbound) {  // the wire thread is stalled: continue with a keyframe
+    if (outbound_.size() >= kMaxOutbound) {  // The wire thread is stalled; continue with a keyframe.
       overrun_ += outbound_.size();
       outbound_.clear();
     }
@@ -99,7 +99,8 @@ class FrameServer::Loop {
     session->start();
   }
 
-  /// True if `session` may enter `stage`. Closes another session if wire::admit() requires it.
+  /// Returns true if `session` may enter `stage`. Closes another session if wire::admit() requires
+  /// it.
   bool admit(Session& session, Stage stage) {
     forget_closed();
     std::vector<Standing> others;
@@ -140,7 +141,7 @@ class FrameServer::Loop {
     for (const auto& session : sessions_) session->sweep(Clock::now());
     forget_closed();
     write_log(Clock::now());
-    publish();  // for bytes_sent
+    publish();  // Updates bytes_sent.
     sweeper_.expires_after(kSweep);
     sweeper_.async_wait([this](const asio::error_code& error) {
       if (!error) sweep();
@@ -227,10 +228,10 @@ class FrameServer::Loop {
   std::function<void()> alive_;
   bool ending_ = false;
 
-  // Used by all threads under mutex_.
+  // Used by all threads while they hold mutex_.
   mutable std::mutex mutex_;
   std::vector<OutboundFrame> outbound_;
-  bool distributing_ = false;  // distribute() is posted to the wire thread
+  bool distributing_ = false;  // True while distribute() is posted to the wire thread.
   std::uint64_t overrun_ = 0, frames_offered_ = 0, bytes_sent_ = 0;
   std::size_t clients_ = 0;
   EncoderDemand demand_;

@@ -1,10 +1,11 @@
 #pragma once
 
-// Serves one stream of frames to all clients. Clients share the encoded frames without copies; each
-// client gets its own 96 bytes before a frame. A slow client delays no other one and holds at most
-// its window of frames (flow_control/client_window.h). A client that is silent or violates the
-// protocol loses its connection. flow_control/admission.h decides which clients the server keeps if
-// many connect. Thread: one thread calls run(); any thread may call the other functions.
+// Serves one stream of frames to all clients. Clients share the encoded frames without copies. Only
+// the 96 bytes before each frame are separate for each client. A slow client delays no other client
+// and holds at most its window of frames (flow_control/client_window.h). A client that is silent or
+// violates the protocol is disconnected. If many clients connect, flow_control/admission.h decides
+// which ones the server keeps. Thread: one thread calls run(); any thread may call the other
+// functions.
 
 #include <chrono>
 #include <cstdint>
@@ -22,43 +23,43 @@
 namespace copresence::wire {
 
 struct ServerCounters {
-  std::size_t clients = 0;           ///< now
-  std::uint64_t bytes_sent = 0;      ///< to all clients since the start
-  std::uint64_t frames_offered = 0;  ///< handed to send()
+  std::size_t clients = 0;           ///< Current number of clients.
+  std::uint64_t bytes_sent = 0;      ///< Sent to all clients since the start.
+  std::uint64_t frames_offered = 0;  ///< Passed to send().
 };
 
 class FrameServer {
  public:
-  /// Receives lines for the server's log: clients that joined and left, and failed connections. At
-  /// most about two lines a second. Called on the wire thread.
+  /// Receives at most about two lines a second for the server's log: clients that joined and left,
+  /// and failed connections. Called on the wire thread.
   using LogLine = std::function<void(const std::string& sentence, bool is_warning)>;
 
-  /// Serves the port with its own file descriptor: the caller may keep the socket or close it.
-  /// Fails with kInvalid if the description does not pass wire::check(), and with kUnavailable
-  /// without free file descriptors.
+  /// Serves the port through a duplicate file descriptor, so the caller may keep or close the
+  /// socket. Fails with kInvalid if the description does not pass wire::check(). Fails with
+  /// kUnavailable without free file descriptors.
   static Result<std::unique_ptr<FrameServer>> open(const ListeningSocket& socket,
                                                    StreamDescription description, LogLine log_line = {});
   ~FrameServer();
 
-  /// Serves clients until a stop request, or until end() is done. Calls `alive` four times a
-  /// second. Call run() once.
+  /// Serves clients until a stop request, or until end() has finished. Calls `alive` four times a
+  /// second. Call run() only once.
   void run(std::stop_token stop, std::function<void()> alive = {});
 
-  /// Sends a frame to every client that can accept it; never blocks. Call it in the order of
-  /// encoding. `counters` are those of the whole stream: window_full counts frames that were not
-  /// encoded because wants_frames() was false. Requires a sequence number of at least 1 and depth.
+  /// Sends a frame to every client that can accept it. Never blocks. Call this in the order of
+  /// encoding. `counters` count the whole stream: window_full counts frames that were not encoded
+  /// because wants_frames() was false. Requires depth and a sequence number of at least 1.
   void send(std::shared_ptr<const EncodedFrame> frame, const FrameCounters& counters);
 
-  /// True if a client would get a frame that is encoded now. False without clients, so the encoder
-  /// can pause.
+  /// True if a client would get a frame that is encoded now. False without clients, so that the
+  /// encoder can pause.
   bool wants_frames() const;
 
   /// True if the next frame must be a keyframe: a client joined, fell behind, or requested one.
   /// Returns true at most once a second. The caller must then encode a keyframe.
   bool take_keyframe_request();
 
-  /// Sends the status of the camera to all clients, also to those that join later: one sentence
-  /// with the reason why no frames come, or an empty text once the camera works.
+  /// Sends the status of the camera to all present and later clients. The status is one sentence
+  /// with the reason why no frames come. It is empty if the camera works.
   void set_camera_status(std::string status);
 
   /// Ends the stream after the frames that were sent. All clients get `reason`, one sentence. run()

@@ -22,7 +22,7 @@ Result<HostPort> parse_host_port(std::string_view text) {
   if (host.starts_with('[') && host.ends_with(']')) {
     host = host.substr(1, host.size() - 2);
   } else if (host.find(':') != std::string_view::npos) {
-    return invalid();  // an IPv6 address without brackets is ambiguous
+    return invalid();  // An IPv6 address without brackets is ambiguous.
   }
   HostPort out{std::string(host), 0};
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), out.port);

@@ -16,7 +16,7 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr int kWaiting = 64;  // connections that wait in the kernel to be accepted
+constexpr int kWaiting = 64;  // Limit of connections that wait in the kernel to be accepted.
 
 int option(int descriptor, int name) {
   int value = 0;
@@ -80,8 +80,8 @@ Result<ListeningSocket> listen(const std::string& host_port, bool insecure) {
             host_port, kDefaultAddress));
   }
   tcp::acceptor acceptor(io);
-  for (const tcp::endpoint endpoint :
-       found) {  // localhost may be 127.0.0.1 and ::1, of which one may be disabled
+  // The name localhost may mean 127.0.0.1 and ::1, of which one may be disabled.
+  for (const tcp::endpoint endpoint : found) {
     acceptor = tcp::acceptor(io);
     acceptor.open(endpoint.protocol(), error);
     if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);

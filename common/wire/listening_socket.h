@@ -1,6 +1,6 @@
 #pragma once
 
-// A listening TCP socket. The supervising parent process creates it and its child process serves
+// A listening TCP socket. The supervising parent process creates it, and its child process serves
 // it. So the port stays open while a crashed child is replaced. Thread: a value.
 
 #include <string>
@@ -12,26 +12,25 @@ namespace copresence::wire {
 class ListeningSocket {
  public:
   /// Takes ownership of a descriptor that the parent process left open. Fails with kInvalid if it
-  /// is no listening TCP socket; the descriptor then stays open.
+  /// is not a listening TCP socket; the descriptor then stays open.
   static Result<ListeningSocket> adopt(int descriptor);
 
   ListeningSocket(ListeningSocket&& other) noexcept;
   ListeningSocket& operator=(ListeningSocket&& other) noexcept;
   ~ListeningSocket();
 
-  int descriptor() const { return descriptor_; }  ///< close-on-exec; non-blocking
-  std::string address() const;  ///< HOST:PORT with the real port, also if port 0 was requested
+  int descriptor() const { return descriptor_; }  ///< Close-on-exec and non-blocking.
+  std::string address() const;  ///< HOST:PORT with the real port, also if port 0 was requested.
 
  private:
   explicit ListeningSocket(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_ = -1;  // -1: moved from
+  int descriptor_ = -1;  // After a move it is -1.
 };
 
-/// Listens on HOST:PORT; port 0 takes a free port.
-///
-/// Fails  kInvalid if the text is no address, or if other machines can reach the address and
-///        `insecure` is false: the stream is not encrypted. kNotFound for an unknown host,
-///        kUnavailable for a port in use.
+/// Listens on HOST:PORT. Port 0 selects a free port. Fails with kInvalid if the text is not an
+/// address. The stream is not encrypted. So this fails with kInvalid, too, if other machines can
+/// reach the address and `insecure` is false. Fails with kNotFound for an unknown host and
+/// kUnavailable for a port in use.
 Result<ListeningSocket> listen(const std::string& host_port, bool insecure);
 
 }  // namespace copresence::wire

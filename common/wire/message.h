@@ -1,9 +1,9 @@
 #pragma once
 
-// The messages between client and server. docs/internals/wire_format.md draws their bytes; a test
+// The messages between client and server. docs/internals/wire_format.md shows their bytes; a test
 // compares that page with message_codec.h.
 //
-// A message is a header of 8 bytes and a body; numbers are little-endian. The client sends Hello.
+// A message is a header of 8 bytes and a body. Numbers are little-endian. The client sends Hello.
 // The server answers with a Reject, or with a Welcome and then frames. The client acknowledges each
 // frame. Hello and Reject have the same layout in every version, so that different releases can
 // recognise each other. Thread: values.
@@ -25,23 +25,23 @@ inline constexpr std::uint32_t kProtocolVersion = 6;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
 inline constexpr std::size_t kHeaderBytes = 8;
-inline constexpr std::size_t kFrameHeadBytes = 96;  ///< in a frame's body, before its access units
-inline constexpr std::size_t kMaxMessageBytes = 8 * 1024 * 1024;  ///< the largest body, that of a frame
-inline constexpr std::size_t kMaxTextBytes = 512;                 ///< a sentence for the user, UTF-8
-inline constexpr std::size_t kMaxNameBytes = 64;   ///< the name of a camera, a codec or a parameter
-inline constexpr std::size_t kMaxParameters = 64;  ///< of a depth codec
+inline constexpr std::size_t kFrameHeadBytes = 96;  ///< Part of a frame's body before its access units.
+inline constexpr std::size_t kMaxMessageBytes = 8 * 1024 * 1024;  ///< The largest body, that of a frame.
+inline constexpr std::size_t kMaxTextBytes = 512;                 ///< A sentence for the user, UTF-8.
+inline constexpr std::size_t kMaxNameBytes = 64;   ///< The name of a camera, a codec or a parameter.
+inline constexpr std::size_t kMaxParameters = 64;  ///< Number of parameters of a depth codec.
 
 enum class MessageType : std::uint8_t {
-  kHello = 1,            ///< client: the first message
-  kKeyframeRequest = 2,  ///< client: cannot decode the next frames without a keyframe
-  kFrameAck = 3,         ///< client: this frame and all before it have arrived
-  kPing = 4,             ///< client: asks for the time of the server's clock
-  kReject = 17,          ///< server: sent instead of Welcome; the last message
-  kWelcome = 18,         ///< server: describes the stream
-  kFrame = 19,           ///< server: one EncodedFrame
-  kEndOfStream = 20,     ///< server: the last message
-  kPong = 21,            ///< server: answers a Ping
-  kCameraStatus = 22,    ///< server: the status of its camera has changed
+  kHello = 1,            ///< Client: the first message.
+  kKeyframeRequest = 2,  ///< Client: it cannot decode the next frames without a keyframe.
+  kFrameAck = 3,         ///< Client: it has this frame and all frames before it.
+  kPing = 4,             ///< Client: it asks for the time of the server's clock.
+  kReject = 17,          ///< Server: sent instead of Welcome as the last message.
+  kWelcome = 18,         ///< Server: describes the stream.
+  kFrame = 19,           ///< Server: one EncodedFrame.
+  kEndOfStream = 20,     ///< Server: the last message.
+  kPong = 21,            ///< Server: the answer to a Ping.
+  kCameraStatus = 22,    ///< Server: the status of its camera has changed.
 };
 
 struct MessageHeader {
@@ -56,60 +56,59 @@ struct Hello {
 };
 
 enum class RejectReason : std::uint8_t {
-  kVersion = 1,  ///< other version: connecting again is of no use
-  kFull = 2,     ///< the server has as many clients as it takes; connecting later may work
+  kVersion = 1,  ///< The version differs, so connecting again is useless.
+  kFull = 2,     ///< The server is full; connecting later may work.
 };
 
 struct Reject {
   RejectReason reason = RejectReason::kVersion;
-  std::string text;  ///< one sentence
+  std::string text;  ///< One sentence.
   friend bool operator==(const Reject&, const Reject&) = default;
 };
 
 struct Welcome {
-  std::uint64_t clock_id = 0;  ///< monotonic_clock_id() of the server; 0: unknown
-  Instant server_time{};       ///< when this message was encoded
+  std::uint64_t clock_id = 0;  ///< Value of monotonic_clock_id() on the server; 0 if unknown.
+  Instant server_time{};       ///< When this message was encoded.
   StreamDescription description;
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
-/// The number of frames since the start of the stream, by what happened to them. If a client
-/// received frame b directly after frame a, then b.sequence - a.sequence - 1 is the increase of
-/// encoder_busy plus that of window_full.
+/// Counts the frames since the start of the stream by what happened to them. If a client received
+/// frame b directly after frame a, then b.sequence - a.sequence - 1 is the increase of encoder_busy
+/// plus that of window_full.
 struct FrameCounters {
-  std::uint64_t captured = 0;      ///< frames from the sensor
-  std::uint64_t encoder_busy = 0;  ///< not encoded, since the encoder was busy
-  std::uint64_t window_full = 0;   ///< not sent, since the client had not acknowledged enough frames
+  std::uint64_t captured = 0;      ///< Frames from the sensor.
+  std::uint64_t encoder_busy = 0;  ///< Frames not encoded because the encoder was busy.
+  std::uint64_t window_full = 0;   ///< Frames not sent because the client's window was full.
 
-  // The sensor's pictures, by what happened to them.
-  std::uint64_t depth_without_color = 0;  ///< frames with an older colour picture, or with none
-  std::uint64_t color_without_depth = 0;  ///< colour pictures that are in no frame
-  std::uint64_t damaged = 0;              ///< pictures that could not be decoded, or that a recording lacks
-  std::uint64_t late = 0;                 ///< pictures that a newer one replaced before the server used them
-  std::uint64_t dark = 0;                 ///< depth pictures left out, since the projector was off
-  // `damaged` and `late` are sent in 32 bits each. Larger numbers are sent as the largest number of
-  // 32 bits.
+  // The next counters count the sensor's pictures.
+  std::uint64_t depth_without_color = 0;  ///< Frames with an older colour picture, or with none.
+  std::uint64_t color_without_depth = 0;  ///< Colour pictures that are in no frame.
+  std::uint64_t damaged = 0;              ///< Pictures that could not be decoded, or that a recording lacks.
+  std::uint64_t late = 0;                 ///< Pictures replaced by a newer picture before use.
+  std::uint64_t dark = 0;                 ///< Depth pictures left out, since the projector was off.
+  // `damaged` and `late` are sent in 32 bits each. Larger values are sent as 2^32 - 1.
   friend bool operator==(const FrameCounters&, const FrameCounters&) = default;
 };
 
-/// The head of a frame. The access units follow it: depth, then colour.
+/// The head of a frame. Its access units follow: depth, then colour.
 struct FrameHead {
   bool keyframe = false;
   std::uint64_t sequence = 0;
-  Instant sent_at{};  ///< server's clock, when the frame was encoded
+  Instant sent_at{};  ///< When the frame was encoded, on the server's clock.
   FrameCounters counters;
-  StageDurations durations;  ///< sent in microseconds, at most 71 minutes
+  StageDurations durations;  ///< Sent in microseconds, at most 71 minutes.
   std::uint32_t depth_bytes = 0;
-  std::uint32_t color_bytes = 0;  ///< 0: no colour
+  std::uint32_t color_bytes = 0;  ///< Zero if there is no colour.
 };
 
-/// The reasons after which a server has sent everything and does not start again by itself. After
-/// any other reason the server may be started again.
+/// After these reasons, the server has sent everything and does not start again by itself. After
+/// any other reason it may be started again.
 inline constexpr std::string_view kRecordingIsOver = "the recording is over";
 inline constexpr std::string_view kAllFramesAreSent = "all frames that --frames asked for are sent";
 
 struct EndOfStream {
-  std::string reason;  ///< one sentence
+  std::string reason;  ///< One sentence.
 
   bool is_final() const { return reason == kRecordingIsOver || reason == kAllFramesAreSent; }
   friend bool operator==(const EndOfStream&, const EndOfStream&) = default;
@@ -117,7 +116,7 @@ struct EndOfStream {
 
 /// The reason why the camera sends no frames at present. Empty once it works again.
 struct CameraStatus {
-  std::string text;  ///< one sentence
+  std::string text;  ///< One sentence.
   friend bool operator==(const CameraStatus&, const CameraStatus&) = default;
 };
 
@@ -132,7 +131,7 @@ struct Ping {
 };
 
 struct Pong {
-  Instant client_time{};  ///< from the Ping
+  Instant client_time{};  ///< Copied from the Ping.
   Instant server_time{};
   friend bool operator==(const Pong&, const Pong&) = default;
 };

@@ -14,7 +14,7 @@
 namespace copresence::wire {
 namespace {
 
-// Bytes of the fixed parts of the bodies, as drawn in docs/internals/wire_format.md.
+// Sizes in bytes of the fixed parts of the bodies, as in docs/internals/wire_format.md.
 constexpr std::size_t kHelloBytes = kMagic.size() + 4;
 constexpr std::size_t kRejectBytes = 1 + 2;
 constexpr std::size_t kWelcomeBytes = 8 + 8 + 8 * (4 + 8 + 9 + 3 + 2 + 1 + 2) + 8 + 2 + 2 + 2;
@@ -99,7 +99,7 @@ ReadInstant read_instant(ByteReader& reader) {
   return {instant.value_or(Instant{}), instant.has_value()};
 }
 
-/// The number, or the largest number of 32 bits if it is larger.
+/// Returns the number, but at most 2^32 - 1.
 std::uint32_t in_32_bits(std::uint64_t number) {
   return static_cast<std::uint32_t>(
       std::min<std::uint64_t>(number, std::numeric_limits<std::uint32_t>::max()));

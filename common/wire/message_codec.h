@@ -19,8 +19,8 @@ namespace copresence::wire {
 using Bytes = std::vector<std::uint8_t>;
 using FrameHeadMessage = std::array<std::uint8_t, kHeaderBytes + kFrameHeadBytes>;
 
-/// A whole message, header and body. Texts are sanitised and cut to kMaxTextBytes.
-/// Welcome requires a description that passes check().
+/// Encodes a whole message, header and body. Texts are sanitised and cut to kMaxTextBytes. Welcome
+/// requires a description that passes check().
 Bytes encode(const Hello& message);
 Bytes encode(const Reject& message);
 Bytes encode(const Welcome& message);
@@ -31,14 +31,14 @@ Bytes encode(const Ping& message);
 Bytes encode(const Pong& message);
 Bytes encode_keyframe_request();
 
-/// The header and the head of a frame message. The access units must follow it.
-/// Requires sequence and depth_bytes of at least 1 and a body of at most kMaxMessageBytes.
+/// Encodes the header and the head of a frame message. The access units must follow. Requires
+/// sequence and depth_bytes of at least 1 and a body of at most kMaxMessageBytes.
 FrameHeadMessage encode(const FrameHead& head);
 
 /// Fails for unknown types, and for sizes that a message of this type cannot have.
 Result<MessageHeader> decode_header(std::span<const std::uint8_t, kHeaderBytes> bytes);
 
-/// Decodes the body of a message. `body` has the length in its header.
+/// Decode the body of a message. `body` must have the length given in the header.
 Result<Hello> decode_hello(std::span<const std::uint8_t> body);
 Result<Reject> decode_reject(std::span<const std::uint8_t> body);
 Result<Welcome> decode_welcome(std::span<const std::uint8_t> body);
@@ -52,11 +52,10 @@ Result<Pong> decode_pong(std::span<const std::uint8_t> body);
 Result<FrameHead> decode_frame_head(std::span<const std::uint8_t, kFrameHeadBytes> head,
                                     std::uint32_t body_bytes);
 
-/// Checks a description before it is sent and after it was received. Fails with kInvalid unless
-///  - camera model, pose and noise pass check(), check_pose() and check_noise()
-///  - 1 mm <= near, near + 1 mm <= far <= 100 m
-///  - 0.1 <= frames per second <= 1000
-///  - codec parameters are finite, and names have 1 to kMaxNameBytes printable UTF-8 bytes
+/// Checks a description before it is sent and after it was received. Fails with kInvalid if camera
+/// model, pose or noise fail check(), check_pose() or check_noise(). Requires 1 mm <= near, near +
+/// 1 mm <= far <= 100 m, and 0.1 <= frames per second <= 1000. Requires finite codec parameters,
+/// and names of 1 to kMaxNameBytes printable UTF-8 bytes.
 Result<void> check(const StreamDescription& description);
 
 }  // namespace copresence::wire

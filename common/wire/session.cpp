@@ -14,12 +14,13 @@ constexpr std::chrono::seconds kHandshakeTime{2};
 constexpr std::chrono::seconds kGoodbyeTime{1};
 // A client pings once a second.
 constexpr std::chrono::seconds kSilence{30};
-// The longest time from queueing a frame to its acknowledgement.
+// Longest time from queueing a frame to its acknowledgement.
 constexpr std::chrono::seconds kFrameTime{60};
 
-constexpr std::size_t kLargestOfClient = 1024;  // bytes of a body; all messages of a client are much smaller
+// In bytes of a body. All messages of a client are much smaller.
+constexpr std::size_t kLargestOfClient = 1024;
 constexpr std::size_t kMessagesAtOnce = 16;
-constexpr std::size_t kMaxQueued = 64 + ClientWindow::kFrames;  // messages
+constexpr std::size_t kMaxQueued = 64 + ClientWindow::kFrames;  // Limit of messages.
 
 Duration frame_period(const StreamDescription& stream) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / stream.frames_per_second));
@@ -59,8 +60,8 @@ void Session::read_body(MessageHeader header) {
                       if (self->phase_ == Phase::kLeaving) return self->discard();
                       if (!self->take(header.type)) return self->close(Ending::kNonsense);
                       if (self->phase_ == Phase::kClosed) return;
-                      // Single bytes do not count as a sign of life: they could come one by one
-                      // without end.
+                      // Only complete messages show that the client works. Otherwise a client could
+                      // send single bytes forever.
                       if (self->phase_ == Phase::kStreaming) self->prolong(Clock::now());
                       self->read_header();
                     });
@@ -126,7 +127,7 @@ bool Session::take_ack() {
   if (!ack || !window_.acknowledge(ack->sequence, Clock::now())) return false;
   if (stage_ == Stage::kNewcomer) {
     if (!stream_.admit(*this, Stage::kClient)) {
-      close(Ending::kNoPlace);  // it will connect again and get a Reject
+      close(Ending::kNoPlace);  // The client will connect again and get a Reject.
       return true;
     }
     stage_ = Stage::kClient;

@@ -24,22 +24,22 @@ namespace copresence::wire {
 /// A frame that is sent to every client.
 struct OutboundFrame {
   std::shared_ptr<const EncodedFrame> frame;
-  FrameCounters counters;  ///< window_full: frames that were not encoded, since no client requested one
+  FrameCounters counters;  ///< Here window_full counts frames that no client requested.
   Instant sent_at{};
 };
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  /// What all sessions share. Outlives them.
+  /// State that all sessions share. It must outlive them.
   struct Stream {
     StreamDescription description;
     std::uint64_t clock_id = 0;
-    /// A client has sent a keyframe request since the last keyframe was sent.
+    /// True if a client has requested a keyframe since the last keyframe was sent.
     bool keyframe_requested = false;
-    std::uint64_t bytes_sent = 0;  ///< to all clients
+    std::uint64_t bytes_sent = 0;  ///< Sent to all clients.
     /// The reason why the camera sends no frames. Empty while it works.
     std::string camera_status;
-    /// Called when a client joined, left, can take frames again, or requested a keyframe.
+    /// Called when a client joined, left, can accept frames again, or requested a keyframe.
     std::function<void()> on_change;
     /// Returns true if a session may enter a stage. May close other sessions.
     std::function<bool(Session&, Stage)> admit;
@@ -48,14 +48,14 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(std::unique_ptr<Connection> connection, Stream& stream);
 
   void start();
-  /// Queues the frame if the client can accept it. Counts it as skipped otherwise.
+  /// Queues the frame if the client can accept it. Otherwise counts it as skipped.
   void offer(const OutboundFrame& frame);
   void skip(std::uint64_t frames);
   void send_status(const Bytes& message);
   /// Sends the last message and closes when the client has read it, or after a second.
   void close_gracefully(const Bytes& last, Ending why);
   void close(Ending why);
-  /// Closes a session that showed no sign of life in time. Call it a few times a second.
+  /// Closes a session that has been silent for too long. Call this a few times a second.
   void sweep(Instant now);
 
   bool is_streaming() const { return phase_ == Phase::kStreaming; }
@@ -66,20 +66,20 @@ class Session : public std::enable_shared_from_this<Session> {
   const std::string& network() const { return network_; }
   const std::string& address() const { return address_; }
   Stage stage() const { return stage_; }
-  Ending ending() const { return ending_; }  ///< requires is_closed()
+  Ending ending() const { return ending_; }  ///< Requires is_closed().
   Instant began_at() const { return began_at_; }
 
  private:
   enum class Phase { kGreeting, kStreaming, kLeaving, kClosed };
   struct Outgoing {
     Bytes head;
-    std::shared_ptr<const EncodedFrame> frame;  // null: the message is its head
+    std::shared_ptr<const EncodedFrame> frame;  // If null, the message consists of its head.
   };
 
   void read_header();
   void read_body(MessageHeader header);
   void discard();
-  bool take(MessageType type);  // false: a protocol error
+  bool take(MessageType type);  // Returns false on a protocol error.
   bool take_hello();
   bool take_ack();
   void queue(Outgoing message);
@@ -96,11 +96,11 @@ class Session : public std::enable_shared_from_this<Session> {
   Stage stage_ = Stage::kStranger;
   Ending ending_ = Ending::kHungUp;
   Instant began_at_, overdue_at_;
-  int unacknowledged_bytes_ = 0;  // at the last sweep
+  int unacknowledged_bytes_ = 0;  // Value at the last sweep.
   std::array<std::uint8_t, kHeaderBytes> header_;
   Bytes body_;
   std::deque<Outgoing> out_;
-  std::vector<asio::const_buffer> buffers_;  // of the first `writing_` messages of out_
+  std::vector<asio::const_buffer> buffers_;  // Buffers of the first `writing_` messages of out_.
   std::size_t writing_ = 0;
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// Chooses the value that the pixels of one chroma sample share. In 4:2:0 four pixels share a
-// sample. If they lie on two surfaces, their mean would be a third depth, so they vote instead.
-// Thread: pure.
+// Chooses the value that the four pixels of one chroma sample share in 4:2:0. If they lie on two
+// surfaces, their mean would be a third depth. So the mean of the majority is used instead. Thread:
+// pure.
 
 #include <algorithm>
 #include <array>
@@ -12,9 +12,9 @@
 
 namespace copresence::depth {
 
-/// The mean of the largest set of pixels in the 2x2 block at (x, y) that differ from one of them by
-/// at most `tolerance`. Holes vote only if all four pixels are holes. Requires even x and y,
-/// tolerance >= 0.
+/// Finds the largest set of pixels in the 2x2 block at (x, y) that differ from one of its members
+/// by at most `tolerance`. Returns the mean of this set. Holes count only if all four pixels are
+/// holes. Requires even x and y, and tolerance >= 0.
 inline int agreed_value(const DepthImage& depth, const StateImage& states, int x, int y, int tolerance) {
   const std::uint16_t* const upper = depth.row(y).data() + x;
   const std::uint16_t* const lower = depth.row(y + 1).data() + x;

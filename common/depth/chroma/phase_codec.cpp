@@ -15,13 +15,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// The waves, the same for encoder and decoder.
+// The formulas of the waves, shared by encoder and decoder.
 struct Waves {
   Wave wave;
-  double near, far, period;  // in the stream's unit
+  double near, far, period;  // In the stream's unit.
 
   double periods() const { return std::ceil((far - near) / period); }
-  double stair() const { return 255 / periods(); }  // S of eq. 2.7
+  double stair() const { return 255 / periods(); }  // S of eq. 2.7.
 
   // Ha and Hb of eq. 2.9: triangle waves, each linear over half a period.
   double u(double phase) const {
@@ -49,7 +49,7 @@ struct Waves {
     double turn = 0;
     if (wave == Wave::kSine) {
       turn = std::atan2(x, y) / (2 * kPi);
-    } else if (std::abs(x) <= std::abs(y)) {  // uses the wave that is nearer to its middle
+    } else if (std::abs(x) <= std::abs(y)) {  // Use the wave that is nearer to its middle.
       turn = y < 0 ? u / 2 : 1 - u / 2;
     } else {
       turn = x > 0 ? 0.25 + v / 2 : 1.25 - v / 2;
@@ -107,7 +107,7 @@ class PhaseEncoder final : public PlaneEncoder {
   };
   std::string name_;
   Waves waves_;
-  std::vector<Sample> samples_;  // by depth
+  std::vector<Sample> samples_;  // Indexed by depth.
 };
 
 class PhaseDecoder final : public PlaneDecoder {
@@ -144,7 +144,7 @@ class PhaseDecoder final : public PlaneDecoder {
       const std::uint8_t* const luma = picture.plane8(0).data() + static_cast<std::size_t>(y) * width;
       std::uint16_t* const z = out.row(y).data();
       for (int x = 0; x < width; ++x) {
-        // Rounds by truncating a number above zero, which vector instructions can do.
+        // Rounds by truncating a positive number, which vector instructions can do.
         const int count = static_cast<int>(coarse_[luma[x]] - share_of_pixel_[x] + 1.5f) - 1;
         const float depth = near_ + period_ * (static_cast<float>(count) + phase_of_pixel_[x]) + 0.5f;
         z[x] =
@@ -160,8 +160,8 @@ class PhaseDecoder final : public PlaneDecoder {
   float near_, period_;
   DepthRangeUnits allowed_;
   std::array<float, 256> coarse_{};
-  std::vector<std::uint16_t> phase_of_uv_;  // entry u * 256 + v, in 1/kPhases
-  std::vector<float> share_;                // by phase
+  std::vector<std::uint16_t> phase_of_uv_;  // Entry u * 256 + v, in units of 1/kPhases.
+  std::vector<float> share_;                // Indexed by phase.
   std::vector<float> share_of_pixel_, phase_of_pixel_;
 };
 

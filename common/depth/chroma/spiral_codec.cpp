@@ -15,24 +15,25 @@
 namespace copresence::depth {
 namespace {
 
-constexpr int kCodes = 8192;       // 13 bits
-constexpr int kSameSurface = 128;  // pixels of a chroma sample whose codes differ by less are one surface
+constexpr int kCodes = 8192;  // 13 bits.
+// Pixels of a chroma sample whose codes differ by less than this are on one surface.
+constexpr int kSameSurface = 128;
 
-// The points on the spiral.
 constexpr int kSpiralPoints = 32;
-constexpr double kFirst = 5.0;     // t of the first point; closer to the centre the turns would be too close
-constexpr double kRadius = 127.0;  // of the last point
+// Parameter t of the first point. Nearer to the centre, the turns would be too close.
+constexpr double kFirst = 5.0;
+constexpr double kRadius = 127.0;  // Radius of the last point.
 
 struct ChromaPoint {
   std::uint8_t u, v;
 };
 
-// Eq. 3.12 with b = 1.
+// Arc length of the spiral, eq. 3.12 with b = 1.
 double arc_length(double t) {
   return 0.5 * (t * std::sqrt(t * t + 1) + std::asinh(t));
 }
 
-// t whose arc length is `length`.
+// Returns the t whose arc length is `length`.
 double inverse_arc_length(double length) {
   double low = 0, high = 100;
   for (int i = 0; i < 60; ++i) {
@@ -42,9 +43,10 @@ double inverse_arc_length(double length) {
   return low;
 }
 
-// Neighbours on the spiral and on its next turn are 38 codes apart or more.
+// Returns the points on the spiral. Neighbours on the spiral or on its next turn are at least 38
+// codes apart.
 std::array<ChromaPoint, kSpiralPoints> spiral_points() {
-  // Points as far from each other as turns are: 2 pi b.
+  // The distance between points equals the distance between turns, 2 pi b.
   const double spacing = 2 * std::numbers::pi;
   const double start = arc_length(kFirst);
   const double last = inverse_arc_length(start + spacing * (kSpiralPoints - 1));
@@ -58,13 +60,13 @@ std::array<ChromaPoint, kSpiralPoints> spiral_points() {
   return points;
 }
 
-// A UV sample farther from its point than this, in codes of U and V together, was probably moved by
+// Limit in codes of U and V together. A UV sample farther from its point was probably moved by
 // video coding.
 constexpr int kMoved = 8;
 constexpr std::uint8_t kOffPoint = 0x80;
 
-// For every UV, at u * 256 + v: the index of the nearest point, with kOffPoint set if the sample is
-// off that point.
+// Returns, for every UV at u * 256 + v, the index of the nearest point. kOffPoint is set if UV is
+// farther than kMoved from that point.
 std::vector<std::uint8_t> nearest_spiral_point() {
   const auto points = spiral_points();
   std::vector<std::uint8_t> nearest(65536);
@@ -118,7 +120,7 @@ class SpiralEncoder final : public PlaneEncoder {
   }
 
  private:
-  // Y of a pixel whose chroma codes `upper`.
+  // Returns Y of a pixel whose chroma codes `upper`.
   std::uint8_t luma(unsigned coded, unsigned upper) const {
     return static_cast<std::uint8_t>(coded ^ (variant_.fold && (upper & 1) ? 255u : 0u));
   }
@@ -168,9 +170,9 @@ class SpiralEncoder final : public PlaneEncoder {
     }
   }
 
-  // Y of a pixel that may have lost the vote. If it is on the same surface, it takes the nearest
-  // code with the voted upper bits. Beyond an edge it keeps its own lower bits, and the filter
-  // finds the upper ones.
+  // Returns Y of a pixel whose own upper bits may differ from the sample's, `voted`. On the same
+  // surface, the pixel takes the nearest code with the upper bits `voted`. Beyond an edge it keeps
+  // its own lower bits, and the filter finds the upper bits.
   std::uint8_t luma_beside(int coded, unsigned voted) const {
     const int least = static_cast<int>(voted) << 8, most = least + 255;
     if (coded < least && coded >= least - kSameSurface) return luma(0u, voted);
@@ -219,8 +221,8 @@ class SpiralDecoder final : public PlaneDecoder {
   }
 
  private:
-  // Reads the upper bits of every chroma sample. A sample that video coding moved off its point is
-  // doubtful.
+  // Reads the upper bits of every chroma sample. Marks samples that video coding has moved off
+  // their point as doubtful.
   void read_chroma(const Picture& picture) {
     upper_.resize(picture.plane_width(1), picture.plane_height(1));
     doubtful_.resize(picture.plane_width(1), picture.plane_height(1));
@@ -237,7 +239,7 @@ class SpiralDecoder final : public PlaneDecoder {
     }
   }
 
-  // Spreads a row's upper bits to its pixels, and sets the lower bits where luma is mirrored.
+  // Copies a row's upper bits to its pixels, and sets the lower bits where luma is mirrored.
   void spread(const std::uint8_t* upper) {
     std::uint16_t* const out = spread_.data();
     const std::size_t width = spread_.size();
@@ -252,7 +254,8 @@ class SpiralDecoder final : public PlaneDecoder {
     }
   }
 
-  // A vote may also be wrong where neighbouring chroma samples have other upper bits.
+  // Marks samples whose neighbours have other upper bits as doubtful, since the upper bits may be
+  // wrong for some of their pixels.
   void doubt_votes() {
     const int width = upper_.width(), height = upper_.height();
     for (int y = 0; y < height; ++y) {
@@ -272,8 +275,8 @@ class SpiralDecoder final : public PlaneDecoder {
   SpiralVariant variant_;
   std::vector<std::uint8_t> nearest_;
   std::vector<std::uint16_t> depth_of_coded_;
-  Image<std::uint8_t> upper_, doubtful_;  // by chroma sample
-  std::vector<std::uint16_t> spread_;     // a row, as spread() writes it
+  Image<std::uint8_t> upper_, doubtful_;  // Indexed by chroma sample.
+  std::vector<std::uint16_t> spread_;     // One row from spread().
 };
 
 }  // namespace

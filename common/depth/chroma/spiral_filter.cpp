@@ -6,13 +6,15 @@
 namespace copresence::depth {
 namespace {
 
-// In 13-bit codes, about 0.56 mm over the default range.
-constexpr int kOff = 128;   // half a period; a pixel farther than this from both sides may be wrong
-constexpr int kClose = 24;  // upper bits that bring a pixel this close to a side are accepted
+// In 13-bit codes, each about 0.56 mm over the default range.
+// Half a period. A pixel farther than this from the pixels on both sides may be wrong.
+constexpr int kOff = 128;
+// Upper bits that bring a pixel this close to a side are accepted.
+constexpr int kClose = 24;
 
 constexpr int kNone = -1;
 
-// The value with the lower bits of `coded` that is nearest to `target`.
+// Returns the value nearest to `target` that has the lower bits of `coded`.
 int nearest_alias(int coded, int target, bool fold) {
   const int luma = fold && (coded >> 8 & 1) ? 255 - (coded & 255) : coded & 255;
   int best = coded, least = std::abs(coded - target);
@@ -26,7 +28,8 @@ int nearest_alias(int coded, int target, bool fold) {
   return best;
 }
 
-// One row of pixels, and the rows above and below its chroma samples; null beyond the image.
+// One row of pixels, and the rows above and below its chroma samples. Pointers beyond the image are
+// null.
 struct Rows {
   std::uint16_t* here;
   const std::uint16_t *above, *below;
@@ -34,12 +37,13 @@ struct Rows {
   int width;
 };
 
-// The value at x of a row beside the chroma sample; kNone if it is outside the image or a hole.
+// Returns the value at x of a row beside the chroma sample, or kNone for a hole or outside the
+// image.
 int side(const std::uint16_t* row, const DepthState* states, int x) {
   return row && states[x] != DepthState::kHole ? int{row[x]} : kNone;
 }
 
-// Corrects the pixel at x. Its chroma sample has the columns from first_x to before end_x.
+// Corrects the pixel at x. Its chroma sample has the columns first_x to end_x - 1.
 void correct(const Rows& rows, int x, int first_x, int end_x, bool fold) {
   if (rows.states[x] == DepthState::kHole) return;
   const int here = rows.here[x];

@@ -1,8 +1,7 @@
 #pragma once
 
-// Adaptive distribution over sixteen symbols, for ANS coding (ans_coder.h). It is kept as sixteen
-// cumulative frequencies, all of which move towards each coded symbol in a few vector instructions.
-//
+// Adaptive distribution over sixteen symbols, for ANS coding (ans_coder.h). It consists of sixteen
+// cumulative frequencies. A few vector instructions move all of them towards each coded symbol.
 // Every symbol keeps a frequency of at least 1 of 16384. Thread: a value.
 
 #ifdef __SSE2__
@@ -18,7 +17,7 @@ namespace copresence::depth {
 class AdaptiveCdf {
  public:
   static constexpr int kSymbols = 16;
-  static constexpr int kBits = 14;  ///< frequencies are of 2^kBits
+  static constexpr int kBits = 14;  ///< Frequencies sum to 2^kBits.
 
   struct Slot {
     std::uint32_t start, frequency;
@@ -30,14 +29,14 @@ class AdaptiveCdf {
 
   /// Requires symbol < kSymbols.
   Slot slot(unsigned symbol) const {
-    // The end of the last slot is 2^kBits, which the mask treats like 0.
+    // The end of the last slot is 2^kBits, which the mask maps to 0.
     const std::uint32_t start = start_[symbol], end = start_[(symbol + 1) % kSymbols];
     return {start, (end - start) & ((1u << kBits) - 1)};
   }
 
-  /// The symbol whose slot holds `point`. Requires point < 2^kBits.
+  /// Returns the symbol whose slot holds `point`. Requires point < 2^kBits.
   unsigned symbol_at(std::uint32_t point) const {
-#ifdef __SSE2__  // on every x86-64 machine
+#ifdef __SSE2__  // True on every x86-64 machine.
     const __m128i limit = _mm_set1_epi16(static_cast<std::int16_t>(point));
     const __m128i beyond =
         _mm_packs_epi16(_mm_cmpgt_epi16(eight(start_, 0), limit), _mm_cmpgt_epi16(eight(start_, 1), limit));
@@ -67,9 +66,9 @@ class AdaptiveCdf {
 
  private:
   using Row = std::array<std::int16_t, kSymbols>;
-  static constexpr int kLearnt = (1 << kBits) - kSymbols;  // what is left when every symbol has its 1
-  // A symbol moves its distribution by 1/32. A rate of 1/64 saves 1 % but learns more slowly after
-  // a keyframe.
+  static constexpr int kLearnt = (1 << kBits) - kSymbols;  // Frequency beyond each symbol's 1.
+  // A symbol moves its distribution by 1/32. A rate of 1/64 would save 1 % of the bits, but learns
+  // more slowly after a keyframe.
   static constexpr int kRate = 5;
 
   static constexpr std::array<Row, kSymbols> make_targets() {
@@ -89,7 +88,7 @@ class AdaptiveCdf {
 
   alignas(32) static const std::array<Row, kSymbols> kTarget;
 
-  alignas(32) Row start_{};  // cumulative frequency below each symbol; ascends
+  alignas(32) Row start_{};  // Cumulative frequency below each symbol, ascending.
 };
 
 alignas(32) inline constexpr std::array<AdaptiveCdf::Row, AdaptiveCdf::kSymbols> AdaptiveCdf::kTarget =

@@ -6,7 +6,7 @@
 namespace copresence::depth {
 namespace {
 
-constexpr std::uint32_t kLeastState = 1u << 16;  // states lie from here to 2^32
+constexpr std::uint32_t kLeastState = 1u << 16;  // States are from this value to 2^32 - 1.
 
 }  // namespace
 
@@ -14,8 +14,8 @@ void AnsWriter::finish(std::vector<std::uint8_t>& out) {
   constexpr std::uint32_t kFrequency = (1u << kStartAt) - 1, kStart = (1u << AdaptiveCdf::kBits) - 1;
   std::uint32_t state[kStreams];
   std::fill_n(state, kStreams, kLeastState);
-  // A symbol gives at most one word of half its size, so the words can replace the symbols already
-  // encoded.
+  // A symbol gives at most one word of half its size. So the words can overwrite the encoded
+  // symbols.
   auto* byte = reinterpret_cast<std::uint8_t*>(next_);
   const std::uint8_t* const end = byte;
   for (const std::uint32_t* symbol = next_; symbol != begin_;) {

@@ -1,13 +1,13 @@
 #pragma once
 
 // Entropy coder: asymmetric numeral systems, the range variant (Duda 2013). A symbol takes about
-// -log2(its frequency) bits and is decoded with one multiplication. Two interleaved streams of
-// symbols, each with a state of its own, share the 16-bit words of the output, so that a processor
-// can work on both at a time.
+// -log2(its probability) bits and is decoded with one multiplication. Two interleaved streams of
+// symbols, each with its own state, share the 16-bit words of the output. So a processor can work
+// on both at a time.
 //
-// The last symbol that is encoded is the first one decoded. The writer therefore collects all
-// symbols and encodes them backwards at the end. The reader reads zeros past the end of its bytes:
-// it decodes any bytes to some symbols, in bounded time. Thread: distinct objects are independent.
+// The symbol that is encoded last is decoded first. The writer therefore collects all symbols and
+// encodes them backwards at the end. The reader reads zeros past the end of its bytes. It decodes
+// any bytes to some symbols in bounded time. Thread: distinct objects are independent.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,13 +18,12 @@
 
 namespace copresence::depth {
 
-/// A cursor into the caller's buffer. It is small and cheap to copy, so that a loop can keep it in
-/// registers.
+/// A cursor into the caller's buffer. It is cheap to copy, so that a loop can keep it in registers.
 class AnsWriter {
  public:
   static constexpr int kStreams = 2;
 
-  /// Requires an element of the buffer for every symbol that is put.
+  /// Requires one element of `buffer` for each symbol.
   explicit AnsWriter(std::uint32_t* buffer) : begin_(buffer), next_(buffer) {}
 
   /// Requires stream < kStreams and a frequency above 0.
@@ -32,13 +31,13 @@ class AnsWriter {
     *next_++ = stream << kStreamAt | slot.start << kStartAt | slot.frequency;
   }
 
-  /// A number of so many bits, at most kBits; all numbers have the same frequency.
+  /// Appends a number below 2^bits. All such numbers have the same frequency. Requires bits <=
+  /// kBits.
   void put_bits(unsigned stream, std::uint32_t value, int bits) {
     put(stream, {value << (AdaptiveCdf::kBits - bits), 1u << (AdaptiveCdf::kBits - bits)});
   }
 
-  /// Encodes all symbols and appends them to `out`. Overwrites the buffer, which is empty
-  /// afterwards.
+  /// Encodes all symbols and appends them to `out`. Overwrites and then empties the buffer.
   void finish(std::vector<std::uint8_t>& out);
 
  private:

@@ -4,8 +4,8 @@
 //
 // The interval has 32 bits and is renormalised by bytes. A carry propagates into the bytes already
 // written (Martin 1979, as in LZMA). The decoder reads zeros past the end of its bytes. It decodes
-// any bytes to some decisions, in bounded time; only a checksum can tell whether they are the right
-// ones. Thread: distinct objects are independent.
+// any bytes to some decisions in bounded time; only a checksum can detect damage. Thread: distinct
+// objects are independent.
 
 #include <array>
 #include <cstddef>
@@ -15,8 +15,8 @@
 
 namespace copresence::depth {
 
-/// Adaptive probability that a decision is 1, in 1/65536. It learns fast at first, then slowly: the
-/// n-th decision corrects 1/(n + 1.5) of its error, until n reaches kMemory.
+/// Adaptive probability that a decision is 1, in units of 1/65536. It learns fast at first, then
+/// slowly. The n-th decision corrects 1/(n + 1.5) of the error, until n reaches kMemory.
 class BinaryContext {
  public:
   std::uint32_t probability_of_one() const { return probability_; }
@@ -28,8 +28,8 @@ class BinaryContext {
   }
 
  private:
-  static constexpr std::int32_t kLeast = 32;  // of 65536; a certain decision costs 1/1400 bit
-  static constexpr int kMemory = 160;  // decisions; the best of 40 to 400 on moving and static recordings
+  static constexpr std::int32_t kLeast = 32;  // Of 65536; a certain decision then costs 1/1400 bit.
+  static constexpr int kMemory = 160;         // Decisions; best of 40 to 400 on moving and static recordings.
   static constexpr std::array<std::int32_t, kMemory + 1> kRate = [] {
     std::array<std::int32_t, kMemory + 1> rate{};
     for (int n = 0; n <= kMemory; ++n) rate[n] = static_cast<std::int32_t>(32768 / (n + 1.5));
@@ -40,11 +40,10 @@ class BinaryContext {
   std::uint16_t seen_ = 0;
 };
 
-/// A cursor into the caller's buffer. It is small and cheap to copy, so that a loop can keep it in
-/// registers.
+/// A cursor into the caller's buffer. It is cheap to copy, so that a loop can keep it in registers.
 class RangeEncoder {
  public:
-  /// The buffer must have room for kMostBytes for each decision, and kEndBytes.
+  /// The buffer must have room for kMostBytes for each decision, plus kEndBytes.
   static constexpr std::size_t kMostBytes = 2, kEndBytes = 2;
 
   explicit RangeEncoder(std::uint8_t* buffer) : next_(buffer) {}
@@ -62,11 +61,11 @@ class RangeEncoder {
     }
   }
 
-  /// Writes the last bytes and returns their end. Zero bytes at the end may be left off.
+  /// Writes the last bytes and returns their end. Zero bytes at the end may be omitted.
   std::uint8_t* finish() {
-    // Any number of the interval will do. The one with most zero bytes at its end is the shortest,
-    // since the decoder reads zeros past the end. The range is at least kBottom, so one byte below
-    // the carry is enough.
+    // Every number in the interval decodes correctly. The number with most zero bytes at its end is
+    // the shortest, since the decoder reads zeros past the end. The range is at least kBottom, so
+    // one byte below the carry is enough.
     low_ = (low_ + kBottom - 1) & ~std::uint64_t{kBottom - 1};
     shift_low();
     return next_;
@@ -76,7 +75,8 @@ class RangeEncoder {
   void move_to(std::uint8_t* next) { next_ = next; }
   std::uint8_t* next() const { return next_; }
 
-  /// [0, split) stands for 1, the rest of [0, range) for 0. Neither part is empty.
+  /// Returns where the interval [0, range) is divided: [0, split) stands for 1, the rest for 0.
+  /// Neither part is empty.
   static std::uint32_t split_of(std::uint32_t range, const BinaryContext& model) {
     return (range >> 16) * model.probability_of_one();
   }
@@ -86,7 +86,7 @@ class RangeEncoder {
  private:
   void shift_low() {
     if (low_ >> 32) {
-      for (std::uint8_t* byte = next_ - 1; ++*byte == 0;) --byte;  // the first byte never overflows
+      for (std::uint8_t* byte = next_ - 1; ++*byte == 0;) --byte;  // The first byte never overflows.
     }
     *next_++ = static_cast<std::uint8_t>(low_ >> 24);
     low_ = (low_ & 0x00ffffffu) << 8;
@@ -107,8 +107,8 @@ class RangeDecoder {
   bool decode(BinaryContext& model) {
     const std::uint32_t split = RangeEncoder::split_of(range_, model);
     const bool bit = code_ < split;
-    // Most decisions are well predicted. Without a branch, all that follows would wait for this
-    // decision.
+    // Most decisions are well predicted. Without this branch, all later instructions would wait for
+    // the decision.
     if (bit) {
       range_ = split;
     } else {

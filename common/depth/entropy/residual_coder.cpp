@@ -13,15 +13,15 @@ namespace copresence::depth {
 namespace {
 
 constexpr int kStreams = AnsWriter::kStreams;
-constexpr unsigned kEscape = AdaptiveCdf::kSymbols - 1;  // for differences without a symbol of their own
-constexpr int kReach = 2;  // differences of neighbours are clamped to this in a context
+constexpr unsigned kEscape = AdaptiveCdf::kSymbols - 1;  // Marks differences without their own symbol.
+constexpr int kReach = 2;                                // Limit of neighbours' differences in a context.
 constexpr int kSteps = 2 * kReach + 1;
 constexpr int kContexts = kSteps * kSteps * kSteps * kSteps;
-constexpr int kMiddle = 7;               // the symbol of difference 0
-constexpr unsigned kMostBits = 11;       // of an escaped difference, below its leading bit
-constexpr std::size_t kMostSymbols = 3;  // for a pixel: escape, number of bits, bits
+constexpr int kMiddle = 7;               // The symbol of difference 0.
+constexpr unsigned kMostBits = 11;       // Bits of an escaped difference below its leading bit.
+constexpr std::size_t kMostSymbols = 3;  // Per pixel: escape, number of bits, bits.
 
-// Each stream has models of its own. With shared ones, the streams would wait for each other.
+// Each stream has its own models. With shared models, the streams would wait for each other.
 struct Models {
   std::array<AdaptiveCdf, kContexts> difference;
   AdaptiveCdf escaped_bits;
@@ -31,7 +31,6 @@ int step(int difference) {
   return std::clamp(difference, -kReach, kReach) + kReach;
 }
 
-// A stream's position in its rows.
 struct Stream {
   Stream(int y_, int end_, std::ptrdiff_t width)
       : y(y_),
@@ -39,18 +38,18 @@ struct Stream {
         columns(static_cast<std::size_t>(width) + 1),
         contexts(static_cast<std::size_t>(width)) {}
 
-  int y, end;                           // rows still to code
-  std::uint16_t* row = nullptr;         // samples of the current row
-  const std::uint16_t* next = nullptr;  // columns of its pixels still to code, up to row_end
+  int y, end;                           // Rows still to code.
+  std::uint16_t* row = nullptr;         // Samples of the current row.
+  const std::uint16_t* next = nullptr;  // Columns of its pixels still to code, up to row_end.
   const std::uint16_t* row_end = nullptr;
-  std::vector<std::uint16_t> columns;   // of the row's pixels that are no holes
-  std::vector<std::uint16_t> contexts;  // of all its pixels, without the part that depends on the row itself
+  std::vector<std::uint16_t> columns;   // Columns of the row's pixels that are not holes.
+  std::vector<std::uint16_t> contexts;  // Contexts of all its pixels, without the left neighbour's part.
 };
 
 // The raster scan over all samples, shared by encoder and decoder. The first stream codes the upper
-// half of the pixels, the second the lower half, in turns. The array of samples has a margin of two
-// rows before and after. The neighbour of a pixel at the image's left or right border is a pixel of
-// the next row, which both sides see alike.
+// half of the pixels and the second the lower half, alternately. The array of samples has a margin
+// of two rows before and after. At the image's left and right borders, the neighbour is a pixel of
+// an adjacent row. Encoder and decoder do this alike.
 template <class Coder>
 class Scan {
  public:
@@ -77,8 +76,8 @@ class Scan {
   Coder& coder() { return coder_; }
 
  private:
-  // Number of pixels left in a stream's row. Begins the next row if there are none; 0 at the
-  // stream's end.
+  // Returns the number of pixels left in a stream's row. Begins the next row if there are none.
+  // Returns 0 at the stream's end.
   std::ptrdiff_t remaining(Stream& stream) {
     while (stream.next == stream.row_end && stream.y < stream.end) begin_row(stream);
     return stream.row_end - stream.next;
@@ -108,7 +107,7 @@ class Scan {
     ++stream.y;
   }
 
-  // Codes `count` pixels of each stream, in turns.
+  // Codes `count` pixels of each stream, alternately.
   template <unsigned... kStream>
   void interleave(Stream* streams, std::ptrdiff_t count, std::integer_sequence<unsigned, kStream...>) {
     Coder coder = coder_;
@@ -198,8 +197,8 @@ struct ResidualMemory {
     models->fill({});
   }
 
-  // The rows at which the streams begin, and the end of the last one. All streams have about the
-  // same number of pixels.
+  // Returns the first rows of the streams and the end of the last stream. All streams have about
+  // the same number of pixels.
   std::array<int, kStreams + 1> split(const StateImage& states) const {
     std::vector<std::ptrdiff_t> above(static_cast<std::size_t>(height) + 1);
     for (int y = 0; y < height; ++y) {
@@ -221,8 +220,8 @@ struct ResidualMemory {
   int width, height;
   std::vector<std::uint16_t> stored;
   std::unique_ptr<std::array<Models, kStreams>> models;
-  std::vector<std::uint16_t> widened;        // of the encoder: an 8-bit picture
-  std::unique_ptr<std::uint32_t[]> symbols;  // of the encoder
+  std::vector<std::uint16_t> widened;        // In the encoder: an 8-bit picture as 16 bits.
+  std::unique_ptr<std::uint32_t[]> symbols;  // Used by the encoder.
 };
 
 ResidualEncoder::ResidualEncoder(PixelFormat format, int width, int height)

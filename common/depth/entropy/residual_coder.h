@@ -3,13 +3,14 @@
 // Lossless coder for the monochrome pictures of a depth codec. Lossless H.264 takes a third more
 // bits and several times the time.
 //
-// Every sample is coded as its difference to the sample on its left. Its adaptive distribution is
-// selected by a context: how the samples above, to the upper left, to the upper right and in the
-// frame before differ from their neighbours. Holes are left out, since both sides know the states.
+// Every sample is coded as its difference from the sample on its left. A context selects the
+// adaptive distribution for the difference. It consists of four clamped differences: between the
+// samples above and on the left, and from the sample above to those at the upper left, at the upper
+// right and in the frame before. Holes are omitted, since both sides know the states.
 // docs/internals/codecs.md describes the format.
 //
 // Encoder and decoder keep samples and distributions from frame to frame, until the next complete
-// picture. The decoder cannot detect damage: it decodes any bytes to some samples, in bounded time.
+// picture. The decoder cannot detect damage: it decodes any bytes to some samples in bounded time.
 // The checksum of the side data (common/bitstream) protects the bytes. Thread: distinct objects are
 // independent.
 
@@ -23,7 +24,7 @@
 
 namespace copresence::depth {
 
-struct ResidualMemory;  // what is kept from frame to frame, the same on both sides
+struct ResidualMemory;  // State between frames, the same on both sides.
 
 class ResidualEncoder {
  public:
@@ -34,8 +35,8 @@ class ResidualEncoder {
   ResidualEncoder& operator=(ResidualEncoder&&) noexcept;
 
   /// Appends the coded samples of `picture` to `out`, without those in holes. A complete picture
-  /// uses nothing of earlier frames; the first must be complete. Requires the format and shape
-  /// given to the constructor.
+  /// does not depend on earlier frames. The first picture must be complete. Requires the format and
+  /// shape given to the constructor.
   void encode(const Picture& picture, const StateImage& states, bool complete,
               std::vector<std::uint8_t>& out);
 
@@ -50,8 +51,8 @@ class ResidualDecoder {
   ResidualDecoder(ResidualDecoder&&) noexcept;
   ResidualDecoder& operator=(ResidualDecoder&&) noexcept;
 
-  /// `picture` gets the format and shape given to the constructor. Its samples in holes are
-  /// arbitrary.
+  /// Resizes `picture` to the format and shape given to the constructor and decodes it. Its samples
+  /// in holes are arbitrary.
   void decode(std::span<const std::uint8_t> bytes, const StateImage& states, bool complete, Picture& picture);
 
  private:

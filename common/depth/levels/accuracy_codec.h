@@ -5,10 +5,9 @@
 //
 //   code = round((N - 1) (1/near - 1/z) / (1/near - 1/far)),  N = 256 or 1024
 //
-// Error without video coding: half a code, z² (1/near - 1/far) / (2 (N - 1)), plus half a unit of
-// rounding.
-// Parameters: near, far in the stream's unit. Source: thesis 3.3.3.1; Khoshelham and Elberink 2012
-// for the error's form.
+// Without video coding, the error is half a code, z² (1/near - 1/far) / (2 (N - 1)), plus half a
+// unit of rounding. Parameters: near, far in the stream's unit. Source: thesis 3.3.3.1; Khoshelham
+// and Elberink 2012 for the error's form.
 
 #include <memory>
 
@@ -18,7 +17,7 @@
 namespace copresence::depth {
 
 std::unique_ptr<PlaneEncoder> make_accuracy_encoder(const DepthFormat& format, PixelFormat picture);
-/// Fails (kInvalid) on impossible parameters.
+/// Fails with kInvalid if the parameters are impossible.
 Result<std::unique_ptr<PlaneDecoder>> make_accuracy_decoder(const DepthCodecDescription& description,
                                                             const DepthFormat& format);
 

@@ -1,8 +1,7 @@
 #pragma once
 
-// Table lookups between depth and codes for the monochrome codecs. A picture holds only some
-// hundred distinct values, so the used parts of the tables stay in the first-level cache. Thread:
-// pure.
+// Table lookups between depth and codes for the monochrome codecs. A picture has only some hundred
+// distinct values, so the used parts of the tables stay in the first-level cache. Thread: pure.
 
 #include <bit>
 #include <cassert>
@@ -16,7 +15,7 @@
 
 namespace copresence::depth {
 
-/// Four 16-bit values as one number; the first one has the lowest bits.
+/// Reads four 16-bit values as one number. The first value has the lowest bits.
 inline std::uint64_t four_at(const std::uint16_t* in) {
   static_assert(std::endian::native == std::endian::little);
   std::uint64_t four;
@@ -31,7 +30,7 @@ inline void look_up_four(const std::uint16_t* table, std::uint64_t four, std::ui
   out[3] = table[four >> 48];
 }
 
-/// out[i] = table[in[i]]. Requires 65536 entries. Four values are loaded at a time; g++ compiles
+/// Sets out[i] = table[in[i]]. Requires 65536 entries. Loads four values at a time; g++ compiles
 /// the plain loop to code that takes twice as long.
 inline void look_up(const std::uint16_t* table, const std::uint16_t* in, std::uint16_t* out,
                     std::size_t count) {
@@ -40,8 +39,8 @@ inline void look_up(const std::uint16_t* table, const std::uint16_t* in, std::ui
   for (; i < count; ++i) out[i] = table[in[i]];
 }
 
-/// picture = code_of_depth[depth]. Requires 65536 entries that fit the picture's samples, and equal
-/// shapes.
+/// Sets picture = code_of_depth[depth]. Requires 65536 entries that fit the picture's samples, and
+/// equal shapes.
 inline void write_codes(std::span<const std::uint16_t> code_of_depth, const DepthImage& depth,
                         Picture& picture) {
   assert(code_of_depth.size() == 65536);
@@ -55,15 +54,15 @@ inline void write_codes(std::span<const std::uint16_t> code_of_depth, const Dept
   }
 }
 
-/// depth = depth_of_code[picture]. Samples beyond the table's end count as its last entry.
-/// Requires 256 entries for a picture of 8 bits, 1024 for one of 10 bits, and equal shapes.
+/// Sets depth = depth_of_code[picture]. Samples beyond the table's end use its last entry. Requires
+/// 256 entries for a picture of 8 bits, 1024 for 10 bits, and equal shapes.
 inline void read_codes(std::span<const std::uint16_t> depth_of_code, const Picture& picture,
                        DepthImage& depth) {
   const std::uint16_t* const table = depth_of_code.data();
   const std::span<std::uint16_t> out = depth.pixels();
   if (picture.format() == PixelFormat::kGray10) {
     assert(depth_of_code.size() == 1024);
-    constexpr std::uint64_t kBeyond = 0xfc00fc00fc00fc00u;  // bits that are 0 in all codes
+    constexpr std::uint64_t kBeyond = 0xfc00fc00fc00fc00u;  // These bits are 0 in all codes.
     const std::uint16_t* const in = picture.plane10().data();
     for (std::size_t i = 0; i < out.size();) {
       const bool four_left = i + 4 <= out.size();

@@ -8,11 +8,11 @@
 namespace copresence::depth {
 namespace {
 
-// For scene_spacing(). A level is rare if it and its 24 neighbours on each side have on average
-// less than this share of all pixels.
+// Parameters of scene_spacing(). A level is rare if it and its 24 neighbours on each side have on
+// average less than this share of all pixels.
 constexpr double kRare = 1e-4;
 constexpr int kNeighbours = 24;
-constexpr double kMargin = 60;  // codes left free before the first level, for nearer ones
+constexpr double kMargin = 60;  // Free codes before the first level, for nearer levels.
 
 }  // namespace
 
@@ -49,8 +49,8 @@ std::vector<double> Codebook::scene_spacing(std::span<const std::uint16_t> level
   distance[0] = std::min(distance[0], kMargin);
   const double all = std::accumulate(pixels.begin(), pixels.end(), 0.0);
   std::vector<bool> rare(levels.size());
-  // Beyond the last level there are few steps up to the end of the range, and scenes often come to
-  // need them. So these steps count as not rare.
+  // Beyond the last level there are few steps up to the end of the range, and scenes often need
+  // them later. So these steps do not count as rare.
   double steps_of_rare = distance[0], steps_of_others = steps(levels.back(), range_.far);
   for (std::size_t i = 1; i < levels.size(); ++i) {
     const std::size_t first = i < kNeighbours ? 0 : i - kNeighbours;
@@ -70,7 +70,7 @@ void Codebook::assign(std::span<const std::uint16_t> levels, std::span<const dou
   assert(levels.size() <= kCodes && levels.size() == distance.size());
   assert(std::is_sorted(levels.begin(), levels.end()));
   std::fill(levels_.begin(), levels_.end(), std::uint16_t{0});
-  // Free codes wanted before each level: the distance less the level's own code.
+  // Wanted number of free codes before each level: the distance minus the level's own code.
   const auto wanted = [&](std::size_t i) { return std::max(0.0, i == 0 ? distance[i] : distance[i] - 1); };
   double all_wanted = 0;
   for (std::size_t i = 0; i < levels.size(); ++i) all_wanted += wanted(i);
@@ -95,8 +95,8 @@ void Codebook::assign_evenly(DepthRangeUnits range) {
   }
 }
 
-// The code at which a level belongs between two codes: evenly in 1/z between their levels. Beyond
-// the first and the last level the spacing of the levels there is continued.
+// Returns the code at which a level belongs between two codes: evenly in 1/z between their levels.
+// Before the first and after the last level, the spacing there is continued.
 int Codebook::place(std::uint16_t level, int below, int above) const {
   if (below < 0 && above == kCodes) return static_cast<int>(std::lround(steps(range_.near, level)));
   if (below < 0)
@@ -107,7 +107,7 @@ int Codebook::place(std::uint16_t level, int below, int above) const {
   return below + static_cast<int>(std::lround(t * (above - below)));
 }
 
-// Codes per step between an outermost level and the tenth level inwards.
+// Returns the codes per step between an outermost level and the tenth level inwards.
 double Codebook::density(int outermost, int direction) const {
   int inner = outermost;
   for (int found = 0, code = outermost + direction; code >= 0 && code < kCodes && found < 10;
@@ -122,7 +122,7 @@ double Codebook::density(int outermost, int direction) const {
 
 bool Codebook::insert(std::uint16_t level) {
   assert(range_.contains(level));
-  int below = -1, above = kCodes;  // codes of the neighbours
+  int below = -1, above = kCodes;  // Codes of the neighbours.
   for (int code = 0; code < kCodes; ++code) {
     if (levels_[code] == 0) continue;
     assert(levels_[code] != level);
@@ -137,7 +137,7 @@ bool Codebook::insert(std::uint16_t level) {
     levels_[std::clamp(place(level, below, above), below + 1, above - 1)] = level;
     return true;
   }
-  // No code is free between the neighbours: the levels up to the nearest free code move by one.
+  // No code is free between the neighbours, so the levels up to the nearest free code move by one.
   int free_below = below, free_above = above;
   while (free_below >= 0 && levels_[free_below] != 0) --free_below;
   while (free_above < kCodes && levels_[free_above] != 0) ++free_above;

@@ -1,6 +1,6 @@
 // Reads and writes the change of a codebook (docs/internals/codecs.md, Codebook). Numbers are
-// range-coded with contexts that start anew for each change. A level is predicted from the levels
-// before it, and its difference from the prediction is coded. A sensor's levels are even in 1/z, so
+// range-coded with contexts that are reset for each change. Each level is predicted from earlier
+// levels, and its difference from the prediction is coded. A sensor's levels are even in 1/z, so
 // most levels take half a byte.
 
 #include <algorithm>
@@ -15,8 +15,8 @@
 namespace copresence::depth {
 namespace {
 
-constexpr int kNumberBits = 17;   // numbers stay below 2^17 - 1
-constexpr std::size_t kBase = 8;  // distance of the two entries that predict the next
+constexpr int kNumberBits = 17;   // Numbers are below 2^17 - 1.
+constexpr std::size_t kBase = 8;  // Distance of the two entries that predict the next entry.
 
 // Codes a number from 0 up. The bit length of the number plus 1 comes in unary, then its bits below
 // the leading one.
@@ -29,7 +29,7 @@ class NumberModel {
     while (length < kNumberBits && code(longer_[length - 1], bits > length)) ++length;
     std::uint32_t read = 1;
     for (int bit = length - 2; bit >= 0; --bit) {
-      // The first bits below the leading one have contexts of their own. The others share one.
+      // The first bits below the leading one have their own contexts. The others share one context.
       BinaryContext& model = read < kLearnt ? lower_[length][read] : even_;
       read = read << 1 | code(model, (value + 1) >> bit & 1);
     }
@@ -59,7 +59,7 @@ class ChangeModel {
     return count_.pass(code, entries);
   }
 
-  // Codes the next entry; its level is 0 if the code has none.
+  // Codes the next entry. Its level is 0 if the code has no level.
   template <class Code>
   Entry entry(const Code& code, const Entry& next) {
     const std::int64_t last = codes_so_far_;
@@ -79,16 +79,16 @@ class ChangeModel {
 
  private:
   struct Prediction {
-    std::int64_t level, reach;  // distance from the last entry's level
+    std::int64_t level, reach;  // `reach` is the distance from the last entry's level.
   };
 
-  // Continues the last entry and the kBase-th before it, or the first one, evenly in 1/z.
+  // Continues the last entry and the kBase-th entry before it, or the first entry, evenly in 1/z.
   Prediction predict(std::int64_t code) const {
     if (count_known_ == 0) return {nearest_, 0};
     const Entry& last = known_[(count_known_ - 1) % kBase];
     const Entry& base = known_[count_known_ < kBase ? 0 : count_known_ % kBase];
     if (count_known_ == 1) return {last.level, 0};
-    // 1/level = 1/last + (code - last) (1/last - 1/base) / (last - base). Whole numbers give the
+    // Solve 1/level = 1/last + (code - last) (1/last - 1/base) / (last - base). Integers give the
     // same result on every machine.
     const std::int64_t over = last.level * base.level * (last.code - base.code);
     const std::int64_t under =
@@ -100,14 +100,14 @@ class ChangeModel {
 
   std::int64_t nearest_;
   std::int64_t codes_so_far_ = -1;
-  std::array<Entry, kBase> known_{};  // the last entries with a level, as a ring
+  std::array<Entry, kBase> known_{};  // The last entries with a level, as a ring buffer.
   std::size_t count_known_ = 0;
   NumberModel count_, skip_;
-  std::array<NumberModel, 5> off_;  // by the bit length of the predicted difference
+  std::array<NumberModel, 5> off_;  // Indexed by the bit length of the predicted difference.
   BinaryContext none_;
 };
 
-// Most decisions of an entry: two numbers, and whether it has a level.
+// Largest number of decisions of an entry: two numbers, and whether it has a level.
 constexpr std::size_t kMostDecisions = 2 * (2 * kNumberBits) + 1;
 
 }  // namespace
@@ -129,7 +129,7 @@ void Codebook::write_change(const Codebook& earlier, std::vector<std::uint8_t>& 
     if (levels_[code] != earlier.levels_[code]) model.entry(write, {code, levels_[code]});
   }
   const std::uint8_t* end = encoder.finish();
-  while (end - buffer.data() > 1 && end[-1] == 0) --end;  // keeps one byte, since no bytes mean no change
+  while (end - buffer.data() > 1 && end[-1] == 0) --end;  // Keep one byte, since no bytes mean no change.
   out.insert(out.end(), static_cast<const std::uint8_t*>(buffer.data()), end);
 }
 

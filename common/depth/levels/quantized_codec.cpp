@@ -54,9 +54,9 @@ class QuantizedEncoder final : public PlaneEncoder {
   }
 
  private:
-  static constexpr std::uint16_t kUnknown = 0x8000;  // flag in code_of_depth_: the depth is no level
+  static constexpr std::uint16_t kUnknown = 0x8000;  // Flag in code_of_depth_: the depth is not a level.
 
-  // Writes every pixel's code. Returns false if a measured pixel's depth is no level yet.
+  // Writes every pixel's code. Returns false if a measured pixel's depth is not a level yet.
   bool write(const DepthImage& depth, const StateImage& states, Picture& picture) const {
     const std::uint16_t* const z = depth.data();
     const DepthState* const state = states.data();
@@ -86,12 +86,13 @@ class QuantizedEncoder final : public PlaneEncoder {
     for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
       std::uint16_t& code = code_of_depth_[depth.data()[i]];
       if (!(code & kUnknown) || states.data()[i] != DepthState::kMeasured) continue;
-      code = 0;  // each level once
+      code = 0;  // Adds each level once.
       fresh.push_back(depth.data()[i]);
     }
     const bool full = static_cast<std::size_t>(table_.count()) + fresh.size() > Codebook::kCodes;
     if (full && !advertised_.empty()) {
-      // Too many levels with the advertised ones: from now on only levels that appear are used.
+      // Together with the advertised levels there are too many. From now on, use only levels that
+      // appear.
       advertised_.clear();
       levels_.clear();
       std::fill(code_of_depth_.begin(), code_of_depth_.end(), kUnknown);
@@ -104,8 +105,8 @@ class QuantizedEncoder final : public PlaneEncoder {
     index();
   }
 
-  // The levels for the codebook, ascending. adaptive leaves out levels that the sensor advertises
-  // but that have not appeared, unless coding is lossless.
+  // Returns the levels for the codebook, ascending. Unless coding is lossless, adaptive omits
+  // advertised levels that have not appeared.
   std::vector<std::uint16_t> levels_to_hold() const {
     std::vector<std::uint16_t> levels = levels_;
     if (!adaptive_ || lossless_) levels.insert(levels.end(), advertised_.begin(), advertised_.end());
@@ -130,7 +131,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     index();
   }
 
-  // Histogram of the measured pixels, for adaptive's layout.
+  // Makes the histogram of the measured pixels, for adaptive's spacing.
   void count(const DepthImage& depth, const StateImage& states) {
     std::fill(pixels_.begin(), pixels_.end(), 0u);
     for (std::size_t i = 0; i < depth.pixels().size(); i += kSampling) {
@@ -138,8 +139,8 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
   }
 
-  // Returns true if new spacing for this frame would be so much finer at its pixels' depths that a
-  // keyframe is worth it. Tests only some frames, so that the codebook changes rarely.
+  // Returns true if new spacing would be so much finer at this frame's depths that a keyframe is
+  // worthwhile. Tests only some frames, so that the codebook changes rarely.
   bool has_scene_moved(const DepthImage& depth, const StateImage& states) {
     if (even_ || lossless_ || frames_since_layout_ < kFramesBetweenLayouts ||
         frames_since_layout_ % kFramesBetweenLooks != 0) {
@@ -154,7 +155,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     laid_out.assign(levels, laid_out.scene_spacing(levels, pixels));
     double finer = 0,
            all = 0;         // bits by which the spacing of the pixels' levels would grow; number of pixels
-    int now = 0, then = 0;  // codes of the level before, in both codebooks
+    int now = 0, then = 0;  // Codes of the level before, in both codebooks.
     std::size_t level = 0;
     for (int code_now = 0, code_then = 0; level < levels.size(); ++level, ++code_now, ++code_then) {
       while (table_.levels()[code_now] == 0) ++code_now;
@@ -171,7 +172,7 @@ class QuantizedEncoder final : public PlaneEncoder {
   // Maps every depth to the code of its nearest level.
   void index() {
     const auto levels = table_.levels();
-    int code = -1, next = -1;  // codes of the last level at or below z, and of the first one above
+    int code = -1, next = -1;  // Codes of the last level at or below z, and of the first level above.
     const auto find_next = [&] {
       do ++next;
       while (next < Codebook::kCodes && levels[next] == 0);
@@ -190,23 +191,23 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
   }
 
-  static constexpr std::size_t kSampling = 13;      // counts every 13th pixel
-  static constexpr int kFramesBetweenLayouts = 30;  // adaptive's own keyframes are at least this far apart
+  static constexpr std::size_t kSampling = 13;      // Counts every 13th pixel.
+  static constexpr int kFramesBetweenLayouts = 30;  // Least distance of adaptive's own keyframes.
   static constexpr int kFramesBetweenLooks = 10;
-  static constexpr double kWorthwhileBits = 0.5;  // least gain for a keyframe: about 6 % less error
+  static constexpr double kWorthwhileBits = 0.5;  // Least gain for a keyframe: about 6 % less error.
 
   DepthRangeUnits range_;
   bool adaptive_;
   Codebook table_;
   const Codebook none_;
-  std::vector<std::uint16_t> advertised_;  // by the sensor
-  std::vector<std::uint16_t> levels_;      // others that appeared, in any order
-  std::vector<std::uint32_t> pixels_ =
-      std::vector<std::uint32_t>(65536);  // by depth, of the frame counted last
+  std::vector<std::uint16_t> advertised_;  // Levels that the sensor advertises.
+  std::vector<std::uint16_t> levels_;      // Other levels that appeared, in any order.
+  // Number of pixels by depth, in the frame counted last.
+  std::vector<std::uint32_t> pixels_ = std::vector<std::uint32_t>(65536);
   int frames_since_layout_ = 0;
   std::vector<std::uint16_t> code_of_depth_;
   bool lossless_ = false;
-  bool even_ = false;  // too many levels appeared
+  bool even_ = false;  // True if too many levels appeared.
 };
 
 class QuantizedDecoder final : public PlaneDecoder {

@@ -5,9 +5,9 @@
 //
 // The codebook begins with the levels that the sensor advertises (Encoder::set_sensor_levels) and
 // learns others from measured pixels. A frame carries the levels that it adds. A keyframe carries
-// the whole codebook with new spacing. Filled pixels take the nearest level and never add one. If
-// more than 1024 levels appear, the codebook gets levels even in 1/z instead. Coding is no longer
-// exact then, so lossless coding is refused.
+// the whole codebook with new spacing. Filled pixels take the nearest level and never add a level.
+// If more than 1024 levels appear, the codebook gets levels even in 1/z instead. Coding is then no
+// longer exact, so lossless coding is refused.
 //
 // The codecs differ in the spacing of the levels. quantized gives every disparity step one code.
 // adaptive spends all codes on the depths in the scene and gives none to levels that have not

@@ -8,8 +8,8 @@ namespace {
 static_assert(static_cast<int>(DepthState::kHole) == 0 && static_cast<int>(DepthState::kMeasured) == 1 &&
               static_cast<int>(DepthState::kFilled) == 2);
 
-// Up to 64 states (bytes of 0, 1 or 2) and the same states as bits of each plane. Eight states are
-// converted at a time by a multiplication.
+// Converts up to 64 states (bytes of 0, 1 or 2) to one bit per state in each plane, and back. A
+// multiplication converts eight states at a time.
 struct Bits {
   std::uint64_t measured, filled;
 };
@@ -27,7 +27,7 @@ Bits gather_states(const std::uint8_t* states, int count) {
   return bits;
 }
 
-// Byte i of the result is bit i of `eight`.
+// Returns a number whose byte i is bit i of `eight`.
 std::uint64_t spread(std::uint64_t eight) {
   const std::uint64_t bit_of_byte = (eight & 255) * kLowBits & 0x8040201008040201u;
   return (bit_of_byte + 0x00406070787c7e7fu) >> 7 & kLowBits;
@@ -40,7 +40,7 @@ void spread_states(Bits bits, std::uint8_t* states, int count) {
   }
 }
 
-// A bit of the result is set if all (any) of the five bits around it are set. `w[-1]` and `w[1]`
+// Each bit of the result is set if all (any) of the five bits around it are set. `w[-1]` and `w[1]`
 // are the neighbouring words.
 std::uint64_t all_of_five(const std::uint64_t* w) {
   return *w & (*w << 1 | w[-1] >> 63) & (*w << 2 | w[-1] >> 62) & (*w >> 1 | w[1] << 63) &

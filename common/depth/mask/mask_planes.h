@@ -15,7 +15,7 @@ namespace copresence::depth {
 /// neighbourhood anywhere without tests for the image's border.
 class BitPlane {
  public:
-  static constexpr int kMargin = 2;  ///< rows of zeros above and below; left and right there are 64 bits
+  static constexpr int kMargin = 2;  ///< Rows of zeros above and below; left and right have 64 bits.
 
   BitPlane() = default;
   BitPlane(int width, int height)
@@ -29,7 +29,7 @@ class BitPlane {
   std::uint64_t* row(int y) { return words_.data() + offset(y) + 1; }
   const std::uint64_t* row(int y) const { return words_.data() + offset(y) + 1; }
 
-  /// 64 bits of a row from pixel x on: pixel x + i is bit i. Requires -64 <= x, x < width.
+  /// Returns 64 bits of a row from pixel x on: pixel x + i is bit i. Requires -64 <= x < width.
   static std::uint64_t window(const std::uint64_t* row, int x) {
     const int word = x >> 6, bit = x & 63;
     return row[word] >> bit | row[word + 1] << 1 << (63 - bit);
@@ -62,7 +62,7 @@ class RowBits {
 
   std::uint64_t* words() { return words_.data() + 1; }
 
-  /// Number of pixels from x on that have this bit, at most `most`.
+  /// Returns the number of consecutive pixels from x on that have this bit, at most `most`.
   int run_of(bool bit, int x, int most) const {
     const std::uint64_t flip = bit ? 0 : ~std::uint64_t{0};
     const std::uint64_t* word = words_.data() + 1 + (x >> 6);
@@ -81,28 +81,28 @@ class RowBits {
   std::vector<std::uint64_t> words_;
 };
 
-/// Finds the pixels of a row whose whole neighbourhood has the same state, so that they likely have
-/// it, too. The neighbourhood is the row above and, in the frame before, three rows around the
-/// pixel, two pixels to either side.
+/// Finds the pixels of a row whose whole neighbourhood has the same state. They likely have this
+/// state, too. The neighbourhood reaches two pixels to either side. It has the row above and, in
+/// the frame before, three rows around the pixel.
 class MaskContext {
  public:
   explicit MaskContext(int width);
 
-  /// Looks at row y of `now` and of the frame before.
+  /// Finds them in row y of `now`, with the frame before in `earlier`.
   void find(const MaskPlanes& now, const MaskPlanes& earlier, int y);
 
   /// Pixels whose neighbourhood has this state everywhere.
   const RowBits& uniform(int state) const { return uniform_[static_cast<std::size_t>(state)]; }
-  /// Pixels whose neighbourhood has the same state everywhere, whichever it is.
+  /// Pixels whose neighbourhood has any one state everywhere.
   const RowBits& uniform() const { return any_uniform_; }
 
  private:
   void gather(const BitPlane& now, const BitPlane& earlier, int y, std::uint64_t* all,
               std::uint64_t* any) const;
 
-  std::size_t count_;  // words of a row with its margins
+  std::size_t count_;  // Words of a row with its margins.
   std::vector<std::uint64_t> rows_;
-  std::vector<RowBits> uniform_;  // by state
+  std::vector<RowBits> uniform_;  // Indexed by state.
   RowBits any_uniform_;
 };
 

@@ -11,11 +11,10 @@
 namespace copresence::depth {
 namespace {
 
-// A run that does not have the expected state everywhere is halved until it is shorter than twice
-// this.
+// A run with other states than the expected one is halved until it is shorter than twice this.
 constexpr int kLeastRun = 8;
-constexpr int kStretch = 48;               // pixels that are coded with one set of windows
-constexpr std::size_t kMostDecisions = 4;  // for a pixel: measured, filled, and less than two for runs
+constexpr int kStretch = 48;               // Pixels that are coded with one set of windows.
+constexpr std::size_t kMostDecisions = 4;  // Per pixel: measured, filled, and less than two for runs.
 
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;
@@ -26,7 +25,8 @@ struct Models {
   BinaryContext any_filled;
 };
 
-// Windows of 64 pixels around a stretch in one plane. Pixel x of the stretch is bit x + 2 of each.
+// Windows of 64 pixels around a stretch of one plane. Pixel x of the stretch is bit x + 2 of each
+// window.
 struct Windows {
   std::uint64_t above2, above, before, before_below;
 
@@ -55,11 +55,11 @@ class Scan {
  private:
   void row(int y) {
     coder_.expect(kMostDecisions * static_cast<std::size_t>(width_));
-    Coder coder = coder_;  // in registers
+    Coder coder = coder_;  // A copy that stays in registers.
     left_measured_ = left_filled_ = 0;
     std::uint64_t* const measured = now_.measured.row(y);
     std::uint64_t* const filled = now_.filled.row(y);
-    int mixed_until = 0;  // before this column, not all pixels have the expected state
+    int mixed_until = 0;  // Before this column, some pixels have another state.
     for (int x = 0; x < width_;) {
       const int state = state_to_the_left();
       const bool mixed = x < mixed_until;
@@ -96,13 +96,13 @@ class Scan {
     coder_ = coder;
   }
 
-  // The state of the two pixels to the left; -1 if they differ.
+  // Returns the state of the two pixels to the left, or -1 if they differ.
   int state_to_the_left() const {
     const std::uint64_t m = left_measured_ & 3, f = left_filled_ & 3;
     return m == 3 ? 1 : m != 0 ? -1 : f == 3 ? 2 : f != 0 ? -1 : 0;
   }
 
-  // A word with the bits from `first` to before `end` set. Requires 0 <= first < end <= 64.
+  // Returns a word with the bits `first` to `end` - 1 set. Requires 0 <= first < end <= 64.
   static std::uint64_t bits(int first, int end) {
     return (~std::uint64_t{0} >> (64 - (end - first))) << first;
   }
@@ -127,7 +127,7 @@ class Scan {
     }
   }
 
-  // Codes pixels one by one.
+  // Codes each pixel separately.
   template <bool kFilled>
   void pixels(Coder& coder, int x, int y, int count, std::uint64_t* measured, std::uint64_t* filled) {
     Windows m = Windows::at(now_.measured, earlier_.measured, x, y);
@@ -140,7 +140,7 @@ class Scan {
     }
     std::uint64_t got_measured = 0, got_filled = 0;
     std::uint64_t left_measured = left_measured_, left_filled = left_filled_;
-    const auto known_context = [&] {  // the context without the pixels to the left
+    const auto known_context = [&] {  // The context without the pixels to the left.
       return (m.above & 31) << 3 | (m.above2 >> 1 & 7) << 8 | (m.before >> 1 & 7) << 11 |
              (m.before_below >> 1 & 7) << 14;
     };
@@ -150,7 +150,7 @@ class Scan {
       const std::uint64_t m_above = m.above, m_before = m.before;
       m.above >>= 1, m.above2 >>= 1, m.before >>= 1, m.before_below >>= 1;
       next_context = known_context();
-      // The eight models that the pixels to the left select from are in one line of the cache.
+      // The pixels to the left select one of eight models, which are in one cache line.
       __builtin_prefetch(&models_.measured[next_context]);
       const bool is_measured = coder.decide(models_.measured[context], known_measured >> i & 1);
       bool is_filled = false;
@@ -185,7 +185,7 @@ class Scan {
   MaskPlanes& now_;
   const int width_, height_;
   MaskContext context_{width_};
-  std::uint64_t left_measured_ = 0, left_filled_ = 0;  // the pixels to the left, nearest in bit 0
+  std::uint64_t left_measured_ = 0, left_filled_ = 0;  // The pixels to the left, nearest in bit 0.
   bool any_filled_ = false;
 };
 
@@ -218,7 +218,7 @@ struct Reader {
 struct ValidityMaskMemory {
   ValidityMaskMemory(int w, int h) : width(w), height(h), now{{w, h}, {w, h}}, earlier(now) {}
 
-  // Begins a new frame. A complete mask uses nothing of earlier frames.
+  // Begins a new frame. A complete mask does not depend on earlier frames.
   void next(bool complete) {
     std::swap(now, earlier);
     if (!complete) return;
@@ -232,7 +232,7 @@ struct ValidityMaskMemory {
   int width, height;
   MaskPlanes now, earlier;
   Models models;
-  std::vector<std::uint8_t> buffer;  // of the encoder
+  std::vector<std::uint8_t> buffer;  // Used by the encoder.
 };
 
 ValidityMaskEncoder::ValidityMaskEncoder(int width, int height)

@@ -1,16 +1,16 @@
 #pragma once
 
-// Lossless coder of the validity mask: which pixels are measured, filled or holes. It takes about a
-// tenth of a bit for a pixel at an edge, and next to nothing elsewhere.
+// Lossless coder of the validity mask: which pixels are measured, filled or holes. A pixel at an
+// edge takes about a tenth of a bit, and other pixels almost nothing.
 //
 // A pixel's state is coded as one or two binary decisions: whether it is measured and, if not,
 // whether it is filled. Each decision is range-coded with the probability learnt for the pixel's
-// neighbourhood: pixels above and to the left in this frame, and on all sides in the frame before.
-// If the whole neighbourhood of a run of pixels has one state, a single decision says that the run
-// has it, too. docs/internals/codecs.md describes the format.
+// neighbourhood. This consists of pixels above and to the left in this frame, and on all sides in
+// the frame before. If the whole neighbourhood of a run of pixels has one state, a single decision
+// says that the run has it, too. docs/internals/codecs.md describes the format.
 //
 // Encoder and decoder learn the same probabilities and keep them from frame to frame, until the
-// next complete mask. The decoder cannot detect damage: it decodes any bytes to some mask, in
+// next complete mask. The decoder cannot detect damage: it decodes any bytes to some mask in
 // bounded time. The checksum of the side data (common/bitstream) protects the bytes. Thread:
 // distinct objects are independent.
 
@@ -23,7 +23,7 @@
 
 namespace copresence::depth {
 
-struct ValidityMaskMemory;  // what is kept from frame to frame, the same on both sides
+struct ValidityMaskMemory;  // State between frames, the same on both sides.
 
 class ValidityMaskEncoder {
  public:
@@ -33,9 +33,8 @@ class ValidityMaskEncoder {
   ValidityMaskEncoder(ValidityMaskEncoder&&) noexcept;
   ValidityMaskEncoder& operator=(ValidityMaskEncoder&&) noexcept;
 
-  /// Appends the coded states to `out`. A complete mask uses nothing of earlier frames; the first
-  /// must be complete.
-  /// Requires the shape given to the constructor.
+  /// Appends the coded states to `out`. A complete mask does not depend on earlier frames. The
+  /// first mask must be complete. Requires the shape given to the constructor.
   void encode(const StateImage& states, bool complete, std::vector<std::uint8_t>& out);
 
  private:
@@ -50,7 +49,8 @@ class ValidityMaskDecoder {
   ValidityMaskDecoder(ValidityMaskDecoder&&) noexcept;
   ValidityMaskDecoder& operator=(ValidityMaskDecoder&&) noexcept;
 
-  /// `states` gets the shape given to the constructor. `complete` as in encoding.
+  /// Resizes `states` to the shape given to the constructor and decodes them. `complete` must be as
+  /// in encoding.
   void decode(std::span<const std::uint8_t> bytes, bool complete, StateImage& states);
 
  private:

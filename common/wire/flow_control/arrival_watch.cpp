@@ -8,7 +8,7 @@ namespace copresence::wire {
 void ArrivalWatch::resume(Instant now) {
   if (message_began_at_ && paused_at_) *message_began_at_ += now - *paused_at_;
   paused_at_.reset();
-  last_bytes_at_ = now;  // bytes may have arrived during the pause
+  last_bytes_at_ = now;  // Bytes may have arrived during the pause.
 }
 
 void ArrivalWatch::pause(Instant now) {

@@ -1,11 +1,8 @@
 #pragma once
 
-// Detects a dead connection from the arrival of bytes.
-//
-// Bytes are a sign of life, also if they arrive slowly: at 100 kbit/s a keyframe takes 6 s. A
-// message also has a time limit by its size, so that a peer cannot send single bytes without end. A
-// path below kSlowestPath is too slow.
-//
+// Detects a dead connection from the arrival of bytes. Arriving bytes show that the connection
+// works, even if they are slow: at 100 kbit/s a keyframe takes 6 s. A message also has a time limit
+// by its size, so a peer cannot send single bytes forever. A path below kSlowestPath is too slow.
 // Time in which the client does not read does not count. Thread: a value.
 
 #include <cstddef>
@@ -17,29 +14,30 @@ namespace copresence::wire {
 
 class ArrivalWatch {
  public:
-  static constexpr std::chrono::seconds kSilence{5};  ///< the longest time without a byte
-  static constexpr double kSlowestPath = 4096;        ///< bytes per second
+  static constexpr std::chrono::seconds kSilence{5};  ///< Longest time without a byte.
+  static constexpr double kSlowestPath = 4096;        ///< Bytes per second.
   static constexpr std::chrono::seconds kLongestMessage{60};
 
   enum class Verdict {
     kAlive,
-    kSilent,  ///< no byte arrived for kSilence
+    kSilent,  ///< No byte arrived for kSilence.
     /// A message was not complete within kSilence plus its size at kSlowestPath, at most
     /// kLongestMessage.
     kTooSlow,
   };
 
-  /// Call when reading begins, also after a pause.
+  /// Call this when reading begins, also after a pause.
   void resume(Instant now);
   void pause(Instant now);
 
-  /// Bytes of a message arrived, the newest of them at `at`. The first bytes begin the message.
+  /// Reports that bytes of a message arrived, the newest at `at`. The first bytes begin the
+  /// message.
   void bytes_came(Instant at);
   /// Sets the size of the message that is arriving.
   void message_has(std::size_t bytes) { message_bytes_ = bytes; }
   void message_is_complete() { message_began_at_.reset(); }
 
-  /// The verdict at `now`. Requires that reading is not paused.
+  /// Returns the verdict at `now`. Requires that reading is not paused.
   Verdict at(Instant now) const;
 
  private:

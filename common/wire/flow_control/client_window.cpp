@@ -11,7 +11,7 @@ constexpr int kMostPeriods = 8, kFewestPeriods = 2;
 constexpr std::chrono::milliseconds kRound{500};
 constexpr std::chrono::seconds kLatenessSpan{5};
 constexpr std::chrono::milliseconds kAllowanceForOthersFrames{500}, kMostForKeyframe{300};
-constexpr std::size_t kWantedOnUnknownPath = 2;  // two frames show the delivery rate
+constexpr std::size_t kWantedOnUnknownPath = 2;  // Two frames show the delivery rate.
 constexpr int kOverdueWanted = 3, kOverdueAccepted = 5;
 
 }  // namespace
@@ -36,8 +36,8 @@ Instant ClientWindow::room_until(const Limits& limits) const {
                   next_acknowledgement_due() + overdue);
 }
 
-/// The path carries frames one after the other. So the oldest one is under way since the latest
-/// acknowledgement, or since it was sent if that was later.
+/// The path carries one frame after the other. So the oldest frame began transmission at the latest
+/// acknowledgement, or when it was sent if that was later.
 Instant ClientWindow::next_acknowledgement_due() const {
   const PathEstimate::Sent& oldest = in_flight_.front().sent;
   return std::max(acknowledged_at_, oldest.at + *path_.base_delay()) + path_.transmission_time(oldest.bytes);

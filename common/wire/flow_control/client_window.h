@@ -3,25 +3,25 @@
 // Decides which frames one client gets, so that latency and memory stay bounded on any network
 // path. docs/decisions/0002-window-per-client.md gives the reasons.
 //
-// A frame is in flight from being queued for a client until that client acknowledges it. Everything
-// in flight is expected to arrive within the path's base delay (path_estimate.h) plus an allowance
-// for queueing. There are two allowances:
-//   - wants_until(): the client requests another frame. The allowance is 8 frame periods. It
-//     becomes 2 periods when every frame of half a second was delayed by more than that: then a
-//     queue never empties. It grows again by one period per half second. If 2 periods did not help,
-//     the client requests nothing until the path is empty, so that a longer path is not taken for a
-//     queue. The encoder pauses when no client requests a frame.
-//   - can_accept(): the client accepts a frame that was encoded for others. The allowance is 500
-//     ms. Behind a keyframe with a long transmission it is up to 300 ms more. Skipping the frame
-//     would cost a keyframe.
-// While the path is unknown, 2 requested or 6 accepted frames may be in flight.
+// A frame is in flight from the time it is queued for a client until that client acknowledges it.
+// All frames in flight must be expected to arrive within the path's base delay (path_estimate.h)
+// plus an allowance for queueing. There are two allowances:
 //
-// A path that stops or becomes much slower is noticed by an acknowledgement that is overdue. The
-// limit follows the path's jitter: twice the largest lateness of the last seconds plus one period.
-// It is at least 3 periods for requested frames and 5 for accepted ones.
+// `wants_until()`: the client requests another frame. The allowance is 8 frame periods. If every
+// frame of half a second was delayed longer, the queue never empties, and the allowance becomes 2
+// periods. It then grows by one period per half second. If 2 periods do not help, the client
+// requests nothing until the path is empty. This distinguishes a longer path from a queue. The
+// encoder pauses if no client requests a frame.
 //
-// After a frame was skipped, the client cannot decode any frame before the next keyframe. It can
-// accept a keyframe once nothing is in flight to it. Thread: a value.
+// `can_accept()`: the client accepts a frame that was encoded for others, since skipping it would
+// cost a keyframe. The allowance is 500 ms, and up to 300 ms more behind a slow keyframe.
+//
+// On an unknown path, 2 requested or 6 accepted frames may be in flight. An overdue acknowledgement
+// shows that a path has stopped or become much slower. The limit follows the path's jitter: twice
+// the largest lateness of the last seconds plus one period. It is at least 3 periods for requested
+// frames and 5 for accepted frames. After a skipped frame, the client cannot decode any frame
+// before the next keyframe. It can accept a keyframe once no frame is in flight to it. Thread: a
+// value.
 
 #include <cstddef>
 #include <cstdint>
@@ -35,39 +35,38 @@ namespace copresence::wire {
 
 class ClientWindow {
  public:
-  /// The largest number of frames in flight, on any path and on an unknown one.
+  /// Largest numbers of frames in flight, on any path and on an unknown path.
   static constexpr std::size_t kFrames = 64, kFramesOnUnknownPath = 6;
-  /// The largest number of bytes in flight. The last frame may exceed it.
+  /// Largest number of bytes in flight. The last frame may exceed it.
   static constexpr std::size_t kBytes = 1024 * 1024;
 
   explicit ClientWindow(Duration frame_period);
 
-  /// True if the client got every frame since a keyframe, so that it can decode the next one. False
-  /// before the first frame.
+  /// True if the client got every frame since a keyframe, so that it can decode the next frame.
+  /// False before the first frame.
   bool in_sync() const { return in_sync_; }
-  /// True if the client was sent a frame and later ones were skipped.
+  /// True if the client was sent a frame and later frames were skipped.
   bool fell_behind() const { return !in_sync_ && has_begun_; }
-  /// True if the client can accept a keyframe and nothing else: it is not in sync, and nothing is
-  /// in flight.
+  /// True if the client can accept only a keyframe: it is not in sync, and no frame is in flight.
   bool awaits_keyframe() const { return !in_sync_ && in_flight_.empty(); }
-  /// Until when a client in sync requests another frame, if nothing happens meanwhile. In the past
-  /// if it requests none.
+  /// Returns until when a client in sync requests another frame if nothing changes. The time is in
+  /// the past if the client requests no frame.
   Instant wants_until() const;
   bool can_accept(bool keyframe, Instant now) const;
 
-  /// A frame is sent. Requires can_accept(keyframe, now).
+  /// Counts a frame as sent. Requires can_accept(keyframe, now).
   void sent(std::uint64_t sequence, std::size_t bytes, Instant now);
-  /// This many frames of the stream are not sent to this client.
+  /// Counts frames of the stream that are not sent to this client.
   void skip(std::uint64_t frames);
-  /// The client has this frame and all before it. Returns false if the frame is not in flight,
-  /// which is a protocol error.
+  /// The client has this frame and all frames before it. Returns false if the frame is not in
+  /// flight, which is a protocol error.
   bool acknowledge(std::uint64_t sequence, Instant now);
 
-  std::uint64_t skipped() const { return skipped_; }            ///< frames
-  std::uint64_t acknowledged() const { return acknowledged_; }  ///< frames
+  std::uint64_t skipped() const { return skipped_; }
+  std::uint64_t acknowledged() const { return acknowledged_; }
   std::size_t frames_in_flight() const { return in_flight_.size(); }
   std::size_t bytes_in_flight() const { return bytes_; }
-  /// When the oldest frame in flight was sent; nothing if none is in flight.
+  /// When the oldest frame in flight was sent. Returns nothing if no frame is in flight.
   std::optional<Instant> waits_since() const;
   const PathEstimate& path() const { return path_; }
 
@@ -78,7 +77,7 @@ class ClientWindow {
   };
   struct Limits {
     Duration allowance;
-    int overdue_periods;  // at least
+    int overdue_periods;  // Least time until overdue, in frame periods.
     std::size_t frames_on_unknown_path;
   };
   Instant room_until(const Limits& limits) const;
@@ -94,14 +93,14 @@ class ClientWindow {
   bool in_sync_ = false, has_begun_ = false;
 
   Duration allowance_;
-  struct Round {  // half a second
+  struct Round {  // Lasts half a second.
     Instant ends_at;
     Duration least_queueing;
   };
   std::optional<Round> round_;
-  bool drains_ = false;  // requests nothing until nothing is in flight
+  bool drains_ = false;  // True to request nothing until no frame is in flight.
 
-  // The largest lateness of the current span of 5 s, and of the one before.
+  // Largest lateness of the current span of 5 s, and of the span before.
   Duration lateness_{}, lateness_before_{};
   Instant span_began_at_{}, acknowledged_at_{};
 };

@@ -1,14 +1,13 @@
 #pragma once
 
-// Decides when the one encoder of a stream encodes a frame, and when a keyframe, for all clients
-// together.
+// Decides for all clients together when the encoder of a stream encodes a frame or a keyframe.
 //
-// A frame is wanted if one client in sync requests it. A keyframe costs every client bytes, so at
-// most one a second is requested. Clients that join get one as soon as that allows. Clients that
-// fell behind, and clients that request one, share keyframes whose extra bytes are at most about a
-// twentieth of the stream. So a client on a slow path cannot cost the others more. If no client is
-// in sync, no one pays, and the twentieth does not apply. Thread: a value; frame_server.cpp guards
-// it by a mutex.
+// A frame is encoded if a client in sync requests it. A keyframe costs every client bytes, so at
+// most one a second is requested. Within this limit, joining clients get a keyframe as soon as
+// possible. Clients that fell behind or request a keyframe share keyframes. These may add about a
+// twentieth to the bytes of the stream. So a client on a slow path cannot cost the others more. If
+// no client is in sync, a keyframe costs no other client, and the limit of a twentieth does not
+// apply. Thread: a value; frame_server.cpp guards it by a mutex.
 
 #include <cstddef>
 #include <optional>
@@ -22,7 +21,7 @@ class EncoderDemand {
  public:
   explicit EncoderDemand(Duration frame_period) : frame_period_(frame_period) {}
 
-  /// The demand of all clients at one time.
+  /// The combined demand of all clients at one time.
   class Clients {
    public:
     void add(const ClientWindow& window);
@@ -32,16 +31,16 @@ class EncoderDemand {
     Instant wants_until_ = Instant::min();
     bool in_sync_ = false, joins_ = false, fell_behind_ = false;
   };
-  /// Call it when a client's window changed.
+  /// Call this after a client's window has changed.
   void update(const Clients& clients) { clients_ = clients; }
-  /// A client cannot decode the stream. The request holds until the next keyframe.
+  /// Reports that a client cannot decode the stream. The request holds until the next keyframe.
   void request_keyframe() { requested_ = true; }
 
   /// True if a client would get a frame that is encoded now.
   bool wants_frame(Instant now) const;
   /// True if the next frame must be a keyframe. The caller must then encode one.
   bool take_keyframe_request(Instant now);
-  /// A frame of the stream was handed to the clients.
+  /// Reports that a frame of the stream was passed to the clients.
   void sent(bool keyframe, std::size_t bytes, Instant now);
 
  private:
@@ -52,7 +51,7 @@ class EncoderDemand {
   bool requested_ = false, promised_ = false;
   std::optional<Instant> keyframe_taken_at_;
   Instant next_for_slow_clients_ = Instant::min();
-  double mean_bytes_ = 0;  // of frames that are no keyframes
+  double mean_bytes_ = 0;  // Mean size of frames that are not keyframes.
 };
 
 }  // namespace copresence::wire

@@ -6,9 +6,9 @@ namespace copresence::wire {
 namespace {
 
 constexpr std::chrono::seconds kRateWindow{2}, kBaseWindow{10};
-// A frame of more than this many times the mean size is a keyframe.
+// A frame larger than the mean size by this factor is a keyframe.
 constexpr double kLargeFrame = 1.5;
-// Intervals of acknowledgements and rates that differ by less than this count as equal.
+// Intervals or rates that differ by a smaller factor count as equal.
 constexpr double kSame = 1.1;
 
 double seconds(Duration duration) {
@@ -53,8 +53,8 @@ void PathEstimate::measure_rate(const Sent& frame, Instant now) {
   Duration interval = std::max<Duration>(now - frame.at, std::chrono::milliseconds(1));
   bool limited_by_path = false;
   if (frame.alone) {
-    // This interval includes the base delay. That is harmless if the frame arrives before the next
-    // one is due.
+    // This interval includes the base delay, which is harmless if the frame arrives before the next
+    // frame is due.
     if (interval > tolerance_ / 2) return;
   } else {
     const Duration sent_apart = frame.at - previous_->at,
@@ -67,8 +67,8 @@ void PathEstimate::measure_rate(const Sent& frame, Instant now) {
   const bool is_busy = queueing_ > tolerance_ / 4;
   if (!is_larger && !is_busy) return;
   while (!rates_.empty() && rates_.back().bytes_per_second <= rate) {
-    // A sender that waits for acknowledgements sends at the path's rate. It is still the path that
-    // limits it.
+    // A sender that waits for acknowledgements sends at the path's rate. The path still limits the
+    // rate.
     limited_by_path |= rates_.back().limited_by_path && rate < kSame * rates_.back().bytes_per_second;
     rates_.pop_back();
   }
@@ -98,7 +98,7 @@ void PathEstimate::measure_delay(const Sent& frame, Instant now) {
     take();
   } else if (frame.alone && excess > tolerance_) {
     take();
-    rates_.clear();  // the path has changed
+    rates_.clear();  // The path has changed.
   } else if (!is_large && excess <= tolerance_ / 2) {
     base_seen_at_ = now;
   }

@@ -45,8 +45,7 @@ void Acceptor::accept() {
   acceptor_.async_accept([this](const asio::error_code& error, tcp::socket socket) {
     if (!acceptor_.is_open()) return;
     if (error) {
-      // Most likely the file descriptors are used up. Some are free again once other connections
-      // end.
+      // Most likely no file descriptors are free. Some become free once other connections end.
       again_.expires_after(kAcceptAgain);
       return again_.async_wait([this](const asio::error_code& cancelled) {
         if (!cancelled) accept();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Accepts the connections that clients open to a listening socket. Thread: the one that runs the
+// Accepts the connections that clients open to a listening socket. Thread: the thread that runs the
 // io_context.
 
 #include <asio.hpp>
@@ -17,14 +17,14 @@ class Acceptor {
  public:
   using Accepted = std::function<void(std::unique_ptr<Connection>)>;
 
-  /// `io` must outlive this.
+  /// `io` must outlive this object.
   explicit Acceptor(asio::io_context& io) : acceptor_(io), again_(io) {}
 
-  /// Takes a descriptor of its own for the port: the caller may keep the socket, or close it.
-  /// Fails with kUnavailable without file descriptors.
+  /// Duplicates the socket's descriptor, so the caller may keep or close the socket. Fails with
+  /// kUnavailable without free file descriptors.
   Result<void> open(const ListeningSocket& socket);
 
-  /// Calls `accepted` with every connection from now on, until close(). Requires open() before.
+  /// Calls `accepted` with every connection from now on, until close(). Requires an earlier open().
   void run(Accepted accepted);
   void close();
 

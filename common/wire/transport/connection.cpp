@@ -20,7 +20,7 @@ namespace {
 using asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
-// Bytes. A keyframe of one camera fits and can be written in one call.
+// In bytes. A keyframe of one camera fits and can be written in one call.
 constexpr int kSendBuffer = 256 * 1024;
 
 // Makes Asio write everything in one call. Its default is 64 KiB at a time.
@@ -61,8 +61,8 @@ void Connection::connect(const std::vector<tcp::endpoint>& addresses, Done done)
                       });
 }
 
-/// Sets options: small messages are sent at once, and a peer that has vanished is detected within
-/// about 10 s. A socket works without these options, so failures are ignored.
+/// Sets options that send small messages at once and detect a vanished peer within about 10 s. A
+/// socket works without these options, so failures are ignored.
 void Connection::begin() {
   const auto set = [this](int level, int name, int value) {
     ::setsockopt(socket_.native_handle(), level, name, &value, sizeof value);
@@ -76,7 +76,7 @@ void Connection::begin() {
   set(SOL_SOCKET, SO_TIMESTAMPNS, 1);
   asio::error_code ignored;
   socket_.non_blocking(true, ignored);
-  last_arrival_ = Clock::now();  // no byte can have arrived before now
+  last_arrival_ = Clock::now();  // No byte can have arrived before now.
 }
 
 void Connection::read(std::initializer_list<asio::mutable_buffer> buffers, Done done) {
@@ -87,7 +87,7 @@ void Connection::read(std::initializer_list<asio::mutable_buffer> buffers, Done 
 }
 
 void Connection::read_on(Buffers buffers, Done done) {
-  // Posted, since `done` starts the next read: without it, a peer that sends fast would make the
+  // Post `done`, since it starts the next read. Otherwise a peer that sends fast would make the
   // stack grow.
   const auto finish = [this](Done what, const asio::error_code& error) {
     asio::post(socket_.get_executor(), [what = std::move(what), error] { what(error); });

@@ -1,20 +1,17 @@
 #pragma once
 
-// One connection between a client and a server, as the protocol sees it: bytes in, bytes out, in
-// order.
+// One connection between a client and a server: bytes in and out, in order. The bytes travel over
+// TCP, unencrypted. Sessions and clients read and write only through this class, so encryption
+// could be added here without changes to them.
 //
-// The bytes travel over TCP, unencrypted. Encryption has its place here: sessions and clients read
-// and write through this class only, so they need no change for it.
+// The connection knows when bytes arrived, however late they are read, since the kernel notes when
+// it queued each segment (SO_TIMESTAMPNS). So a client that decodes between two reads measures the
+// network and not its own decoder. The kernel may merge neighbouring unread segments; their time is
+// then that of the last segment. If the kernel gives no time, the time of reading is used.
 //
-// The connection knows when bytes arrived, however late they are read. The kernel notes when it
-// queued each segment (SO_TIMESTAMPNS). A client that decodes between two reads therefore measures
-// the network and not its own decoder. The kernel may merge neighbouring segments that nobody has
-// read yet; their time is then that of the last one. Where the kernel gives no time, bytes count as
-// arrived when they are read.
-//
-// Callbacks run on the io_context's thread, never from within the call that takes them. After an
-// error nothing more can be read or written. close() ends reads and writes that are under way with
-// an error. Thread: the one that runs the io_context.
+// Callbacks run on the io_context's thread, never inside the call that takes them. After an error
+// nothing more can be read or written. close() ends pending reads and writes with an error. Thread:
+// the thread that runs the io_context.
 
 #include <array>
 #include <asio.hpp>
@@ -35,20 +32,20 @@ class Connection {
   using Done = std::function<void(const asio::error_code&)>;
   static constexpr std::size_t kMostBuffers = 2;
 
-  /// A client's end, not connected yet. `io` must outlive this.
+  /// A client's end, not connected yet. `io` must outlive this object.
   explicit Connection(asio::io_context& io) : socket_(io) {}
-  /// A server's end of a connection that was accepted.
+  /// A server's end of an accepted connection.
   explicit Connection(asio::ip::tcp::socket accepted);
 
   /// Tries the addresses one after the other.
   void connect(const std::vector<asio::ip::tcp::endpoint>& addresses, Done done);
 
   /// Fills all `buffers`. The memory must live until `done`. Requires at most kMostBuffers buffers
-  /// and no other read under way.
+  /// and no other pending read.
   void read(std::initializer_list<asio::mutable_buffer> buffers, Done done);
-  /// Writes all `buffers`. The memory must live until `done`. Requires no other write under way.
+  /// Writes all `buffers`. The memory must live until `done`. Requires no other pending write.
   void write(const std::vector<asio::const_buffer>& buffers, Done done);
-  /// The other end reads an end of the stream after what was written. Reading goes on.
+  /// Sends an end of the stream after the bytes written so far. Reading continues.
   void end_writing();
   void close();
   bool is_open() const { return socket_.is_open(); }
@@ -59,11 +56,11 @@ class Connection {
   /// Bytes that were written here and that the other end's kernel has not acknowledged.
   int unacknowledged_bytes();
 
-  /// The other end: "192.0.2.1:7001", "[2001:db8::1]:7001". An IPv4 address that was mapped into
-  /// IPv6 is given as IPv4.
+  /// Address of the other end, for example "192.0.2.1:7001" or "[2001:db8::1]:7001". An IPv4
+  /// address that was mapped into IPv6 is returned as IPv4.
   std::string peer() const;
-  /// What one party usually has for itself: an IPv4 address, or the first 64 bits of an IPv6
-  /// address.
+  /// Address block that one party usually controls: an IPv4 address, or the first 64 bits of an
+  /// IPv6 address.
   std::string peer_network() const;
 
  private:
@@ -78,7 +75,7 @@ class Connection {
   std::uint64_t bytes_read_ = 0;
 };
 
-/// The network of an address: see Connection::peer_network().
+/// Returns the network of an address as Connection::peer_network() does.
 std::string network_of(const asio::ip::address& address);
 
 }  // namespace copresence::wire

@@ -13,7 +13,6 @@ using Work = asio::executor_work_guard<asio::io_context::executor_type>;
 
 }  // namespace
 
-/// The state that the lookup's thread and the NameLookup share.
 struct NameLookup::Shared {
   std::mutex mutex;
   /// Keeps the io_context running. Empty after a cancellation.

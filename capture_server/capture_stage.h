@@ -2,7 +2,6 @@
 
 // The first stage of the pipeline. It opens the source, reads its frames, records them and passes
 // them to the encode stage.
-//
 // Thread: all work runs on the capture thread. Any other thread may call the functions.
 
 #include <memory>

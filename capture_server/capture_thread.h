@@ -4,7 +4,6 @@
 // that calls OpenNI2. OpenNI2 (2.2.0.33) stores the ids of the threads that have called it and
 // later probes them with pthread_kill(). That crashes if such a thread has ended. So this thread is
 // created once and lives until the process ends.
-//
 // Thread: any other thread may call begin() and run().
 
 #include <pthread.h>

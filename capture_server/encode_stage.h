@@ -1,7 +1,6 @@
 #pragma once
 
 // The second stage of the pipeline. It encodes captured frames and passes them to the frame server.
-//
 // Thread: call run() on the thread that opened the encoding, since a graphics context may belong to
 // it.
 

@@ -2,7 +2,6 @@
 
 // The settings of a running server. It can read its settings file again. Settings that need no
 // restart then take effect.
-//
 // Thread: call read_again() on the thread that handles signals, and everything else on any thread.
 
 #include <mutex>

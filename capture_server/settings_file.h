@@ -3,7 +3,6 @@
 // Reads a file with settings of the server. The file is one TOML table of keys with plain values,
 // such as `depth-kbps = 1500`. This file reads keys and values with their lines; settings.h checks
 // the keys.
-//
 // Thread: pure functions, safe anywhere.
 
 #include <filesystem>

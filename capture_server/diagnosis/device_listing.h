@@ -2,7 +2,6 @@
 
 // Lists the cameras of this machine for capture_server --list: what OpenNI2 finds, and what the USB
 // bus shows about why a camera does not work.
-//
 // Thread: list_devices() uses OpenNI2, see sensor/frame_source.h. add_bus_facts() is safe anywhere.
 
 #include <string>

@@ -2,7 +2,6 @@
 
 // Finds depth cameras on the USB bus, even if this user may not open them, and the reasons why they
 // do not work. It reads /sys, /dev and /proc and opens no camera.
-//
 // Thread: free functions, safe anywhere.
 
 #include <string>

@@ -2,7 +2,6 @@
 
 // Encodes a frame on the server: registration, hole filling, depth encoding, colour conversion,
 // video encoding. The client's counterpart is render_client/decoding/frame_decoding.h.
-//
 // Thread: one thread at a time.
 
 #include <memory>

@@ -2,7 +2,6 @@
 
 // Depth in cells of 4x4 pixels: the surfaces in each cell, and their slopes. Wide holes are filled
 // from cells, because cells are sixteen times fewer than pixels and four times less noisy.
-//
 // Thread: one thread at a time per object.
 
 #include <array>

@@ -1,7 +1,6 @@
 #pragma once
 
 // Finds the holes that are narrow enough to be filled.
-//
 // Thread: a pure function, safe anywhere.
 
 #include "common/frame/image.h"

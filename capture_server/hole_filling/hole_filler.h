@@ -3,7 +3,6 @@
 // Fills the narrow holes of a sensor's depth images (filling_rules.h) and sets their state to
 // kFilled. Holes would tear gaps into meshes and cost bits in codecs. Measured depth is never
 // changed. All methods have the interface HoleFiller, with implementations for CPU and GL.
-//
 // Thread: one thread at a time per object. A GL filler is created, used and destroyed by one
 // thread, to which its context belongs.
 

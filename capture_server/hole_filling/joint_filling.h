@@ -2,7 +2,6 @@
 
 // The default filler, on the CPU: joint bilateral filling by pixel, depth and colour distance,
 // which does not bridge surfaces. See docs/internals/hole_filling.md.
-//
 // Thread: one thread at a time per object.
 
 #include "capture_server/hole_filling/cells.h"

@@ -3,7 +3,6 @@
 // Two median passes over the measured depth. The first pass, with a large window, fills holes that
 // are enclosed by one surface. The second pass, with a small window, fills the other holes and
 // smooths what the first pass filled.
-//
 // Thread: one thread at a time per object.
 
 #include <vector>

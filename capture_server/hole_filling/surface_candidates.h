@@ -2,7 +2,6 @@
 
 // Finds the surfaces that may continue into a hole, from the measured cells around it in eight
 // directions.
-//
 // Thread: pure functions, safe anywhere.
 
 #include "capture_server/hole_filling/cells.h"

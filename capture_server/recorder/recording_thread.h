@@ -2,7 +2,6 @@
 
 // Records in parallel to the stream, on its own thread with a bounded queue. If the disk is slow or
 // full, the recording loses frames, which are counted and logged, but the stream loses none.
-//
 // Thread: the pipeline creates, uses and destroys it. Only the capture thread calls offer().
 
 #include <atomic>

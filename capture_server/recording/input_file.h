@@ -1,7 +1,6 @@
 #pragma once
 
 // Reads a file of any size at any offset.
-//
 // Thread: concurrent reads are safe.
 
 #include <cstdint>

@@ -2,7 +2,6 @@
 
 // JPEG pictures of recordings, by libjpeg-turbo with its exact transform. Programs that use this
 // library write the same bytes. Decoded pixels are those of OpenNI2's player.
-//
 // Thread: one thread at a time per object.
 
 #include <cstdint>

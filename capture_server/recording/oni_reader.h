@@ -1,7 +1,6 @@
 #pragma once
 
 // Reads the pictures of a recording by their index.
-//
 // Thread: one thread at a time.
 
 #include <cstdint>

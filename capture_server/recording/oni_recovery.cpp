@@ -161,7 +161,7 @@ class Search {
     FieldReader fields(bytes->subspan(record_bytes_));
     fields.text();
     const auto type = static_cast<NodeType>(fields.u32());
-    fields.u32();  // codec
+    fields.u32();  // The codec.
     if (!fields.ok() || (!found_.is_old && record.fields_bytes < kRecordBytes + kNodeCountsBytes))
       return false;
     const std::uint64_t counts_at = found_.is_old ? 0 : record.at + record.fields_bytes - kNodeCountsBytes;

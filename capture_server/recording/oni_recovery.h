@@ -2,7 +2,6 @@
 
 // The tolerant parser of a recording. It finds every whole frame, even if the file is cut off or
 // damaged. Repairing and cutting use it; the strict parser is in oni_parser.h.
-//
 // Thread: free functions; concurrent calls are safe.
 
 #include <cstdint>

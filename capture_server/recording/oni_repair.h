@@ -2,7 +2,6 @@
 
 // Completes recordings that were cut off, and cuts parts out of recordings. Frames are copied
 // without decoding, so no picture changes.
-//
 // Thread: free functions; one call per file at a time.
 
 #include <cstdint>

@@ -2,7 +2,6 @@
 
 // Writes the file of a recording. Bytes are appended or overwritten. Every failure has a sentence
 // for the user.
-//
 // Thread: one thread at a time.
 
 #include <cstdint>

@@ -1,7 +1,6 @@
 #pragma once
 
 // Serialises the records of oni_format.h.
-//
 // Thread: free functions on values, safe anywhere.
 
 #include <cstdint>

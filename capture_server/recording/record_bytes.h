@@ -2,7 +2,6 @@
 
 // Gives parsers access to the bytes of a recording in any order, with bounds checks and little
 // memory.
-//
 // Thread: one thread at a time.
 
 #include <cstdint>

@@ -2,7 +2,6 @@
 
 // The format of a stream's frames, from its properties. It also decides whether this project and
 // OpenNI2's player can use the stream. Part of the recording's check.
-//
 // Thread: one thread at a time per object.
 
 #include <cstdint>

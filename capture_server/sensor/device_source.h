@@ -1,7 +1,6 @@
 #pragma once
 
 // Cameras as frame sources, through OpenNI2.
-//
 // Thread: as FrameSource.
 
 #include <memory>

@@ -2,7 +2,6 @@
 
 // Switches the projector of an open camera by a schedule. PrimeSense's and Asus's cameras can
 // switch it; a Kinect v1 cannot.
-//
 // Thread: the thread that reads the camera.
 
 #include <OpenNI.h>

@@ -2,7 +2,6 @@
 
 // A camera that may disappear and return. If it was unplugged, fell silent or had failing
 // transfers, it is opened again and again until that succeeds. Sequence numbers continue.
-//
 // Thread: as FrameSource.
 
 #include <functional>

@@ -1,7 +1,6 @@
 #pragma once
 
 // Describes a recording as a frame source.
-//
 // Thread: pure functions, safe anywhere.
 
 #include <cstdint>

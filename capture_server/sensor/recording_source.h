@@ -2,7 +2,6 @@
 
 // An .oni recording as a frame source. Pictures are decoded one frame ahead, so that a frame is
 // ready when it is due. Damaged pictures are counted and skipped; all others are exact.
-//
 // Thread: as FrameSource.
 
 #include <memory>

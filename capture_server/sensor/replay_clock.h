@@ -3,7 +3,6 @@
 // Computes when the frames of a replay are due: by the recording's timestamps
 // (playback_schedule.h), or in sync with the other replays of its session on this machine
 // (session_clock.h).
-//
 // Thread: one thread at a time.
 
 #include <cstdint>

@@ -1,7 +1,6 @@
 #pragma once
 
 // A child process of the supervisor: its start, the monitoring of its threads, and its end.
-//
 // Thread: the supervisor's only thread.
 
 #include <sys/types.h>

@@ -2,7 +2,6 @@
 
 // Evaluates how child processes ended: it writes the messages and decides whether to start another
 // child.
-//
 // Thread: the supervisor's only thread.
 
 #include <chrono>

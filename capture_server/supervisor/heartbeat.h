@@ -3,7 +3,6 @@
 // Reports from a supervised child process to its parent, in shared memory: the progress of its
 // threads, its present activity and, after a crash, the crashed thread. The parent can read them at
 // any time, even after the child's death.
-//
 // Thread: any thread of the child may call all functions. A Pulse belongs to one thread at a time.
 
 #include <sys/types.h>

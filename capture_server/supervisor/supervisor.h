@@ -4,7 +4,6 @@
 // does all the work and reports its progress (heartbeat.h). If the child crashes, hangs or is
 // killed, the parent prints a message and starts another child. If the child is suspended, the
 // parent resumes it. Sockets that were opened before stay open, so clients find the same address.
-//
 // Thread: the only thread of the process calls supervise(), before any library creates threads.
 
 #include <sys/types.h>

@@ -10,13 +10,14 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kHalfRoom = 2.4f, kCeiling = 2.6f;  // Metres.
-constexpr int kCells = 6;              // Per side of a marker: four bits and a border of one cell.
-constexpr float kBorder = 1.3f;        // Side of the white board / side of the marker.
-constexpr float kThickness = 0.01f;    // Of a hanging board, metres.
-constexpr float kInkOffset = 0.0004f;  // Distance of the ink from the board, metres.
+constexpr float kHalfRoom = 2.4f, kCeiling = 2.6f;  // In metres.
+constexpr int kCells = 6;              // Cells per side of a marker: four bits and a border of one cell.
+constexpr float kBorder = 1.3f;        // Side of the white board, as a multiple of the marker's side.
+constexpr float kThickness = 0.01f;    // Thickness of a hanging board, in metres.
+constexpr float kInkOffset = 0.0004f;  // Distance of the ink from the board, in metres.
 
-// Ids 0 to 15 of DICT_4X4_50, row by row from the top left; 1 is white.
+// The markers with ids 0 to 15 of OpenCV's DICT_4X4_50, row by row from the top left. A bit of 1 is
+// a white cell.
 constexpr std::array<std::uint16_t, 16> kBits{0xB532, 0x0F9A, 0x332D, 0x9946, 0x549E, 0x79CD, 0x9E2E, 0xC4F2,
                                               0xFEDA, 0xCF56, 0xF991, 0x11A7, 0x0EB7, 0x2A0F, 0x24B1, 0x263E};
 
@@ -25,7 +26,7 @@ bool is_white(int id, int column, int row) {
   return (kBits[static_cast<std::size_t>(id)] >> (15 - (4 * (row - 1) + column - 1))) & 1;
 }
 
-// Adds one panel for each run of black cells in a row.
+// Adds the black cells of a marker: one panel for each run of black cells in a row.
 void print_marker(Scene& scene, const PlacedMarker& marker, int ink) {
   const Vector3f across = marker.half_u * (2.0f / kCells), down = marker.half_v * (2.0f / kCells);
   const Vector3f corner = marker.center - marker.half_u - marker.half_v;
@@ -50,7 +51,7 @@ void add_board(Scene& scene, const PlacedMarker& marker, int paper) {
                   paper, 0.1f));
 }
 
-// A pose of the moving board in the frame of camera 0: metres and radians.
+// A pose of the moving board in the frame of camera 0, in metres and radians.
 struct BoardPose {
   float x, y, z, pitch, yaw, roll;
 };
@@ -158,7 +159,8 @@ std::vector<PlacedMarker> placed_markers() {
                                       {0.02f, -0.30f, 0.17f},
                                       {0.40f, -0.34f, 0.00f},
                                       {-0.02f, -0.32f, -0.22f}};
-  constexpr float kHanging = 0.10f, kLying = 0.127f;  // half the black square's side
+  // Half the side of the black square, for hanging and for lying markers.
+  constexpr float kHanging = 0.10f, kLying = 0.127f;
   std::vector<PlacedMarker> markers;
   int id = 0;
   for (const Vector3f& center : hanging)

@@ -1,8 +1,7 @@
 #pragma once
 
-// Scenes for calibration: a bare room with ArUco markers or with a chessboard. Calibration can be
-// tested on them from pictures to poses, because the true poses are known.
-//
+// Scenes for tests of calibration: a bare room with ArUco markers or with a chessboard. The true
+// poses are known, so a test can go all the way from pictures to poses.
 // Thread: free functions, safe anywhere.
 
 #include <Eigen/Core>
@@ -12,18 +11,18 @@
 
 namespace copresence::simulation {
 
-/// The room of all these worlds, empty.
+/// The empty room of all these worlds.
 Scene make_bare_room();
 
-/// The black square of a marker: center +- half_u +- half_v, in metres, world frame. Seen from its
-/// front, u points right and v down.
+/// The black square of a marker: center +- half_u +- half_v, in metres, in the world frame. Seen
+/// from its front, u points right and v points down.
 struct PlacedMarker {
-  int id = 0;  ///< in OpenCV's dictionary DICT_4X4_50
+  int id = 0;  ///< Id in OpenCV's dictionary DICT_4X4_50.
   Eigen::Vector3f center, half_u, half_v;
 };
 
 /// The markers of the world "markers", in order of their ids. Six hang at different heights and
-/// distances and face cameras 0 and 1; six on their backs face cameras 2 and 3; four lie on boxes
+/// distances and face cameras 0 and 1. Six on their backs face cameras 2 and 3. Four lie on boxes
 /// where all cameras see them.
 std::vector<PlacedMarker> placed_markers();
 
@@ -31,10 +30,11 @@ Scene make_marker_room();
 
 /// Both chessboards have 9x6 inner corners.
 inline constexpr int kBoardColumns = 9, kBoardRows = 6;
-inline constexpr float kMovingSquare = 0.04f, kStillSquare = 0.09f;  // metres
+inline constexpr float kMovingSquare = 0.04f, kStillSquare = 0.09f;  // In metres.
 
 /// The chessboard of the world "board". In each period it takes 24 poses in front of camera 0: near
-/// and far, tilted in all directions, in the corners of the picture. Adds its materials to `scene`.
+/// and far, tilted in all directions, and in the corners of the picture. Adds its materials to
+/// `scene`.
 Figure make_moving_board(Scene& scene);
 
 /// The world "still-board": a larger chessboard in the middle of the room that faces cameras 0 and

@@ -33,11 +33,12 @@ enum Part {
   kParts
 };
 
-// Metres. Side A is the right side of the person: x < 0, on the left when seen from the front.
+// The sizes are in metres. Side A is the right side of the person: x < 0, on the left when seen
+// from the front.
 constexpr float kHipHeight = 0.93f, kHipSide = 0.095f, kThigh = 0.44f, kShank = 0.42f, kAnkle = 0.085f;
 constexpr float kShoulderRise = 0.375f, kShoulderSide = 0.178f, kUpperArm = 0.29f, kForearm = 0.25f;
 
-// A sine with a whole number of periods, so that the motion is periodic.
+// Returns a sine with a whole number of periods, so that the motion is periodic.
 float wave(double phase, int times, double shift = 0) {
   return static_cast<float>(std::sin(2 * std::numbers::pi * (times * phase + shift)));
 }
@@ -59,8 +60,8 @@ Isometry3f joint(const Vector3f& position, const Eigen::Quaternionf& rotation) {
   return pose;
 }
 
-// Inverse kinematics: hip, knee and ankle lie in one plane through the forward direction of the
-// figure. The lengths of thigh and shank then determine the position of the knee.
+// Inverse kinematics: hip, knee and ankle lie in one plane with the forward direction of the
+// figure. So the lengths of thigh and shank determine the position of the knee.
 void pose_leg(const Vector3f& hip, const Vector3f& ankle, Isometry3f& thigh, Isometry3f& shank) {
   const Vector3f reach = ankle - hip;
   const float length = std::min(reach.norm(), 0.999f * (kThigh + kShank));
@@ -140,8 +141,8 @@ Figure make_person(Scene& scene) {
                          float infrared) {
     return scene.add(Material{pattern, srgb(color), srgb(accent), scale, 0, 0, infrared});
   };
-  constexpr float kHeadGirth =
-      0.5156f;  // metres around the middle ring, from which loft() derives texture coordinates
+  // Girth of the middle ring in metres, from which loft() derives texture coordinates.
+  constexpr float kHeadGirth = 0.5156f;
   const int face =
       scene.add(Material{Pattern::kFace, srgb(0xD9A27E), srgb(0x3A2417), kHeadGirth, 0, 0, 0.65f});
   const int skin = paint(Pattern::kPlain, 0xD9A27E, 0xC98F6B, 0.03f, 0.65f);
@@ -197,7 +198,7 @@ Figure make_person(Scene& scene) {
         {0.03f, 0.060f, 0.060f, 0, 0.006f}},
        0.1f, 32);
   const auto add_to = [&](Part part, Mesh more) {
-    for (Vertex& vertex : more.vertices) vertex.uv = {0, -0.2f};  // where the face pattern is plain skin
+    for (Vertex& vertex : more.vertices) vertex.uv = {0, -0.2f};  // The face pattern is plain skin there.
     Mesh& mesh = figure.parts[part];
     const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());

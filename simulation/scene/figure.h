@@ -1,10 +1,9 @@
 #pragma once
 
-// What moves in a scene: rigid parts on joints. In the world "room" they form a person who shifts
-// weight, waves and talks with the hands.
-//
-// Motion has the period 1 in `phase`: pose and velocity at phase 1 are those at phase 0.
-// Thread: a value; pose() is pure.
+// The moving part of a scene: rigid parts on joints. In the world "room" they form a person who
+// shifts weight, waves and gestures.
+// The motion has the period 1 in `phase`: pose and velocity at phase 1 are those at phase 0.
+// Thread: values; pose() is pure.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -21,19 +20,20 @@ struct Capsule {
 };
 
 struct Figure {
-  /// Each part in its own frame. The joint of a limb is at the origin, the limb extends along +y.
+  /// Each part has its own frame. The joint of a limb is at the origin, and the limb extends along
+  /// +y.
   std::vector<Mesh> parts;
-  std::vector<Capsule> capsules;  ///< one per part, in the frame of the part
+  std::vector<Capsule> capsules;  ///< One capsule per part, in the frame of the part.
 
-  /// The origin of the figure is between its feet; it faces -z.
+  /// Pose of the figure. Its origin is between its feet, and it faces -z.
   Eigen::Isometry3f world_from_figure = Eigen::Isometry3f::Identity();
 
-  /// Returns figure_from_part for every part. Not null if there are parts.
+  /// Returns figure_from_part for every part. Null only if the figure has no parts.
   std::vector<Eigen::Isometry3f> (*motion)(double phase) = nullptr;
 
   bool empty() const { return parts.empty(); }
 
-  /// world_from_part for every part.
+  /// Returns world_from_part for every part.
   std::vector<Eigen::Isometry3f> pose(double phase) const;
 };
 

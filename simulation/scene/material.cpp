@@ -16,9 +16,9 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-// The table is indexed by the square root of light, 2048 entries per unit, which keeps precision in
-// dark colours.
-constexpr float kSteps = 2048, kLastStep = 4096;  // Light from 0 to 4.
+// The table is indexed by the square root of light, which keeps precision in dark colours. It has
+// 2048 entries per unit.
+constexpr float kSteps = 2048, kLastStep = 4096;  // The table covers light from 0 to 4.
 
 const std::uint8_t* screen_curve() {
   static const auto kCurve = [] {
@@ -38,19 +38,21 @@ std::int32_t step_of(float light) {
   return static_cast<std::int32_t>(std::min(std::sqrt(std::max(light, 0.0f)) * kSteps, kLastStep));
 }
 
-// Calls paint(i, x, y) for every point i; x and y are its coordinates in cells of the pattern.
+// Calls paint(i, x, y) for every point i. x and y are the point's coordinates in cells of the
+// pattern.
 template <class Paint>
 void for_each_point(const Material& m, const SurfacePoints& points, Paint&& paint) {
   const float* __restrict u = points.u.data();
   const float* __restrict v = points.v.data();
   const std::size_t n = points.u.size();
   const float scale = m.scale;
-  // GCC ignores __restrict on local pointers here, so the loop needs ivdep to become vector code.
+  // GCC ignores __restrict on local pointers here. Without ivdep the loop does not become vector
+  // code.
 #pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) paint(i, u[i] / scale, v[i] / scale);
 }
 
-// The base colour times shade(x, y).
+// Multiplies the base colour by shade(x, y).
 template <class Shade>
 void tint(const Material& m, const SurfacePoints& points, const Colors& out, Shade&& shade) {
   float* __restrict r = out.r.data();
@@ -65,8 +67,8 @@ void tint(const Material& m, const SurfacePoints& points, const Colors& out, Sha
   });
 }
 
-// Mixes both colours, then scales: shade(i, x, y) returns the share of the accent colour and the
-// factor.
+// Mixes base and accent colour and scales the result. shade(i, x, y) returns the share of the
+// accent colour and the factor.
 template <class Shade>
 void blend(const Material& m, const SurfacePoints& points, const Colors& out, Shade&& shade) {
   float* __restrict r = out.r.data();
@@ -101,14 +103,14 @@ void plaid(const Material& m, const SurfacePoints& points, const Colors& out) {
   });
 }
 
-// The sine of |x| < 1e6 with an error below 1e-12, so the float is correctly rounded in all but one
-// of 100,000 cases. std::sin() would keep the loop from becoming vector code.
+// The sine of x for |x| < 1e6, with an error below 1e-12. The float is correctly rounded in all but
+// one of 100,000 cases. std::sin() would keep the loop from becoming vector code.
 [[gnu::always_inline]] inline float sine(float x) {
   constexpr double kInversePi = 0.31830988618379067, kPi = 3.1415926535897931,
                    kPiRest = 1.2246467991473532e-16;
   const double turns = std::floor(x * kInversePi + 0.5);
   const double r = (x - turns * kPi) - turns * kPiRest, s = r * r;
-  double sum = 1.0 / 355687428096000;  // Taylor series up to r^17
+  double sum = 1.0 / 355687428096000;  // The Taylor series up to r^17.
   sum = sum * s - 1.0 / 1307674368000;
   sum = sum * s + 1.0 / 6227020800;
   sum = sum * s - 1.0 / 39916800;
@@ -116,11 +118,11 @@ void plaid(const Material& m, const SurfacePoints& points, const Colors& out) {
   sum = sum * s - 1.0 / 5040;
   sum = sum * s + 1.0 / 120;
   sum = sum * s - 1.0 / 6;
-  const double half = 0.5 * turns, odd = 4 * (half - std::floor(half));  // 0 or 2
+  const double half = 0.5 * turns,
+               odd = 4 * (half - std::floor(half));  // 0 if `turns` is even, 2 if it is odd.
   return static_cast<float>((r + r * s * sum) * (1 - odd));
 }
 
-// A coarse weave.
 void fabric(const Material& m, const SurfacePoints& points, const Colors& out) {
   std::vector<float> threads(points.u.size());
   float* __restrict thread = threads.data();
@@ -137,14 +139,14 @@ void fabric(const Material& m, const SurfacePoints& points, const Colors& out) {
   return static_cast<float>(std::sqrt(static_cast<double>(x) * x + static_cast<double>(y) * y));
 }
 
-// Coordinates are metres from the middle of the face.
+// Draws a face. Coordinates are metres from the middle of the face.
 void face(const Material& m, const SurfacePoints& points, const Colors& out) {
   const std::size_t n = points.u.size();
   std::vector<float> blush(n);
   for (std::size_t i = 0; i < n; ++i) {
     const float x = std::abs(points.u[i] - 0.75f * m.scale), y = points.v[i];
     const float power = -((x - 0.04f) * (x - 0.04f) + (y + 0.145f) * (y + 0.145f)) / 0.0006f;
-    blush[i] = power > -30 ? 0.5f * std::exp(power) : 0.0f;  // smaller values vanish in a float
+    blush[i] = power > -30 ? 0.5f * std::exp(power) : 0.0f;  // Smaller values vanish in a float.
   }
   const Vector3f skin = m.color, brows = m.accent, red = srgb(0xD98A70), white = srgb(0xF4F0EA),
                  iris_color = srgb(0x2A1B12), lips = srgb(0xA8504A);
@@ -176,15 +178,15 @@ void face(const Material& m, const SurfacePoints& points, const Colors& out) {
   }
 }
 
-// The share of the accent colour in wood whose grain runs along u. Coordinates are cells of the
-// pattern.
+// Returns the share of the accent colour in wood whose grain runs along u. Coordinates are cells of
+// the pattern.
 inline float grain(float along, float across) {
   const float rings =
       value_noise(0.35f * along, 4 * across, 11) + 0.5f * value_noise(1.2f * along, 14 * across, 12);
   return clamp_to_unit(rings - 0.35f);
 }
 
-// Each plank has its own tint and its own part of the grain.
+// Draws planks. Each plank has its own tint and its own part of the grain.
 void parquet(const Material& m, const SurfacePoints& points, const Colors& out) {
   float* __restrict r = out.r.data();
   float* __restrict g = out.g.data();

@@ -1,9 +1,7 @@
 #pragma once
 
 // The appearance of surfaces, in colour and in the infrared light of a Kinect's projector. Patterns
-// are procedural functions of the texture coordinates, so every camera sees the same pattern on a
-// surface.
-//
+// are functions of the texture coordinates, so every camera sees the same pattern on a surface.
 // Thread: free functions on values, safe anywhere.
 
 #include <Eigen/Core>
@@ -47,26 +45,26 @@ struct Material {
 /// Converts an sRGB colour 0xRRGGBB to linear light.
 Eigen::Vector3f srgb(std::uint32_t hex);
 
-/// Texture coordinates of many points, one array per coordinate so that loops become vector code.
+/// Texture coordinates of many points. Separate arrays per coordinate let loops become vector code.
 struct SurfacePoints {
   std::span<const float> u, v;
 };
-/// Colours or light of many points, one array per channel.
+/// Colours or light of many points, in one array per channel.
 struct Colors {
   std::span<float> r, g, b;
 };
 
-/// Tone mapping from linear light to an sRGB pixel, with a soft shoulder above 0.8.
+/// Maps linear light to an sRGB pixel. Light above 0.8 is compressed smoothly.
 Rgb8 to_screen(const Eigen::Vector3f& light);
 
-/// The same for many points. `screen` sets their number; requires at least as many lights.
+/// Maps many points. `screen` sets their number. Requires at least as many lights.
 void to_screen(const Colors& light, std::span<Rgb8> screen);
 
-/// The colour of the pattern at texture coordinates `uv`.
+/// Returns the colour of the pattern at texture coordinates `uv`.
 Eigen::Vector3f albedo(const Material& material, const Eigen::Vector2f& uv);
 
-/// The same for many points. Each point gets the same colour as alone, to the last bit. Requires
-/// spans of equal length that do not overlap.
+/// Computes the colours of many points. Each point gets exactly the colour that the other albedo()
+/// returns. Requires spans of equal length that do not overlap.
 void albedo(const Material& material, const SurfacePoints& points, const Colors& colors);
 
 }  // namespace copresence::simulation

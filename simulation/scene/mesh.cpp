@@ -107,7 +107,7 @@ Mesh loft(const Eigen::Isometry3f& pose, std::span<const Ring> rings, int materi
     }
   }
   smooth_normals(mesh);
-  // The first and last column of vertices are the same line on the surface.
+  // On a closed surface, the first and the last column of vertices are the same line.
   for (std::uint32_t j = 0; j <= static_cast<std::uint32_t>(steps); ++j) {
     Vertex& left = mesh.vertices[j * columns];
     Vertex& right = mesh.vertices[j * columns + columns - 1];

@@ -1,12 +1,12 @@
 #pragma once
 
-// Triangle meshes and the simple solids that furniture and people are built from.
+// Triangle meshes, and the simple solids that form furniture and people.
 //
-// Units are metres. The world frame is x right, y down, z forward, with the floor at y = 0: objects
-// on the floor have negative y. Light is stored per vertex, so faces are divided into cells of at
-// most `cell` metres.
+// Units are metres. The world frame is x right, y down, z forward, with the floor at y = 0. So
+// objects on the floor have negative y. Light is stored per vertex, so faces are divided into cells
+// of at most `cell` metres.
 //
-// Thread: values.
+// Thread: one thread at a time per object.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -25,12 +25,12 @@ struct Vertex {
 struct Mesh {
   std::vector<Vertex> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  int material = 0;  ///< index into Scene::materials
+  int material = 0;  ///< Index into Scene::materials.
 };
 
 /// A flat rectangle: `center` +- `half_u` +- `half_v`. Seen from its front, u points right and v
-/// down. Texture coordinates are metres from the corner (-half_u, -half_v), or run from 0 to 1 if
-/// `whole`.
+/// points down. Texture coordinates are metres from the corner (-half_u, -half_v). If `whole`, they
+/// run from 0 to 1.
 Mesh panel(const Eigen::Vector3f& center, const Eigen::Vector3f& half_u, const Eigen::Vector3f& half_v,
            int material, float cell, bool whole = false);
 
@@ -38,15 +38,14 @@ Mesh panel(const Eigen::Vector3f& center, const Eigen::Vector3f& half_u, const E
 Mesh box(const Eigen::Vector3f& center, const Eigen::Vector3f& size, int material, float yaw = 0,
          float cell = 0.08f);
 
-/// One cross-section of a loft: an ellipse around (x, z) at height y, in the frame of the loft.
+/// A cross-section of a loft: an ellipse around (x, z) at height y, in the frame of the loft.
 struct Ring {
   float y = 0, half_x = 0, half_z = 0, x = 0, z = 0;
 };
 
-/// A closed body interpolated through cross-sections. Requires two or more rings in ascending order
-/// of y. Texture coordinates are metres around and metres along the body. `square` shapes the
-/// cross-section: 0 is an ellipse, 1 nearly a rectangle. `pose` is the transform from the frame of
-/// the loft to that of the mesh.
+/// A closed body, interpolated through cross-sections. Requires two or more rings in ascending
+/// order of y. Texture coordinates are metres around and along the body. `square` shapes the
+/// cross-section: 0 gives an ellipse, 1 nearly a rectangle. `pose` is mesh_from_loft.
 Mesh loft(const Eigen::Isometry3f& pose, std::span<const Ring> rings, int material, float square = 0,
           int around = 24, int steps_per_ring = 4);
 
@@ -56,10 +55,8 @@ template <class Surface>
 Mesh sheet(int cells_u, int cells_v, float metres_u, float metres_v, int material, Surface&& surface);
 
 /// Sets each vertex normal to the area-weighted mean of its triangles' normals. Vertices without a
-/// triangle keep theirs.
+/// triangle keep their normals.
 void smooth_normals(Mesh& mesh);
-
-// implementation
 
 template <class Surface>
 Mesh sheet(int cells_u, int cells_v, float metres_u, float metres_v, int material, Surface&& surface) {

@@ -7,7 +7,7 @@ namespace copresence::simulation {
 
 namespace {
 
-// Pixels interpolated at once. Pixels beyond the end of a cell are overwritten by the next cell.
+// Number of pixels interpolated at once. The next cell overwrites pixels beyond the end of a cell.
 constexpr std::size_t kCellBatch = 8;
 
 }  // namespace
@@ -21,14 +21,14 @@ BlobRows::BlobRows(int cell, std::uint32_t seed, int width)
       above_(width_ + weight_.size()),
       below_(above_.size()) {
   assert(cell >= 2);
-  // Interpolating four independent values reduces their variance; the gain restores it.
+  // Interpolation between four independent values reduces their variance. The gain restores it.
   float mean_square = 0;
   for (int i = 0; i < cell; ++i) {
     const float t = static_cast<float>(i) / static_cast<float>(cell), w = 1 - t * t * (3 - 2 * t);
     weight_[static_cast<std::size_t>(i)] = w;
     mean_square += (w * w + (1 - w) * (1 - w)) / static_cast<float>(cell);
   }
-  gain_ = 1 / mean_square;  // 1 / sqrt(mean square along x times mean square along y)
+  gain_ = 1 / mean_square;  // 1 / sqrt(mean square along x times mean square along y).
   for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i] = hash(seed, static_cast<std::uint32_t>(i));
   fill_lattice_row(0, below_);
 }

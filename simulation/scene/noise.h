@@ -30,20 +30,21 @@ constexpr std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) 
   return hash(hash(a, b), c);
 }
 
-/// Maps a hash to 0 <= result < 1. The conversion is signed because AVX2 has no unsigned one.
+/// Maps a hash to a number from 0 to below 1. The conversion is signed because AVX2 has no unsigned
+/// one.
 constexpr float unit(std::uint32_t hashed) {
   return static_cast<float>(static_cast<std::int32_t>(hashed >> 8)) * 0x1p-24f;
 }
 
-/// Maps a hash to an approximately normal value: mean 0, standard deviation 1, within +-3.5. It is
-/// the sum of the four bytes, scaled.
+/// Maps a hash to an approximately normal value with mean 0 and standard deviation 1, within +-3.5.
+/// It is the scaled sum of the four bytes.
 constexpr float normal(std::uint32_t hashed) {
   const std::uint32_t sum = (hashed & 0xFF) + (hashed >> 8 & 0xFF) + (hashed >> 16 & 0xFF) + (hashed >> 24);
   return (static_cast<float>(static_cast<std::int32_t>(sum)) - 510.0f) * (1.0f / 147.8f);
 }
 
-/// Smooth noise in the plane: random values at whole coordinates, cubic interpolation between them.
-/// 0 <= result < 1.
+/// Smooth noise in the plane, from 0 to below 1: random values at whole coordinates with cubic
+/// interpolation between them.
 inline float value_noise(float x, float y, std::uint32_t seed) {
   const float fx = std::floor(x), fy = std::floor(y);
   const auto ix = static_cast<std::uint32_t>(static_cast<std::int32_t>(fx));
@@ -55,25 +56,25 @@ inline float value_noise(float x, float y, std::uint32_t seed) {
   return (a + (b - a) * u) * (1 - v) + (c + (d - c) * u) * v;
 }
 
-/// Fills `noise` with normal values that are correlated over about `cell` pixels. Their mean is 0
-/// and their standard deviation 1, on average over the image. Requires cell >= 2.
+/// Fills `noise` with normal values that are correlated over about `cell` pixels. Over the image,
+/// their mean is about 0 and their standard deviation about 1. Requires cell >= 2.
 void fill_blob_noise(int cell, std::uint32_t seed, Image<float>& noise);
 
 /// One row of blob noise, interpolated on access between the lattice rows above and below.
 struct BlobRow {
   const float* above;
   const float* below;
-  float weight;  ///< weight of `above`, 0 to 1
+  float weight;  ///< Weight of `above`, 0 to 1.
   float operator[](std::size_t x) const { return below[x] + (above[x] - below[x]) * weight; }
 };
 
-/// Generates the image of fill_blob_noise() row by row, so that no image has to be kept.
+/// Generates the image of fill_blob_noise() row by row, so that it need not be stored.
 class BlobRows {
  public:
   /// Requires cell >= 2 and width > 0, both in pixels.
   BlobRows(int cell, std::uint32_t seed, int width);
 
-  /// The next row from the top. It is valid until the next call.
+  /// Returns the next row from the top. The row is valid until the next call.
   BlobRow next();
 
  private:
@@ -82,10 +83,10 @@ class BlobRows {
   std::size_t cell_, width_;
   float gain_ = 0;
   std::size_t y_ = 0;
-  std::vector<float> weight_;  // Of the left lattice point, per pixel of a cell; rows use the same weights.
+  std::vector<float> weight_;           // Weight of the left lattice point, per pixel of a cell.
   std::vector<std::uint32_t> columns_;  // Hashed column numbers of the lattice.
-  std::vector<float> values_;           // One lattice row.
-  std::vector<float> above_, below_;    // The lattice rows around y_, interpolated along the row.
+  std::vector<float> values_;           // Values of one lattice row.
+  std::vector<float> above_, below_;    // The lattice rows above and below y_, interpolated along the row.
 };
 
 }  // namespace copresence::simulation

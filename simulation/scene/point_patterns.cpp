@@ -29,7 +29,7 @@ Vector3f rug(const Material& m, const Vector2f& uv) {
 
 Vector3f picture(const Vector2f& uv) {
   const float x = uv.x(), y = uv.y();
-  if (x < 0.06f || x > 0.94f || y < 0.08f || y > 0.92f) return srgb(0xEFE9DC);  // passe-partout
+  if (x < 0.06f || x > 0.94f || y < 0.08f || y > 0.92f) return srgb(0xEFE9DC);  // The mount.
   const float sun = std::hypot(x - 0.68f, (y - 0.30f) * 0.75f);
   Vector3f color = mix_colors(srgb(0x3F6FA8), srgb(0xF4B36A), std::clamp((y - 0.05f) / 0.5f, 0.0f, 1.0f));
   color = mix_colors(color, srgb(0xFFF0C0), 1 - step(0.07f, sun, 0.01f));
@@ -108,7 +108,7 @@ Vector3f color_at_point(const Material& m, const Vector2f& uv) {
     case Pattern::kFace:
     case Pattern::kWood:
     case Pattern::kParquet:
-      break;  // evaluated in batches, see albedo()
+      break;  // albedo() evaluates these in batches.
   }
   return m.color;
 }

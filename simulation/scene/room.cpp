@@ -12,12 +12,11 @@ using Eigen::Vector3f;
 
 constexpr float kHalfX = 2.4f, kHalfZ = 2.25f, kHeight = 2.6f;
 
-// The point at `height` above the floor.
 Vector3f at(float x, float height, float z) {
   return {x, -height, z};
 }
 
-// The pose of an upright object at that point.
+// The pose of an upright object at this point.
 Eigen::Isometry3f upright(float x, float height, float z) {
   Eigen::Isometry3f pose = Eigen::Isometry3f::Identity();
   pose.translate(at(x, height, z));
@@ -74,7 +73,7 @@ class Room {
     room_.add(panel(at(0.05f, 0.008f, 0.1f), {1.25f, 0, 0}, {0, 0, -0.9f}, rug, 0.08f, true));
   }
 
-  // In the wall to the right. The pane reflects almost no infrared light.
+  // The window is in the wall to the right. Its pane reflects almost no infrared light.
   void window_and_curtains() {
     Material outdoors{Pattern::kOutdoors, srgb(0xFFFFFF), srgb(0xFFFFFF), 1.0f, 1.1f, 0.0f, 0.01f};
     const int pane = room_.add(outdoors);
@@ -109,7 +108,7 @@ class Room {
     solid(at(1.02f, 1.02f, z + 0.08f), {0.12f, 0.03f, 0.06f}, brass);
   }
 
-  // At the far wall, left of the middle.
+  // The bookshelf is at the far wall, left of the middle.
   void bookshelf() {
     const int wood = paint(Pattern::kWood, 0x7A5230, 0x4E3019, 0.06f, 0.35f);
     const float x = -1.45f, z = kHalfZ - 0.17f, width = 1.3f, height = 2.0f, depth = 0.32f;
@@ -134,7 +133,7 @@ class Room {
         const std::uint32_t roll = hash(static_cast<std::uint32_t>(shelf), book, 77);
         const float thick = 0.022f + 0.034f * unit(roll), tall = 0.19f + 0.11f * unit(mix(roll + 1));
         if (left + thick > x + width / 2 - 0.03f) break;
-        if (unit(mix(roll + 2)) < 0.07f) {  // a gap
+        if (unit(mix(roll + 2)) < 0.07f) {  // Leave a gap.
           left += 0.08f;
           continue;
         }
@@ -153,7 +152,7 @@ class Room {
     room_.add(loft(upright(x + 0.35f, height, z), globe, clay));
   }
 
-  // At the far wall, right of the middle.
+  // The sofa is at the far wall, right of the middle.
   void sofa() {
     const int cloth = paint(Pattern::kFabric, 0x5E6B86, 0x7886A3, 0.025f, 0.5f);
     const int mustard = paint(Pattern::kFabric, 0xD9A032, 0xB57F1D, 0.02f, 0.65f);
@@ -224,7 +223,7 @@ class Room {
     solid(at(x + 0.05f, top + 0.022f, z - 0.24f), {0.28f, 0.016f, 0.19f}, pages, 0.3f);
   }
 
-  // At the wall to the left. A Kinect measures no depth on the black glass.
+  // The screen is at the wall to the left. A Kinect measures no depth on its black glass.
   void screen_on_sideboard() {
     const int oak = paint(Pattern::kWood, 0xA97C50, 0x7C5530, 0.07f, 0.5f);
     const int black = paint(Pattern::kPlain, 0x0B0C0E, 0x08090A, 0.1f, 0.01f, 0.12f);
@@ -242,7 +241,7 @@ class Room {
     room_.add(loft(upright(x + 0.02f, 0.52f, z - 0.68f), jar, pot));
   }
 
-  // In the far corner to the right.
+  // The plant is in the far corner to the right.
   void plant() {
     const int pot = paint(Pattern::kPlain, 0xC7693F, 0x9E4A26, 0.06f, 0.6f);
     const int leaf = paint(Pattern::kLeaf, 0x3F7D3A, 0x7FB069, 0.03f, 0.75f);
@@ -281,7 +280,7 @@ class Room {
       solid(rotated(0, height, 0.19f), {0.36f, 0.07f, 0.02f}, wood, yaw);
   }
 
-  // Behind cameras 0 and 1.
+  // The cabinet is behind cameras 0 and 1.
   void cabinet() {
     const int painted = paint(Pattern::kWood, 0x5F7F8C, 0x47626D, 0.1f, 0.5f);
     const int knob = paint(Pattern::kPlain, 0xD8C27A, 0xB09A55, 0.02f, 0.3f, 0.2f);

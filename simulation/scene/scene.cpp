@@ -35,7 +35,8 @@ Result<Scene> make_scene(std::string_view name) {
 double phase_of_frame(std::uint64_t frame, std::uint64_t frames) {
   assert(frames > 0);
   const std::uint64_t periods = std::max<std::uint64_t>(1, (frames + kPeriodFrames / 2) / kPeriodFrames);
-  // The integer remainder comes first, so that frame and frame + frames give the same double.
+  // The integer remainder is taken first, so that `frame` and `frame` + `frames` give the same
+  // double.
   return static_cast<double>(frame * periods % frames) / static_cast<double>(frames);
 }
 
@@ -50,9 +51,9 @@ Rigid3 look_from(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
 
 std::vector<Rigid3> kinect_poses(int count) {
   assert(count >= 1 && count <= kMostKinects);
-  // Degrees from the direction that the figure faces.
+  // Direction of each camera, in degrees from the direction that the figure faces.
   static constexpr double kAround[] = {-35, 35, 142, -142, 0, 90, -90, 180};
-  static constexpr double kDistance[] = {2.35, 2.35, 2.2, 2.2, 2.25, 2.3, 2.3, 2.1};  // metres
+  static constexpr double kDistance[] = {2.35, 2.35, 2.2, 2.2, 2.25, 2.3, 2.3, 2.1};  // In metres.
   std::vector<Rigid3> poses;
   for (int i = 0; i < count; ++i) {
     const double angle = kAround[i] * std::numbers::pi / 180;

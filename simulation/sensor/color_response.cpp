@@ -9,11 +9,12 @@
 namespace copresence::simulation {
 namespace {
 
-constexpr int kTile = 256;            // Pixels; the position of the tile changes with each frame.
+constexpr int kTile = 256;            // In pixels. The position of the tile changes with each frame.
 constexpr float kGrain = 1.3f;        // Standard deviation of the noise, of 255.
 constexpr float kVignetting = 0.12f;  // Share of the light that the corners lose.
 constexpr float kScreenGamma = 2.4f;  // Approximate exponent between pixel value and light.
-constexpr float kLeastLight = 0.35f, kMostLight = 0.65f;  // Relative to camera 0: automatic exposure.
+// Automatic exposure: the light of the other cameras, relative to camera 0.
+constexpr float kLeastLight = 0.35f, kMostLight = 0.65f;
 
 }  // namespace
 
@@ -71,8 +72,8 @@ void ColorResponse::apply_response(const ColorImage& truth, NoiseFreeColors& col
   const std::array<std::int32_t, 9> m = mixing_fixed_;
   const std::array<std::int32_t, 3> offset = offset_fixed_;
   const auto width = static_cast<std::size_t>(truth.width());
-  std::vector<std::int32_t> curved(
-      3 * width);  // of one row, channel by channel, so that the loop over pixels becomes vector code
+  // One row, channel by channel, so that the loop over pixels becomes vector code.
+  std::vector<std::int32_t> curved(3 * width);
   std::int32_t* __restrict red = curved.data();
   std::int32_t* __restrict green = red + width;
   std::int32_t* __restrict blue = green + width;

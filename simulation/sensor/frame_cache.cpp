@@ -7,7 +7,7 @@
 namespace copresence::simulation {
 namespace {
 
-// Finds runs of pixels that differ. A short gap becomes part of a run, which is cheaper than
+// Finds runs of pixels that differ. A short gap is made part of a run, which costs less than
 // another run.
 template <class Pixel, class Runs>
 void find_runs(const Image<Pixel>& a, const Image<Pixel>& b, Runs& runs) {
@@ -30,9 +30,9 @@ void pick(const Runs& runs, const Image<Pixel>& image, std::vector<Pixel>& into)
     into.insert(into.end(), image.data() + run.first, image.data() + run.first + run.count);
 }
 
-// Changes `shown` from one frame to another. The frames differ from `background` in the runs
-// `before` and `after`; `pixels` are the pixels of `after`. Most pixels are in both and are written
-// only once.
+// Changes `shown` from one frame to another. The old frame differs from `background` in the runs
+// `before`, the new frame in the runs `after`, with the given pixels. Most pixels are in both and
+// are written only once.
 template <class Runs, class Pixel>
 void change(const Runs& before, const Runs& after, const std::vector<Pixel>& pixels,
             const Image<Pixel>& background, Image<Pixel>& shown) {

@@ -1,12 +1,9 @@
 #pragma once
 
 // A cache of the noise-free frames of one period of the figure's motion. A live camera then only
-// adds noise.
-//
-// Each frame is stored as its differences to the static background: about 0.6 MB per frame of
+// adds noise. Each frame is stored as its differences to the static background, about 0.6 MB at
 // 640x480.
-//
-// Thread: one thread per object.
+// Thread: one thread at a time per object.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +14,7 @@
 
 namespace copresence::simulation {
 
-/// Dots and colours of a simulated Kinect before anything random is added.
+/// Dots and colours of a simulated Kinect before any noise is added.
 struct NoiseFreeFrame {
   DotImage dots;
   NoiseFreeColors colors;
@@ -25,7 +22,7 @@ struct NoiseFreeFrame {
 
 class FrameCache {
  public:
-  /// A cache for `count` frames. `background` is the frame without the figure.
+  /// Creates a cache for `count` frames. `background` is the frame without the figure.
   FrameCache(std::size_t count, NoiseFreeFrame background);
 
   std::size_t count() const { return frames_.size(); }
@@ -34,7 +31,7 @@ class FrameCache {
   /// Stores or replaces a frame. Requires index < count() and the size of the background.
   void store(std::size_t index, const NoiseFreeFrame& frame);
 
-  /// The frame as it was stored, valid until the next call. Requires contains(index).
+  /// Returns the frame as it was stored, valid until the next call. Requires contains(index).
   const NoiseFreeFrame& load(std::size_t index);
 
  private:
@@ -44,16 +41,16 @@ class FrameCache {
   struct Difference {
     bool stored = false;
     std::vector<Run> dot_runs, color_runs;
-    std::vector<Dots> dots;  // of the pixels in dot_runs
+    std::vector<Dots> dots;  // Of the pixels in dot_runs.
     std::vector<NoiseFreeColor> colors;
   };
 
-  void change_to(const Difference* frame);  // null: the background
+  void change_to(const Difference* frame);  // Null stands for the background.
 
   std::vector<Difference> frames_;
   const NoiseFreeFrame background_;
   NoiseFreeFrame loaded_;
-  const Difference* last_ = nullptr;  // difference of loaded_ to the background, if any
+  const Difference* last_ = nullptr;  // Difference of loaded_ to the background, or null.
 };
 
 }  // namespace copresence::simulation

@@ -1,8 +1,8 @@
 #pragma once
 
-// A frame number drawn into a colour picture as a row of light and dark cells in the top left
-// corner. It survives video coding, so a viewer of the picture can tell its capture instant.
-//
+// Draws a frame number into a colour picture as a row of light and dark cells in the top left
+// corner. The cells survive video coding, so a program that sees the picture knows its capture
+// instant.
 // Thread: free functions on values, safe anywhere.
 
 #include <cstdint>
@@ -13,9 +13,9 @@
 
 namespace copresence::simulation {
 
-/// Draws 36 cells of 16x16 pixels: light, dark, the 32 bits of the number from the highest (light
-/// is 1), and a checksum: the number of ones, modulo 4. Requires a picture of at least 576x16
-/// pixels, row by row.
+/// Draws 36 cells of 16x16 pixels: a light cell, a dark cell, the 32 bits of the number from the
+/// highest (1 is light), and a checksum. The checksum is the number of ones, modulo 4. Requires a
+/// picture of at least 576x16 pixels, stored row by row.
 void draw_marker(std::uint32_t number, std::span<Rgb8> picture, int width);
 
 /// Reads the number. Returns nothing if the fixed cells or the checksum are wrong.

@@ -12,18 +12,18 @@ namespace copresence::simulation {
 namespace {
 
 constexpr float kFixedError = 0.34f, kFrameError = 0.28f;  // Standard deviations, in levels.
-constexpr float kLateralError = 0.45f;                     // Standard deviation, pixels.
-constexpr float kNeededIntensity = 0.115f;                 // Mean of the threshold for Dots::intensity.
-constexpr int kBlindColumns = 8;                           // Of 640.
+constexpr float kLateralError = 0.45f;                     // Standard deviation, in pixels.
+constexpr float kNeededIntensity = 0.115f;                 // Mean threshold of Dots::intensity.
+constexpr int kBlindColumns = 8;                           // Per 640 columns.
 constexpr float kLevels = static_cast<float>(kLevelConstant);
-constexpr float kLeastDepth = 0.2f;  // metres; nearer surfaces cast no shadow
+constexpr float kLeastDepth = 0.2f;  // In metres. Closer surfaces cast no shadow.
 
 float to_value(float level, DepthUnit unit) {
   const float per_metre = unit == DepthUnit::kMillimetre ? 1000.0f : 10000.0f;
   return std::floor(kLevels * per_metre / level + 0.5f);
 }
 
-constexpr float kFirstLevel = 71, kLastLevel = 702;  // between kFarthestDepth and kNearestDepth
+constexpr float kFirstLevel = 71, kLastLevel = 702;  // Between kFarthestDepth and kNearestDepth.
 static_assert(kFirstLevel * kFarthestDepth >= kLevelConstant &&
               (kFirstLevel - 1) * kFarthestDepth < kLevelConstant);
 static_assert(kLastLevel * kNearestDepth <= kLevelConstant &&
@@ -40,9 +40,9 @@ std::vector<std::uint16_t> kinect_levels(DepthUnit unit) {
   return levels;
 }
 
-// A surface at pixel column u and depth z is lit through column u - f b / z of the projector. In
-// each column, only the nearest surface gets dots. Columns between neighbouring pixels of the same
-// surface are filled.
+// A surface at pixel column u and depth z is lit through column u - f b / z of the projector, where
+// f is the focal length and b the baseline. In each projector column, only the nearest surface gets
+// dots. Columns between neighbouring pixels of the same surface are filled.
 void project_dots(const CameraModel& model, const TrueView& view, DotImage& dots) {
   assert(view.depth_m.width() == model.width && view.depth_m.height() == model.height);
   const auto shift = static_cast<float>(model.fx * kProjectorBaseline);
@@ -51,7 +51,7 @@ void project_dots(const CameraModel& model, const TrueView& view, DotImage& dots
   constexpr float kFar = 1e9f;
   const auto row_of = [&](auto value) { return std::vector(static_cast<std::size_t>(width), value); };
   std::vector<float> levels = row_of(0.0f), exact_columns = row_of(0.0f);
-  std::vector<int> columns = row_of(0);  // exact_columns, rounded down
+  std::vector<int> columns = row_of(0);  // The rounded-down exact_columns.
   std::vector<float> nearest(static_cast<std::size_t>(width + margin) + 2);
   dots.resize(width, model.height);
   float* __restrict level = levels.data();
@@ -93,7 +93,7 @@ KinectNoise::KinectNoise(const CameraModel& model, DepthUnit unit, std::uint32_t
   for (Image<float>* image : {&pattern_, &needed_intensity_, &fixed_interference_})
     image->resize(width, height);
 
-  // The fixed error consists of fine bumps and a slow bend.
+  // The fixed error is a sum of fine bumps and a slow bend.
   Image<float> fine(width, height);
   fill_blob_noise(5, hash(seed_, 1), fine);
   fill_blob_noise(48, hash(seed_, 2), pattern_);
@@ -142,7 +142,7 @@ void KinectNoise::add_noise(const DotImage& dots, std::uint64_t frame, std::span
       const int from_y = std::min(std::max(y + dy, 0), height - 1);
       from[x] = static_cast<std::uint32_t>(from_y * width + from_x);
     }
-    // A loop of its own, because eight scalar loads are faster than one gather instruction.
+    // This loop is separate, because eight scalar loads are faster than one gather instruction.
     const Dots* __restrict all = dots.data();
     for (int x = 0; x < width; ++x) taken[x] = all[from[x]];
 
@@ -156,7 +156,7 @@ void KinectNoise::add_noise(const DotImage& dots, std::uint64_t frame, std::span
         depth.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     for (int x = 0; x < width; ++x) {
       const float level = std::floor(taken[x].level + pattern[x] + kFrameError * error[x] + 0.5f);
-      // Integers, because && would keep the loop from becoming vector code.
+      // This uses integers, because && would keep the loop from becoming vector code.
       const int measured = int{level >= kFirstLevel} & int{level <= kLastLevel} &
                            int{taken[x].intensity > needed[x] * (1 + 0.12f * gain[x])} &
                            int{0.6f * interference[x] <= threshold[x]};

@@ -1,10 +1,10 @@
 #pragma once
 
-// From true depth to the depth of a Kinect v1: disparity levels, correlated errors, ragged edges
-// and holes.
+// Converts true depth to the depth of a Kinect v1, with disparity levels, correlated errors, ragged
+// edges and holes.
 //
 // A Kinect projects a pattern of infrared dots and measures their disparity. project_dots()
-// computes the exact disparity and intensity of the pattern per pixel; KinectNoise turns them into
+// computes the exact disparity and intensity of the pattern per pixel. KinectNoise turns them into
 // depth.
 //
 //   levels        z = kLevelConstant / k for whole k; there are 632 from 0.5 m to 5 m.
@@ -17,12 +17,12 @@
 //   interference  Where other projectors shine, depth is lost in flickering blobs.
 //   always holes  Depth outside 0.5 m to 5 m, and the rightmost 8 columns (of 640).
 //
-// Everything random is a hash of (seed, camera, frame, pixel).
+// All random values are hashes of (seed, camera, frame, pixel).
 // Sources: Khoshelham and Elberink 2012 (levels, error of half a level); Barron and Malik 2013 (the
 // constant, lateral error); Maimone and Fuchs 2011 (interference). docs/internals/simulation.md
 // compares the rates of change with recordings of a real Kinect.
 //
-// Thread: free functions are safe anywhere; one thread per KinectNoise.
+// Thread: free functions are safe anywhere; one thread at a time per KinectNoise.
 
 #include <cstdint>
 #include <span>
@@ -35,16 +35,16 @@
 
 namespace copresence::simulation {
 
-inline constexpr double kProjectorBaseline = 0.075;  // Metres, to the right of the camera.
-/// Metres: the depth of disparity level k is this over k.
+inline constexpr double kProjectorBaseline = 0.075;  // In metres, to the right of the camera.
+/// In metres. Disparity level k has the depth kLevelConstant / k.
 inline constexpr double kLevelConstant = kKinectV1Noise.disparity_constant_m;
-inline constexpr double kNearestDepth = 0.5, kFarthestDepth = 5;  // metres
+inline constexpr double kNearestDepth = 0.5, kFarthestDepth = 5;  // In metres.
 
 /// The depth values that a simulated Kinect can report, ascending, in `unit`.
 std::vector<std::uint16_t> kinect_levels(DepthUnit unit);
 
-/// Width in pixels of the shadow that a surface at z_near casts in the dots on a surface at z_far,
-/// metres.
+/// Width in pixels of the shadow that a surface at depth z_near casts in the dots on a surface at
+/// depth z_far. Both depths are in metres.
 constexpr double shadow_width_px(double fx, double z_near, double z_far) {
   return fx * kProjectorBaseline * (1 / z_near - 1 / z_far);
 }
@@ -52,13 +52,13 @@ constexpr double shadow_width_px(double fx, double z_near, double z_far) {
 /// The projected dots at one pixel.
 struct Dots {
   float level = 0;      ///< Exact disparity in levels; 0 in the shadow of the projector.
-  float intensity = 0;  ///< Reflected light; falls with distance, mostly compensated by automatic gain.
+  float intensity = 0;  ///< Reflected light. Automatic gain mostly makes up for the distance.
   friend bool operator==(const Dots&, const Dots&) = default;
 };
 using DotImage = Image<Dots>;
 
-/// The dots that the camera sees, without anything random. Left of a near surface there is the
-/// shadow of shadow_width_px(). Requires a view of the model's size.
+/// Computes the dots that the camera sees, without noise. A near surface has a shadow of
+/// shadow_width_px() on its left. Requires a view of the model's size.
 void project_dots(const CameraModel& model, const TrueView& view, DotImage& dots);
 
 /// Turns dots into the depth of one Kinect.
@@ -66,12 +66,12 @@ class KinectNoise {
  public:
   KinectNoise(const CameraModel& model, DepthUnit unit, std::uint32_t seed, std::uint32_t camera);
 
-  /// Sets the light of other projectors per pixel, as a multiple of the camera's own. Initially 0.
-  /// Requires the model's size.
+  /// Sets the light of other projectors per pixel, as a multiple of the light of this camera's
+  /// projector. It is 0 at first. Requires the model's size.
   void set_interference(const Image<float>& light);
 
-  /// Writes the depth of one frame row by row, in the unit given, 0 for holes. Requires that both
-  /// have the model's size.
+  /// Writes the depth of one frame row by row, in the given unit, with 0 for holes. Requires `dots`
+  /// and `depth` of the model's size.
   void add_noise(const DotImage& dots, std::uint64_t frame, std::span<std::uint16_t> depth);
 
  private:
@@ -79,8 +79,8 @@ class KinectNoise {
   std::uint32_t seed_;
   Image<float> pattern_;                 // Fixed error of the disparity, in levels.
   Image<float> needed_intensity_;        // Fixed part of the intensity below which depth is lost.
-  Image<float> fixed_interference_;      // Normal noise: the fixed part of interference.
-  Image<float> interference_threshold_;  // Depth is lost if the interference of a frame exceeds it.
+  Image<float> fixed_interference_;      // Fixed part of the noise of interference.
+  Image<float> interference_threshold_;  // Depth is lost where a frame's interference exceeds it.
 };
 
 }  // namespace copresence::simulation

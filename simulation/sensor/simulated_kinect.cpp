@@ -9,8 +9,8 @@
 namespace copresence::simulation {
 namespace {
 
-// The light of another projector at each pixel, as a multiple of the camera's own. The figure is
-// ignored: its pixels get the light of the background.
+// Returns the light of another projector at each pixel, as a multiple of the light of this camera's
+// projector. The figure is ignored: its pixels get the light of the background.
 Image<float> light_of(const Rigid3& other, const LitScene& scene, const TrueView& view,
                       const CameraModel& model, const Rigid3& camera) {
   Image<float> light(model.width, model.height, 0.0f);
@@ -38,8 +38,8 @@ Image<float> light_of(const Rigid3& other, const LitScene& scene, const TrueView
 CameraModel kinect_model(int width, int height) {
   const double focal = 585.0 * width / 640;
   // The principal point is the centre of the picture, half a pixel from the nominal one
-  // (common/frame/camera_model.h). As with a real Kinect, calibration finds it. Recordings and
-  // scene files of simulated cameras state it.
+  // (camera_model.h). Recordings and scene files of simulated cameras state it, and calibration
+  // finds it, as with a real Kinect.
   return {width, height, focal, focal, 0.5 * (width - 1), 0.5 * (height - 1), {}};
 }
 

@@ -1,9 +1,7 @@
 #pragma once
 
-// A Kinect in a simulated scene: depth with the errors of a Kinect and colour registered to it,
-// frame by frame.
-//
-// Thread: one thread per camera; several cameras may share a scene.
+// A Kinect in a simulated scene: depth with the errors of a Kinect, and colour registered to it.
+// Thread: one thread at a time per camera; several cameras may share a scene.
 
 #include <bitset>
 #include <cstddef>
@@ -24,39 +22,39 @@
 
 namespace copresence::simulation {
 
-/// The intrinsics of a Kinect at the given size: a focal length of 585 px at a width of 640 px, no
-/// distortion. Requires a size that check() accepts.
+/// The intrinsics of a Kinect at the given size: a focal length of 585 px at a width of 640 px, and
+/// no distortion. Requires a size that check() accepts.
 CameraModel kinect_model(int width, int height);
 
-/// Which Kinects have their projector on, by their index in kinect_poses().
+/// The Kinects whose projectors are on, by their index in kinect_poses().
 using Projectors = std::bitset<kMostKinects>;
 
 class SimulatedKinect {
  public:
-  /// One of several Kinects that run at once, number `index` of `poses` (world_from_camera). The
-  /// seed determines all noise.
-  /// Fails  as TrueCamera::make(). Requires index < poses.size() <= kMostKinects.
+  /// Creates Kinect number `index` of several that run at once, with the poses world_from_camera in
+  /// `poses`. The seed determines all noise. Requires index < poses.size() <= kMostKinects.
+  /// Fails as TrueCamera::make() does.
   static Result<SimulatedKinect> make(std::shared_ptr<const LitScene> scene, const CameraModel& model,
                                       std::span<const Rigid3> poses, std::size_t index, DepthUnit unit,
                                       std::uint32_t seed);
 
-  /// Sets which projectors are on; initially all. The camera has no depth without its own. Those of
-  /// others interfere.
+  /// Sets which projectors are on. At first, all are on. The camera has no depth while its own
+  /// projector is off. Other projectors interfere.
   void set_projectors(Projectors on);
 
-  /// Captures a frame with the figure at `phase`. The noise depends on the frame number only.
+  /// Captures a frame with the figure at `phase`. The noise depends only on the frame number.
   void capture(double phase, std::uint64_t frame, DepthImage& depth, ColorImage& color);
 
-  /// The ground truth of the last capture(). Requires that there was one.
+  /// Returns the ground truth of the last capture(). Requires an earlier capture().
   const TrueView& truth() const { return *truth_; }
 
-  /// Traces one period of the figure's motion and caches it, which takes about 40 MB. After that, a
-  /// live frame costs little more than its noise.
+  /// Traces one period of the figure's motion and caches it, which takes about 40 MB. A live frame
+  /// then takes little more time than its noise.
   void precompute();
 
-  /// As capture(), but fast enough for a live camera, and one picture at a time. The phase is that
-  /// of frame `frame` of an endless motion with the period kPeriodFrames. Pictures are row by row.
-  /// Requires precompute() and the model's size.
+  /// Captures one picture of frame `frame`, fast enough for a live camera. The phase is that of an
+  /// endless motion with the period kPeriodFrames. Pictures are stored row by row. Requires an
+  /// earlier precompute() and the model's size.
   void capture_live_depth(std::uint64_t frame, std::span<std::uint16_t> depth);
   void capture_live_color(std::uint64_t frame, std::span<Rgb8> color);
 
@@ -71,13 +69,13 @@ class SimulatedKinect {
 
   TrueCamera camera_;
   std::size_t index_;
-  std::vector<Image<float>> projector_light_;  // of each projector, see light_of(); its own is empty
+  std::vector<Image<float>> projector_light_;  // Per projector, see light_of(). Its own is empty.
   Projectors on_;
   KinectNoise noise_;
   ColorResponse response_;
-  NoiseFreeFrame captured_;  // of the last capture()
+  NoiseFreeFrame captured_;  // The frame of the last capture().
   const TrueView* truth_ = nullptr;
-  std::unique_ptr<FrameCache> cache_;  // one period, after precompute()
+  std::unique_ptr<FrameCache> cache_;  // Null before precompute(), then one period.
 };
 
 }  // namespace copresence::simulation

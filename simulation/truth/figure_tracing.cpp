@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kCell = 8;  // pixels: one packet of rays
+constexpr int kCell = 8;  // In pixels. One packet of rays covers a cell.
 
 Ray ray_to(const Vector3f& eye, const Vector3f& direction, float background) {
   return {eye, direction, 1e-3f, background > 0 ? background : 1e30f};
@@ -30,7 +30,7 @@ void FigureHits::clear() {
 }
 
 void FigureHits::close() {
-  std::vector<std::size_t> first(height, width), last(height, 0);  // per row
+  std::vector<std::size_t> first(height, width), last(height, 0);  // Per row.
   for (std::size_t part = 0; part < parts.size(); ++part) {
     for (const Hit& hit : parts[part]) {
       part_of[hit.pixel] = static_cast<std::int8_t>(part);
@@ -41,7 +41,7 @@ void FigureHits::close() {
   }
   std::vector<std::uint8_t> differs(width);
   for (std::size_t y = 0; y < height; ++y) {
-    // The silhouette also changes the pixels next to the figure.
+    // The pixels next to a silhouette change, too.
     const std::size_t above = y - (y > 0), below = y + (y + 1 < height);
     std::size_t left = std::min({first[above], first[y], first[below]}),
                 right = std::max({last[above], last[y], last[below]});
@@ -98,8 +98,9 @@ void FigureTracer::bound_parts() {
   }
 }
 
-// Marks the cells that the spheres cover. A sphere of radius r at depth z projects within about f r
-// / (z - r) pixels of its centre. A tenth is added for lens distortion.
+// Marks the cells that the spheres cover. A sphere of radius r at depth z projects to within about
+// f r / (z - r) pixels of its centre, where f is the focal length. A tenth is added for lens
+// distortion.
 void FigureTracer::find_cells(const PixelRays& pixels, std::span<const Eigen::Isometry3f> pose) {
   std::fill(cells_.pixels().begin(), cells_.pixels().end(), std::uint8_t{0});
   const Rigid3 camera_from_world = pixels.world_from_camera.inverse();
@@ -108,7 +109,7 @@ void FigureTracer::find_cells(const PixelRays& pixels, std::span<const Eigen::Is
       const Eigen::Vector3d center = camera_from_world * Vector3f(pose[part] * sphere.center).cast<double>();
       const double nearest = center.z() - sphere.radius;
       if (center.z() + sphere.radius < 0) continue;
-      if (nearest < 0.1) {  // next to the eye: it may cover any pixel
+      if (nearest < 0.1) {  // Next to the eye, it may cover any pixel.
         std::fill(cells_.pixels().begin(), cells_.pixels().end(), std::uint8_t{1});
         return;
       }

@@ -1,10 +1,8 @@
 #pragma once
 
-// Private to TrueCamera: finds by ray tracing which surface points of the figure a camera sees.
-//
-// Only cells of pixels that bounding spheres of the figure's parts cover are traced.
-//
-// Thread: one thread per object; several may share a scene.
+// Private to TrueCamera: finds by ray tracing which surface points of the figure a camera sees. It
+// traces only cells of pixels that are covered by bounding spheres of the figure's parts.
+// Thread: one thread at a time per object; several objects may share a scene.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -21,7 +19,7 @@
 
 namespace copresence::simulation {
 
-/// Sample points of a pixel's colour, in pixels from its centre. No two are in the same row or
+/// Sample points of a pixel's colour, in pixels from its centre. No two of them share a row or
 /// column of sub-pixels.
 inline const std::array<Eigen::Vector2f, 4> kFigureSamples{
     Eigen::Vector2f(-0.125f, -0.375f), Eigen::Vector2f(0.375f, -0.125f), Eigen::Vector2f(0.125f, 0.375f),
@@ -40,14 +38,13 @@ struct FigureHits {
 
   FigureHits(std::size_t picture_width, std::size_t picture_height, std::size_t part_count);
 
-  /// Removes all hits.
   void clear();
 
-  /// Derives part_of, runs and silhouette from the hits.
+  /// Computes `part_of`, `runs` and `silhouette` from the hits.
   void close();
 
   std::size_t width, height;
-  std::vector<std::vector<Hit>> parts;  ///< hits of each part
+  std::vector<std::vector<Hit>> parts;  ///< Hits of each part.
 
   /// Consecutive pixels of a row.
   struct Run {
@@ -55,8 +52,8 @@ struct FigureHits {
   };
   std::vector<Run> runs;             ///< Per row: all pixels whose colour the figure may change.
   std::vector<std::int8_t> part_of;  ///< Per pixel: the part at its centre, or -1.
-  std::vector<std::uint32_t>
-      silhouette;  ///< Pixels with a neighbour that shows another part or the background.
+  /// Pixels with a neighbour that shows another part or the background.
+  std::vector<std::uint32_t> silhouette;
   std::vector<SampleParts> sample_parts;  ///< Per silhouette pixel and sample: the part, or -1.
 };
 
@@ -65,8 +62,8 @@ class FigureTracer {
   FigureTracer(std::shared_ptr<const LitScene> scene, const PixelRays& pixels);
 
   /// Finds the points of the figure that are nearer than `background`, the static scene's depth per
-  /// pixel (0 for none). `pose` is world_from_part per part. Requires cleared hits and the rays
-  /// given to the constructor.
+  /// pixel (0 for none). `pose` holds world_from_part for each part. Requires empty hits and the
+  /// rays given to the constructor.
   void find(const PixelRays& pixels, const Image<float>& background, std::span<const Eigen::Isometry3f> pose,
             FigureHits& hits);
 
@@ -83,8 +80,8 @@ class FigureTracer {
 
   std::shared_ptr<const LitScene> scene_;
   PosedScene posed_;
-  std::vector<std::vector<Sphere>> bounds_;  // Per part, in its own frame; together they contain the part.
-  Image<std::uint8_t> cells_;                // Per row: cells of pixels that may show the figure.
+  std::vector<std::vector<Sphere>> bounds_;  // Spheres that contain each part, in its own frame.
+  Image<std::uint8_t> cells_;                // 1 for each cell that may show the figure.
   std::vector<Ray> rays_;
 };
 

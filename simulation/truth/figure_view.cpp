@@ -10,10 +10,10 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 constexpr std::size_t kSampleCount = kFigureSamples.size();
-constexpr std::size_t kHitBatch = 512;  // hits drawn at once, so that their data fits into the cache
+constexpr std::size_t kHitBatch = 512;  // Number of hits drawn at once. Their data fits into the cache.
 
-// The share of a lamp's power that arrives at each point, as if all came from the centre of the
-// lamp.
+// Computes the share of a lamp's power that arrives at each point, as if all light came from the
+// centre of the lamp.
 void falloff(const AreaLight& light, const ShadowPoints& positions, const float* __restrict nx,
              const float* __restrict ny, const float* __restrict nz, std::span<float> shares) {
   const Vector3f front = light.front();
@@ -67,7 +67,7 @@ void FigureView::find_points(const Mesh& part, const Eigen::Isometry3f& world_fr
     px[i] = direction.x();
     py[i] = direction.y();
     pz[i] = direction.z();
-    cosine[i] = hits[i].depth;  // the second loop replaces it
+    cosine[i] = hits[i].depth;  // The second loop replaces it.
   }
   const Eigen::Matrix3f rotation = world_from_part.linear();
   const Vector3f eye = pixels.eye;
@@ -91,8 +91,8 @@ void FigureView::find_points(const Mesh& part, const Eigen::Isometry3f& world_fr
   }
 }
 
-// Lamps count as points. The rest of the light is the mean reflected light of the scene, more from
-// above than from below.
+// Lamps count as points. The rest of the light is the mean reflected light of the scene, more of it
+// from above than from below.
 void FigureView::light_points() {
   const std::vector<AreaLight>& lamps = scene_->scene().lights;
   const std::size_t n = points_.positions.size();
@@ -119,10 +119,10 @@ void FigureView::light_points() {
   }
 }
 
-// The change of texture coordinates from one pixel to the next; `distance` is 1 along a row, the
-// width along a column. Zero if no neighbour shows the same part.
+// The change of texture coordinates from one pixel to the next. `distance` is 1 along a row and the
+// width along a column. The change is zero if no neighbour shows the same part.
 Vector2f FigureView::uv_change(std::size_t pixel, std::size_t distance) const {
-  constexpr float kSeam = 0.05f;  // metres; a larger change is the seam where the texture closes
+  constexpr float kSeam = 0.05f;  // In metres. A larger change is the seam of the texture.
   const std::size_t next = pixel + distance;
   if (next < uv_.size() && hits_.part_of[next] == hits_.part_of[pixel]) {
     const Vector2f change = uv_[next] - uv_[pixel];
@@ -135,8 +135,8 @@ Vector2f FigureView::uv_change(std::size_t pixel, std::size_t distance) const {
   return Vector2f::Zero();
 }
 
-// Texture coordinates of the samples of each hit. The differences to neighbouring pixels give the
-// size of a pixel on the surface.
+// Computes the texture coordinates of the samples of each hit. The differences to neighbouring
+// pixels give the size of a pixel on the surface.
 void FigureView::find_samples(std::span<const Hit> hits) {
   const std::size_t n = hits.size();
   sample_u_.resize(n * kSampleCount);
@@ -153,7 +153,7 @@ void FigureView::find_samples(std::span<const Hit> hits) {
   }
 }
 
-// Light is computed once per pixel and the pattern per sample, since patterns change faster.
+// Light is computed once per pixel, but the pattern per sample, since patterns change faster.
 void FigureView::draw_hits(std::size_t part, const Eigen::Isometry3f& world_from_part,
                            std::span<const Hit> hits, const PixelRays& pixels,
                            std::span<const Capsule> capsules, TrueView& view) {
@@ -170,7 +170,7 @@ void FigureView::draw_hits(std::size_t part, const Eigen::Isometry3f& world_from
   for (std::vector<float>& channel : sample_colors_) channel.resize(n * kSampleCount);
   albedo(material, {sample_u_, sample_v_}, {sample_colors_[0], sample_colors_[1], sample_colors_[2]});
   for (std::size_t c = 0; c < 3; ++c) {
-    float* __restrict color = sample_colors_[c].data();  // its first n become light
+    float* __restrict color = sample_colors_[c].data();  // The first n elements become light.
     const float* __restrict lamp = point_light_.lamp[c].data();
     const float* __restrict rest = point_light_.rest[c].data();
     const float* __restrict hidden = hidden_.data();
@@ -192,9 +192,9 @@ void FigureView::draw_hits(std::size_t part, const Eigen::Isometry3f& world_from
   }
 }
 
-// Anti-aliasing: silhouette pixels get the mean light of their samples.
+// Anti-aliasing: each silhouette pixel gets the mean light of its samples.
 void FigureView::smooth_silhouette(const StaticView& background, TrueView& view) const {
-  // The light of a part comes from the pixel itself or from a neighbour that shows the part.
+  // The light of a part comes from the pixel itself, or from a neighbour that shows the part.
   const auto light_of = [&](int part, std::size_t pixel) -> const Vector3f& {
     const auto& part_of = hits_.part_of;
     if (part < 0) return background.light(pixel);

@@ -2,8 +2,7 @@
 
 // Private to TrueCamera: the figure as one camera sees it at one instant, drawn over the static
 // view.
-//
-// Thread: one thread per object; several may share a scene.
+// Thread: one thread at a time per object; several objects may share a scene.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -25,23 +24,24 @@ class FigureView {
  public:
   FigureView(std::shared_ptr<const LitScene> scene, const PixelRays& pixels);
 
-  /// Restores the static view wherever the last draw() put the figure.
+  /// Restores the static view where the last draw() put the figure.
   void erase(const StaticView& background, TrueView& view);
 
-  /// Draws the figure where it is nearer than the static scene. `pose` is world_from_part per part.
-  /// `capsules` are the parts in the world frame, which cast shadows on each other. Requires an
-  /// erased view and the rays given to the constructor.
+  /// Draws the figure where it is nearer than the static scene. `pose` holds world_from_part for
+  /// each part. `capsules` are the parts in the world frame; they cast shadows on each other.
+  /// Requires an erased view and the rays given to the constructor.
   void draw(const PixelRays& pixels, const StaticView& background, std::span<const Eigen::Isometry3f> pose,
             std::span<const Capsule> capsules, TrueView& view);
 
  private:
-  /// Surface points of the hits that are being drawn, one array per coordinate; world frame.
+  /// Surface points of the hits that are being drawn, in the world frame, in one array per
+  /// coordinate.
   struct Points {
     ShadowPoints positions;
     std::vector<float> normal_x, normal_y, normal_z;  // Unit length, towards the camera.
-    std::vector<float> cosine;                        // Of the angle between normal and view ray, 0 to 1.
+    std::vector<float> cosine;  // Cosine of the angle between normal and view ray, 0 to 1.
   };
-  /// Light at these points without shadows, per channel: as Light.
+  /// Light at these points without shadows, per channel. See Light for its two parts.
   struct PointLight {
     std::array<std::vector<float>, 3> lamp, rest;
   };
@@ -59,14 +59,15 @@ class FigureView {
   FigureTracer tracer_;
   FigureHits hits_;
   std::vector<Eigen::Vector2f> uv_;     // Per pixel: texture coordinates, valid where the figure is visible.
-  std::vector<Eigen::Vector3f> light_;  // Likewise: reflected light.
+  std::vector<Eigen::Vector3f> light_;  // Per pixel: reflected light, valid in the same places.
 
-  // Buffers for the hits that are being drawn.
+  // Buffers for the hits that are being drawn follow.
   Points points_;
   PointLight point_light_;
   std::vector<float> hidden_;               // Share of the lamp that is in shadow.
   std::vector<float> sample_u_, sample_v_;  // All hits' first samples, then all second ones and so on.
-  std::array<std::vector<float>, 3> sample_colors_;  // Likewise; the first of each hit becomes its light.
+  std::array<std::vector<float>, 3>
+      sample_colors_;  // In the same order. The first sample of each hit becomes its light.
   std::vector<Rgb8> screen_;
 };
 

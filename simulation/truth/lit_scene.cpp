@@ -12,10 +12,10 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr int kLampGrid = 4;     // Shadow rays per side of an area light.
-constexpr int kGatherRays = 48;  // Per vertex.
+constexpr int kGatherRays = 48;  // Rays per vertex.
 
-// The share of a lamp's power that arrives at a surface. A lamp emits most light forward, and a
-// little sideways and back.
+// The share of a lamp's power that arrives at a surface. A lamp emits most of its light forward,
+// and a little sideways and backward.
 float falloff(const AreaLight& light, const Vector3f& position, const Vector3f& normal,
               const Vector3f& from) {
   const Vector3f to = from - position;
@@ -42,7 +42,7 @@ Vector3f direct_light(const AreaLight& light, const RayScene& tracer, const Vect
 }
 
 // Directions on the hemisphere around `normal`. Vertices with the same normal use the same
-// directions, so that sampling errors appear as a tint and not as grain.
+// directions, so that sampling errors look like a tint and not like grain.
 Vector3f gather_direction(const Vector3f& normal, int index) {
   constexpr float kGolden = 0.61803399f;
   const float angle = 2 * std::numbers::pi_v<float> * kGolden * static_cast<float>(index);

@@ -2,12 +2,12 @@
 
 // A scene with its light computed, ready for tracing.
 //
-// Light on static surfaces is baked per vertex: direct light of the lamps with soft shadows, and
-// one diffuse reflection (a radiosity gather). It is the same from every viewpoint and free of
-// noise.
+// Light on static surfaces is computed once per vertex: direct light of the lamps with soft
+// shadows, and one diffuse reflection (a radiosity gather). It is the same from every viewpoint and
+// free of noise. "Light" is the radiance of a white diffuse surface; 1 is the brightest value of a
+// display.
 //
-// "Light" is the radiance of a white diffuse surface; 1 is the brightest value of a display.
-// Thread: immutable once made; share it freely.
+// Thread: immutable, so any thread may use it.
 
 #include <Eigen/Core>
 #include <memory>
@@ -28,21 +28,22 @@ struct Light {
 };
 
 struct BakedLight {
-  std::vector<std::vector<Light>> vertices;                  ///< [mesh][vertex].
-  Eigen::Vector3f reflected_mean = Eigen::Vector3f::Zero();  ///< Reflected light, mean of all vertices.
+  std::vector<std::vector<Light>> vertices;                  ///< Light as [mesh][vertex].
+  Eigen::Vector3f reflected_mean = Eigen::Vector3f::Zero();  ///< Mean reflected light of all vertices.
 };
 
 class LitScene {
  public:
-  /// The scene of a world. Fails  as make_scene(), and kUnsupported if Embree cannot start.
+  /// Creates the scene of a world. Fails as make_scene() does, and with kUnsupported if Embree
+  /// cannot start.
   static Result<LitScene> of_world(std::string_view name);
 
-  /// Fails  kUnsupported if Embree cannot start.
+  /// Fails with kUnsupported if Embree cannot start.
   static Result<LitScene> make(Scene scene);
 
   const Scene& scene() const { return scene_; }
   const Figure& figure() const { return scene_.figure; }
-  const RayScene& background() const { return *background_; }  ///< Scene::meshes
+  const RayScene& background() const { return *background_; }  ///< Tracer for Scene::meshes.
   const PosedScene::Parts& figure_parts() const { return *figure_parts_; }
   const BakedLight& light() const { return light_; }
 

@@ -14,7 +14,7 @@ namespace copresence::simulation {
 namespace {
 
 Result<std::shared_ptr<RTCDeviceTy>> make_device() {
-  // Threads belong to the programs: Embree builds on the calling thread.
+  // Embree builds on the calling thread, because only the programs create threads.
   std::shared_ptr<RTCDeviceTy> device(rtcNewDevice("threads=1,set_affinity=0"), FreeDevice());
   if (!device)
     return fail(ErrorCode::kUnsupported, "the ray caster Embree cannot be started on this processor");
@@ -37,7 +37,7 @@ void attach_mesh(RTCDevice device, RTCScene scene, const Mesh& mesh) {
   rtcReleaseGeometry(geometry);
 }
 
-// The two functions that differ between Embree 3 and 4.
+// This function and the next differ between Embree 3 and 4.
 void intersect(RTCScene scene, const int* valid, RTCRayHit8& packet) {
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments arguments;
@@ -184,7 +184,7 @@ void PosedScene::pose(std::span<const Eigen::Isometry3f> world_from_part) {
   assert(world_from_part.size() == parts_.size());
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const RTCGeometry instance = rtcGetGeometry(scene_.get(), static_cast<unsigned>(i));
-    const Eigen::Matrix4f matrix = world_from_part[i].matrix();  // column-major
+    const Eigen::Matrix4f matrix = world_from_part[i].matrix();  // Column-major order.
     rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix.data());
     rtcCommitGeometry(instance);
   }

@@ -1,8 +1,7 @@
 #pragma once
 
-// Ray casting against triangle meshes, static or moving. This is the only place that uses Embree
-// (version 3 or 4).
-//
+// Casts rays against triangle meshes, static or moving. Only this module uses Embree (version 3 or
+// 4).
 // Thread: build and pose a scene on one thread at a time. Tracing does not change a scene and is
 // safe on any thread.
 
@@ -24,24 +23,24 @@ struct RTCSceneTy;
 
 namespace copresence::simulation {
 
-/// A ray and, after tracing, its first hit. `direction` may have any length: `near` and `far` are
+/// A ray and, after tracing, its first hit. `direction` may have any length. `near` and `far` are
 /// multiples of it.
 struct Ray {
   Eigen::Vector3f origin, direction;
-  float near = 1e-4f, far = 1e30f;  ///< The searched range; after a hit, `far` is the distance of the hit.
+  float near = 1e-4f, far = 1e30f;  ///< Searched range. After a hit, `far` is the distance of the hit.
   int mesh = -1;                    ///< Index of the mesh or part that was hit, or -1 for none.
   std::uint32_t triangle = 0;       ///< Index within the mesh.
   float u = 0, v = 0;               ///< Barycentric weights of the second and third vertex.
 };
 
-/// Interpolates values of the three vertices of the triangle that was hit.
+/// Interpolates a value between the three vertices of the triangle that was hit.
 template <class Value>
 Value interpolate(const Ray& hit, const Value& a, const Value& b, const Value& c) {
   return a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v;
 }
 
 struct SurfacePoint {
-  Eigen::Vector3f position, normal;  ///< in the frame of the mesh
+  Eigen::Vector3f position, normal;  ///< In the frame of the mesh.
   Eigen::Vector2f uv;
 };
 
@@ -61,15 +60,15 @@ struct PixelRays {
   std::size_t width() const { return static_cast<std::size_t>(model.width); }
   std::size_t height() const { return static_cast<std::size_t>(model.height); }
 
-  /// Direction through the point `offset` pixels from the centre of a pixel.
+  /// Returns the direction through the point that is `offset` pixels from the centre of a pixel.
   Eigen::Vector3f direction(std::size_t pixel, const Eigen::Vector2f& offset) const {
     return directions[pixel] + offset.x() * pixel_x + offset.y() * pixel_y;
   }
 
   CameraModel model;
   Rigid3 world_from_camera;
-  Eigen::Vector3f eye;                      ///< World frame, metres.
-  std::vector<Eigen::Vector3f> directions;  ///< Per pixel, world frame; 1 long along the optical axis.
+  Eigen::Vector3f eye;                      ///< In the world frame, metres.
+  std::vector<Eigen::Vector3f> directions;  ///< Per pixel, world frame. Length 1 along the optical axis.
   Eigen::Vector3f pixel_x, pixel_y;         ///< Difference of the directions of neighbouring pixels.
 };
 
@@ -83,13 +82,13 @@ struct FreeDevice {
 /// Static meshes, ready for tracing.
 class RayScene {
  public:
-  /// Fails  kUnsupported if Embree cannot start on this processor.
+  /// Fails with kUnsupported if Embree cannot start on this processor.
   static Result<RayScene> make(std::span<const Mesh> meshes);
 
   /// Traces rays in packets of eight. Consecutive rays should have similar directions.
   void trace(std::span<Ray> rays) const;
 
-  /// True if there is a surface between `near` and `far`.
+  /// Returns true if there is a surface between `near` and `far`.
   bool is_blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float near,
                   float far) const;
 
@@ -98,14 +97,14 @@ class RayScene {
   std::unique_ptr<RTCSceneTy, FreeScene> scene_;
 };
 
-/// Rigid parts that move: each mesh is an instance with its own pose. Several objects may share the
+/// Rigid parts that move. Each mesh is an instance with its own pose. Several objects may share the
 /// geometry.
 class PosedScene {
  public:
-  /// The geometry of the parts. It is built once.
+  /// The geometry of the parts, which is built only once.
   class Parts {
    public:
-    /// Fails  as RayScene::make().
+    /// Fails as RayScene::make() does.
     static Result<Parts> make(std::span<const Mesh> meshes);
     std::size_t size() const { return scenes_.size(); }
 
@@ -117,10 +116,10 @@ class PosedScene {
 
   explicit PosedScene(const Parts& parts);
 
-  /// Moves part i to world_from_part[i]. Requires one pose per part.
+  /// Moves each part i to the pose world_from_part[i]. Requires one pose per part.
   void pose(std::span<const Eigen::Isometry3f> world_from_part);
 
-  /// As RayScene::trace(); Ray::mesh is the index of the part.
+  /// Traces rays as RayScene::trace() does. Ray::mesh is the index of the part.
   void trace(std::span<Ray> rays) const;
 
  private:

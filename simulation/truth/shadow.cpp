@@ -11,16 +11,16 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr std::size_t kLeastGroup = 64;  // Smallest number of points with a capsule list of their own.
-constexpr std::size_t kGroups = 8;       // A larger group is divided into this many.
-constexpr float kSharpest = 0.004f;      // Half the width of the penumbra at the capsule itself, metres.
+constexpr std::size_t kGroups = 8;       // Number of groups into which a larger group is divided.
+constexpr float kSharpest = 0.004f;      // Half the width of the penumbra at the capsule itself, in metres.
 
 struct Range {
   std::size_t first = 0, end = 0;
 };
 
-// The distance between the segment from `point` to `lamp` and the axis of a capsule.
+// Returns the distance between the segment from `point` to `lamp` and the axis of a capsule.
 float least_distance(const Vector3f& point, const Vector3f& lamp, const Capsule& capsule) {
-  // Closest points of two segments: Ericson, Real-Time Collision Detection, section 5.1.9.
+  // Source: Ericson, Real-Time Collision Detection, section 5.1.9 (closest points of two segments).
   const Vector3f to_lamp = lamp - point, axis = capsule.to - capsule.from, between = point - capsule.from;
   const float a = to_lamp.squaredNorm(), e = std::max(axis.squaredNorm(), 1e-8f), f = axis.dot(between);
   const float c = to_lamp.dot(between), b = to_lamp.dot(axis);
@@ -37,7 +37,7 @@ float least_distance(const Vector3f& point, const Vector3f& lamp, const Capsule&
 // True if the capsule may hide part of the lamp from any point within `radius` of `middle`.
 bool may_shade(const Capsule& capsule, const Vector3f& middle, float radius, const Vector3f& lamp,
                float lamp_radius) {
-  constexpr float kRounding = 1e-3f;  // metres
+  constexpr float kRounding = 1e-3f;  // In metres.
   const float nearest_lamp = (lamp - middle).norm() - radius;
   if (nearest_lamp <= 0.1f) return true;
   const float farthest =
@@ -75,13 +75,13 @@ void add_shadow(const ShadowPoints& points, const Range& range, const Capsule& c
     float cover = 0.5f - 0.5f * gap / penumbra;
     cover = std::min(std::max(cover, 0.0f), 1.0f);
     cover = cover * cover * (3 - 2 * cover);
-    cover = t > 0.02f ? cover : 0.0f;  // a point on the capsule does not shade itself
+    cover = t > 0.02f ? cover : 0.0f;  // A point on the capsule does not shade itself.
     hidden[i] = hidden[i] + cover - hidden[i] * cover;
   }
 }
 
 // Divides the points into smaller and smaller groups, and drops the capsules that cannot shade any
-// point of a group. The result is the same as without dropping.
+// point of a group. This only saves time: dropped capsules would add no shadow.
 void add_shadows(const ShadowPoints& points, const Range& range, std::span<const Capsule> capsules,
                  float lamp_radius, std::span<float> hidden) {
   const auto bounds = [&](const std::vector<float>& values) {

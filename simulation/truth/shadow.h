@@ -1,8 +1,8 @@
 #pragma once
 
-// Private to truth: soft shadows that the capsules of a figure cast in the light of a round lamp.
-//
-// Thread: values; free functions on const arguments are safe anywhere.
+// Private to this folder: soft shadows that the capsules of a figure cast in the light of a round
+// lamp.
+// Thread: free functions on const arguments are safe anywhere.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -13,28 +13,28 @@
 
 namespace copresence::simulation {
 
-/// Radius of the lamp in metres. It sets the softness of shadows.
+/// Radius of the lamp in metres. It determines how soft shadows are.
 inline constexpr float kLampRadius = 0.2f;
 
-/// Points that may be in shadow, one array per coordinate so that loops become vector code. Metres,
-/// world frame.
+/// Points that may be in shadow, in metres, world frame. Separate arrays per coordinate let loops
+/// become vector code.
 struct ShadowPoints {
   std::vector<float> x, y, z;
   Eigen::Vector3f lamp = Eigen::Vector3f::Zero();
   std::vector<float> to_x, to_y, to_z;  ///< Unit direction to the lamp.
-  std::vector<float> distance;          ///< To the lamp.
+  std::vector<float> distance;          ///< Distance to the lamp.
 
   std::size_t size() const { return x.size(); }
   void resize(std::size_t count);
   void add(const Eigen::Vector3f& position);
 
-  /// Sets `lamp`, and direction and distance for every point.
+  /// Sets `lamp`, and the direction and distance of every point.
   void aim_at(const Eigen::Vector3f& lamp_center);
 };
 
-/// The share of the lamp that the capsules hide from each point, 0 to 1. It is fastest if
-/// consecutive points are close to each other. Requires ShadowPoints::aim_at() and one result per
-/// point.
+/// Computes the share of the lamp that the capsules hide from each point, 0 to 1. It is fastest if
+/// consecutive points are close to each other. Requires an earlier ShadowPoints::aim_at() and one
+/// element of `hidden` per point.
 void cast_shadows(const ShadowPoints& points, std::span<const Capsule> capsules, float lamp_radius,
                   std::span<float> hidden);
 

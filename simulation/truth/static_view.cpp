@@ -10,9 +10,10 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr float kFigureReach = 0.95f, kFigureHeight = 2.0f;  // metres around its origin
+constexpr float kFigureReach = 0.95f,
+                kFigureHeight = 2.0f;  // Size of the space around its origin, in metres.
 
-// Sample points of a pixel's colour. No two are in the same row or column of sub-pixels.
+// Sample points of a pixel's colour. No two of them share a row or column of sub-pixels.
 constexpr int kSampleGrid = 3;
 const auto kSamples = [] {
   std::array<Vector2f, kSampleGrid * kSampleGrid> samples;
@@ -36,8 +37,8 @@ StaticView::StaticView(std::shared_ptr<const LitScene> scene, const PixelRays& r
   color_ = view_.color;
 }
 
-// Adds the light of the leading rays that hit the same mesh, to the pixels from `pixel` on. Returns
-// their number.
+// Adds light to the pixels from `pixel` on, for the first rays that hit the same mesh. Returns the
+// number of these rays.
 std::size_t StaticView::add_light(std::span<const Ray> rays, float share, std::size_t pixel) {
   std::size_t n = 1;
   while (n < rays.size() && rays[n].mesh == rays[0].mesh) ++n;
@@ -62,8 +63,8 @@ std::size_t StaticView::add_light(std::span<const Ray> rays, float share, std::s
   return n;
 }
 
-// The light that a surface of colour `color` reflects along a ray that hit it. `rest` is all of it,
-// `lamp` the share of the lamp.
+// The light that a surface of colour `color` reflects along a ray that hit it. `rest` is all of
+// this light, and `lamp` is the share of the lamp.
 Light StaticView::reflected_light(const Ray& ray, const Vector3f& color, bool mirrors) const {
   const auto m = static_cast<std::size_t>(ray.mesh);
   const Mesh& mesh = scene_->scene().meshes[m];
@@ -132,8 +133,8 @@ void StaticView::trace(const PixelRays& pixels) {
   }
 }
 
-// Shadows are soft, so 2x2 pixels share one value. Only blocks whose path to the lamp passes
-// through the reach of the figure are kept.
+// Shadows are soft, so 2x2 pixels share one value. A block is kept only if its path to the lamp
+// passes near the figure.
 void StaticView::find_shadow_blocks(const PixelRays& pixels) {
   const Scene& scene = scene_->scene();
   if (scene_->figure().empty() || scene.lights.empty()) return;
@@ -155,7 +156,7 @@ void StaticView::find_shadow_blocks(const PixelRays& pixels) {
   std::vector<float> hidden(points.size());
   cast_shadows(points, {&reach, 1}, kLampRadius, hidden);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    // cast_shadows() never shades a point inside the capsule, but the figure may shade it.
+    // cast_shadows() never shades a point inside a capsule, but the figure may shade it.
     const Vector3f position(points.x[i], points.y[i], points.z[i]);
     const bool inside = std::hypot(position.x() - feet.x(), position.z() - feet.z()) < kFigureReach;
     if (hidden[i] <= 0 && !inside) continue;

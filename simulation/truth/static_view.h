@@ -2,8 +2,7 @@
 
 // Private to TrueCamera: the static part of a scene as one camera sees it, traced once, and the
 // shadow of the figure on it.
-//
-// Thread: one thread per object; several may share a scene.
+// Thread: one thread at a time per object; several objects may share a scene.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -21,23 +20,23 @@ namespace copresence::simulation {
 
 class StaticView {
  public:
-  /// Traces all static surfaces. The rays are not kept.
+  /// Traces all static surfaces. The rays are needed only in the constructor.
   StaticView(std::shared_ptr<const LitScene> scene, const PixelRays& rays);
 
-  /// The view without figure and shadow.
+  /// Returns the view without figure and shadow.
   const TrueView& view() const { return view_; }
 
   /// Colour and light with the shadow of the last cast_figure_shadow().
   const ColorImage& color() const { return color_; }
   const Eigen::Vector3f& light(std::size_t pixel) const { return light_[pixel]; }
 
-  /// Replaces the shadow of the figure by that of `capsules` (world frame). Pixels that change are
-  /// also written to `view`.
+  /// Replaces the shadow of the figure by the shadow of `capsules` (world frame). Pixels that
+  /// change are also written to `view`.
   void cast_figure_shadow(std::span<const Capsule> capsules, ColorImage& view);
 
  private:
   struct Block {
-    int x = 0, y = 0;  // top left of 2x2 pixels that share one shadow value
+    int x = 0, y = 0;  // Top left pixel of the block.
   };
 
   void trace(const PixelRays& pixels);
@@ -47,12 +46,13 @@ class StaticView {
 
   std::shared_ptr<const LitScene> scene_;
   TrueView view_;
-  std::vector<Eigen::Vector3f> static_light_, static_lamp_;  // linear, without shadow; the lamp's share of it
+  std::vector<Eigen::Vector3f> static_light_,
+      static_lamp_;  // Linear, without shadow; the lamp's share of it.
   std::vector<Block> blocks_;
   ShadowPoints shadow_points_;
   std::vector<float> hidden_;                      // Per block: the hidden share of the lamp.
   std::vector<Eigen::Vector3f> light_;             // Per pixel, with the shadow of the figure.
-  ColorImage color_;                               // The same after tone mapping.
+  ColorImage color_;                               // The same light after tone mapping.
   std::vector<float> u_, v_, red_, green_, blue_;  // Buffers of add_light().
 };
 

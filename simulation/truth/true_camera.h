@@ -1,10 +1,9 @@
 #pragma once
 
-// Ground truth: true depth and colour of a scene from any camera model and pose at any time.
-//
-// The static part of the scene is traced once, when the camera is made. After that, only pixels
-// that may show the figure are traced.
-// Thread: one thread per camera; several cameras may share a scene.
+// Ground truth: true depth and colour of a scene from any camera model and pose at any time. The
+// static part of the scene is traced once, when the camera is created. After that, only pixels that
+// may show the figure are traced.
+// Thread: one thread at a time per camera; several cameras may share a scene.
 
 #include <memory>
 
@@ -23,23 +22,23 @@ struct PixelRays;
 /// The view of a perfect camera at one instant.
 struct TrueView {
   Image<float> depth_m;   ///< Along the optical axis at the pixel's centre; 0 where there is no surface.
-  ColorImage color;       ///< sRGB, anti-aliased.
-  Image<float> infrared;  ///< Share of the projector's light that is reflected to the camera, 0 to 1.
+  ColorImage color;       ///< In sRGB, anti-aliased.
+  Image<float> infrared;  ///< Share of the projector's light that is reflected to the camera.
 };
 
 class TrueCamera {
  public:
-  /// Fails  kInvalid for a model that check() refuses or a pose that is not rigid.
+  /// Fails with kInvalid if check() rejects the model or the pose is not rigid.
   static Result<TrueCamera> make(std::shared_ptr<const LitScene> scene, const CameraModel& model,
                                  const Rigid3& world_from_camera);
   ~TrueCamera();
   TrueCamera(TrueCamera&&) noexcept;
   TrueCamera& operator=(TrueCamera&&) noexcept;
 
-  /// The view at `phase` of the figure's motion. It is valid until the next call.
+  /// Returns the view at `phase` of the figure's motion, valid until the next call.
   const TrueView& trace(double phase);
 
-  /// The view without the figure.
+  /// Returns the view without the figure.
   const TrueView& background() const;
 
   /// True if the scene has a figure, so that trace() depends on the phase.

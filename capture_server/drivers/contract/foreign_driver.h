@@ -3,7 +3,6 @@
 // Embeds a third-party camera driver in a driver of this project. Its library is loaded from its
 // installed path, and only if it is needed. Its devices and streams are passed on unchanged,
 // because OpenNI2's driver interface gives them the same virtual functions in every driver.
-//
 // Thread: as OpenNI2 calls a driver.
 
 #include <optional>

@@ -1,7 +1,6 @@
 #pragma once
 
 // A thread that calls a function periodically until it is destroyed.
-//
 // Thread: its owner creates and destroys it. The function runs on the new thread.
 
 #include <chrono>

@@ -2,7 +2,6 @@
 
 // Base of a device whose streams are PushStreams with one mode each. A camera's class implements
 // begin() and end(), its own properties and the virtual functions below.
-//
 // Thread: OpenNI2 calls it from the threads of its users.
 
 #include <deque>

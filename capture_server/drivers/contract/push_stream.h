@@ -2,7 +2,6 @@
 
 // A stream to which the camera's driver pushes whole pictures, with the properties that all such
 // streams share. A picture is written directly into OpenNI2's memory, without a copy.
-//
 // Thread: OpenNI2 calls properties, start() and stop() from the threads of its users. Pictures come
 // from the camera's thread. After stop() has returned, no picture of this stream reaches OpenNI2.
 

@@ -1,7 +1,6 @@
 #pragma once
 
 // Finds the OpenNI2 drivers that a user has installed in addition to this project's.
-//
 // Thread: free functions, safe anywhere.
 
 #include <string>

@@ -2,7 +2,6 @@
 
 // An owner of libfreenect's context, and access to libfreenect's messages, because libfreenect
 // reports the reason of a failure only in its log.
-//
 // Thread: one thread at a time per context.
 
 #include <libfreenect.h>

@@ -2,7 +2,6 @@
 
 // The only thread that uses one Kinect. libfreenect's calls for a device and its transfers must run
 // on the same thread. Other threads pass work to it and wait.
-//
 // Thread: any other thread may call run().
 
 #include <libfreenect.h>

@@ -3,7 +3,6 @@
 // One Kinect v1 as a device of OpenNI2. All streams have 640x480 pixels and 30 frames a second.
 // Depth is in 1 mm, optionally registered to colour. The other camera gives either colour (RGB888)
 // or infrared (GRAY8). The device also has tilt, light, near mode, exposure and white balance.
-//
 // Thread: OpenNI2 calls it from the threads of its users. Pictures come from the device's own
 // thread.
 

@@ -1,7 +1,6 @@
 // The driver of Kinect v1 cameras for OpenNI2, by Debian's libfreenect. A camera's URI contains its
 // serial number, freenect://A00366..., and does not depend on its place on the bus. Cameras may be
 // plugged in and out, and a failing transfer counts as unplugged.
-//
 // Thread: one thread watches the bus, and each open device has its own thread.
 
 #include <chrono>

@@ -2,7 +2,6 @@
 
 // Shares between processes which projectors of a simulated world are on. Every camera of the world
 // maps the same small file. If a camera's process has ended, its projector counts as off.
-//
 // Thread: any thread; only one process may write a camera's entry.
 
 #include <cstddef>

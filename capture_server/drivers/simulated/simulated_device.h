@@ -2,7 +2,6 @@
 
 // A simulated Kinect as a device of OpenNI2: 640x480 pixels at 30 frames per second, depth in 1 mm
 // registered to colour. Timestamps are microseconds of the system clock.
-//
 // Thread: OpenNI2 calls it from its users' threads. While streams are started, a thread of the
 // device creates their frames.
 

@@ -1,6 +1,5 @@
 // The driver of simulated cameras for OpenNI2. Their URIs are described in
 // contract/simulated_uri.h.
-//
 // Thread: OpenNI2 calls it from its users' threads. If a camera has a control file, one thread of
 // the driver watches that file.
 

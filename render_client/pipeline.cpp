@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
-#include <numbers>
 #include <thread>
 #include <utility>
 
@@ -162,7 +161,7 @@ class Pipeline {
   void take_frames() {
     for (const ShownCameras::Arrival& arrival : cameras_.take(mailboxes_, steady_clock::now())) {
       pacer_.frame_arrived(static_cast<int>(arrival.camera), arrival.arrived_at);
-      viewer_.on_camera_pose(arrival.camera, arrival.world_from_camera);
+      viewer_.on_camera_pose(arrival.camera, arrival.world_from_camera, arrival.model);
       is_prepared_ = false;
     }
   }
@@ -314,9 +313,9 @@ Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop)
   const scene::Scene* known = scene ? &*scene : nullptr;
   auto servers = addresses(settings, known);
   if (!servers) return fail(servers.error());
-  const CameraModel intrinsics = camera_from_field_of_view(settings.width, settings.height,
-                                                           settings.fov_degrees * std::numbers::pi / 180);
-  auto viewer = viewpoint::Viewer::open(settings.view, intrinsics, scene ? scene->up : scene::Scene{}.up);
+  auto viewer =
+      viewpoint::Viewer::open(settings.view, {settings.width, settings.height, settings.fov_degrees},
+                              scene ? scene->up : scene::Scene{}.up);
   if (!viewer) return fail(viewer.error());
   flow::WorkerPool workers(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())), "render");
   auto display = open_display(settings);

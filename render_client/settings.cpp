@@ -75,8 +75,9 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
   app.add_option("--fps", settings.fps, "greatest number of views per second, headless")
       ->capture_default_str()
       ->check(number(0.1, 1000));
-  app.add_option("--fov", settings.fov_degrees, "vertical field of view, degrees")
-      ->capture_default_str()
+  app.add_option("--fov", settings.fov_degrees,
+                 "vertical field of view, degrees [50; less where the view begins at a camera whose picture "
+                 "would not fill it]")
       ->check(number(5, 150));
   app.add_flag(
       "--sync", settings.sync,

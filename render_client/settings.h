@@ -21,7 +21,9 @@ struct ClientSettings {
   std::string renderer = "auto";   ///< auto, gl, cpu
   int width = 1280, height = 720;  ///< of the view; even
   double fps = 30;                 ///< greatest number of views per second, headless
-  double fov_degrees = 50;         ///< vertical
+  /// Vertical field of view. Without it, it is viewpoint::kFovDegrees, or less if the view begins at a
+  /// camera whose picture would not fill it.
+  std::optional<double> fov_degrees;
   viewpoint::ViewChoice view;
   renderer::UnseenStyle unseen{.show = renderer::UnseenStyle::Show::kExtend};
   bool match_colors = true;  ///< live colour matching

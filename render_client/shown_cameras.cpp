@@ -60,7 +60,7 @@ std::vector<ShownCameras::Arrival> ShownCameras::take(flow::Mailboxes<CameraFram
     } else if (frame) {
       show(i, std::move(*frame));
       const CameraFrame& newest = *cameras_[i].newest;
-      arrivals.push_back({i, newest.arrived_at, newest.pose()});
+      arrivals.push_back({i, newest.arrived_at, newest.pose(), newest.setup->model});
     }
   }
   note_stale_cameras(now);

@@ -41,6 +41,7 @@ class ShownCameras {
     std::size_t camera;
     Instant arrived_at;
     Rigid3 world_from_camera;
+    CameraModel model;
   };
   /// Takes the frames that have arrived, and removes cameras that are left out of the view.
   std::vector<Arrival> take(flow::Mailboxes<CameraFrame>& mailboxes, Instant now);

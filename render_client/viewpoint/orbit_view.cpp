@@ -18,11 +18,7 @@ constexpr double kNearest = 0.1, kFarthest = 30;  // metres between eye and pivo
 }  // namespace
 
 OrbitView::OrbitView(const CameraModel& intrinsics, const Eigen::Vector3d& up, double pivot_m)
-    : Viewpoint(intrinsics),
-      up_(up.normalized()),
-      pivot_m_(pivot_m),
-      metres_per_height_(intrinsics.height / intrinsics.fy),
-      distance_m_(pivot_m) {
+    : Viewpoint(intrinsics), up_(up.normalized()), pivot_m_(pivot_m), distance_m_(pivot_m) {
   assert(up.norm() > 0 && pivot_m > 0 && intrinsics.fy > 0);
 }
 
@@ -71,7 +67,8 @@ void OrbitView::orbit(const Orbit& by) {
 }
 
 void OrbitView::pan(const Pan& by) {
-  const double metres = metres_per_height_ * distance_m_;
+  const double height_at_one_metre = intrinsics().height / intrinsics().fy;
+  const double metres = height_at_one_metre * distance_m_;
   world_from_eye_.translation -=
       world_from_eye_.rotation * Eigen::Vector3d(by.right * metres, by.down * metres, 0);
 }

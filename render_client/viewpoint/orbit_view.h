@@ -38,7 +38,6 @@ class OrbitView final : public Viewpoint {
 
   Eigen::Vector3d up_;
   double pivot_m_;
-  double metres_per_height_;  // visible height at a distance of one metre
   bool has_reset_pose_ = false;
   Rigid3 reset_pose_;
   Rigid3 world_from_eye_;

@@ -1,6 +1,8 @@
 #include "render_client/viewpoint/viewer.h"
 
+#include <algorithm>
 #include <charconv>
+#include <numbers>
 
 #include "render_client/viewpoint/orbit_view.h"
 #include "render_client/viewpoint/scripted_views.h"
@@ -11,6 +13,26 @@ namespace {
 constexpr double kPivotM = 2.0;  // a typical distance of a person from a Kinect
 
 using Kind = ViewChoice::Kind;
+
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+/// The camera of `vertical` radians, or less, whose picture lies within that of `other` at the same
+/// pose. Lens distortion is not considered.
+CameraModel camera_within(int width, int height, double vertical, const CameraModel& other) {
+  CameraModel camera = camera_from_field_of_view(width, height, vertical);
+  const auto is_inside = [](double center, int pixels) { return center > 0 && center < pixels - 1; };
+  if (!is_inside(other.cx, other.width) || !is_inside(other.cy, other.height)) return camera;
+  // Along each axis, the first and the last pixel must lie in the picture of `other`.
+  const auto least_focal = [](double center, int pixels, double focal, double other_center,
+                              int other_pixels) {
+    return focal * std::max(center / other_center, (pixels - 1 - center) / (other_pixels - 1 - other_center));
+  };
+  camera.fx = camera.fy = std::max({camera.fy, least_focal(camera.cx, width, other.fx, other.cx, other.width),
+                                    least_focal(camera.cy, height, other.fy, other.cy, other.height)});
+  return camera;
+}
 
 /// From 1 to 65535; nothing for other texts.
 std::optional<std::uint16_t> parse_port(std::string_view text) {
@@ -33,35 +55,39 @@ std::optional<ViewChoice> parse_view(std::string_view text) {
   return port ? std::optional(ViewChoice{Kind::kOpentrack, {}, *port}) : std::nullopt;
 }
 
-Result<Viewer> Viewer::open(const ViewChoice& choice, const CameraModel& intrinsics,
-                            const Eigen::Vector3d& up) {
+Result<Viewer> Viewer::open(const ViewChoice& choice, const ViewFormat& format, const Eigen::Vector3d& up) {
+  const CameraModel intrinsics = camera_from_field_of_view(format.width, format.height,
+                                                           radians(format.fov_degrees.value_or(kFovDegrees)));
+  const bool fills_window = !format.fov_degrees;
   switch (choice.kind) {
     case Kind::kFixed:
       break;
     case Kind::kMouse:
-      return Viewer(std::make_unique<OrbitView>(intrinsics, up, kPivotM));
+      return Viewer(std::make_unique<OrbitView>(intrinsics, up, kPivotM), format, fills_window);
     case Kind::kPath: {
       auto path = EyePath::load(choice.path_file);
       if (!path) return fail(path.error());
-      return Viewer(std::make_unique<PathView>(intrinsics, std::move(*path), up));
+      return Viewer(std::make_unique<PathView>(intrinsics, std::move(*path), up), format, false);
     }
     case Kind::kOpentrack: {
       auto opened = OpentrackView::open(intrinsics, choice.tracker_port);
       if (!opened) return fail(opened.error());
       auto tracker = std::make_unique<OpentrackView>(std::move(*opened));
       const OpentrackView* const counted = tracker.get();
-      Viewer viewer(std::move(tracker));
+      Viewer viewer(std::move(tracker), format, false);
       viewer.tracker_ = counted;
       return viewer;
     }
   }
-  return Viewer(std::make_unique<FixedView>(intrinsics));
+  return Viewer(std::make_unique<FixedView>(intrinsics), format, fills_window);
 }
 
-void Viewer::on_camera_pose(std::size_t index, const Rigid3& world_from_camera) {
+void Viewer::on_camera_pose(std::size_t index, const Rigid3& world_from_camera, const CameraModel& model) {
   if (reset_camera_ && *reset_camera_ <= index) return;
   reset_camera_ = index;
   viewpoint_->set_reset_pose(world_from_camera);
+  if (fills_window_)
+    viewpoint_->set_intrinsics(camera_within(format_.width, format_.height, radians(kFovDegrees), model));
 }
 
 std::vector<ViewPose> Viewer::at(std::uint64_t view_index, Instant display_time,

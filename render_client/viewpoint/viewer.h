@@ -26,19 +26,27 @@ struct ViewChoice {
   std::uint16_t tracker_port = OpentrackView::kPort;  ///< of kOpentrack
 };
 
+/// Size and field of view of the views.
+struct ViewFormat {
+  int width = 1280, height = 720;  ///< pixels
+  /// Vertical. Without it, the field of view is kFovDegrees. A fixed view and one moved with the mouse
+  /// begin at a camera. Their field of view is smaller where the camera's picture would not fill it.
+  std::optional<double> fov_degrees;
+};
+inline constexpr double kFovDegrees = 50;
+
 /// Nothing if `text` is not a value of --view.
 std::optional<ViewChoice> parse_view(std::string_view text);
 
 class Viewer {
  public:
-  /// `intrinsics` of the views; `up` is the world's.
+  /// `up` is the world's.
   /// Fails if the path file is unreadable or invalid, or if the head tracker's port is in use.
-  static Result<Viewer> open(const ViewChoice& choice, const CameraModel& intrinsics,
-                             const Eigen::Vector3d& up);
+  static Result<Viewer> open(const ViewChoice& choice, const ViewFormat& format, const Eigen::Vector3d& up);
 
-  /// Tells the viewer a camera's pose. The reset pose is that of the first listed camera. Until
+  /// Tells the viewer a camera's pose and intrinsics. The reset pose is that of the first listed camera. Until
   /// that camera has come, it is the pose of the first listed camera among those that have.
-  void on_camera_pose(std::size_t index, const Rigid3& world_from_camera);
+  void on_camera_pose(std::size_t index, const Rigid3& world_from_camera, const CameraModel& model);
 
   void apply(const Gesture& gesture) { viewpoint_->apply(gesture); }
 
@@ -53,9 +61,12 @@ class Viewer {
   const OpentrackView::Counters* head_tracker() const { return tracker_ ? &tracker_->counters() : nullptr; }
 
  private:
-  explicit Viewer(std::unique_ptr<Viewpoint> viewpoint) : viewpoint_(std::move(viewpoint)) {}
+  Viewer(std::unique_ptr<Viewpoint> viewpoint, const ViewFormat& format, bool fills_window)
+      : viewpoint_(std::move(viewpoint)), format_(format), fills_window_(fills_window) {}
 
   std::unique_ptr<Viewpoint> viewpoint_;
+  ViewFormat format_;
+  bool fills_window_;                        // the field of view follows the camera at the reset pose
   const OpentrackView* tracker_ = nullptr;   // the viewpoint, if it is a head tracker
   std::optional<std::size_t> reset_camera_;  // index of the camera whose pose is the reset pose
 };

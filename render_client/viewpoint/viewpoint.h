@@ -48,6 +48,9 @@ class Viewpoint {
   /// Sets the pose of the unmoved eye, that is, the pose of the first camera once it is known.
   virtual void set_reset_pose(const Rigid3& world_from_eye) = 0;
 
+  /// Intrinsics of the views from now on; the same size.
+  void set_intrinsics(const CameraModel& intrinsics) { intrinsics_ = intrinsics; }
+
   /// Ignored unless the view is moved by hand.
   virtual void apply(const Gesture&) {}
 
@@ -55,6 +58,7 @@ class Viewpoint {
   virtual std::optional<News> news(Instant) { return std::nullopt; }
 
  protected:
+  const CameraModel& intrinsics() const { return intrinsics_; }
   ViewPose pose_at(const Rigid3& world_from_eye) const { return {intrinsics_, world_from_eye}; }
 
  private:

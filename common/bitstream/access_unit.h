@@ -1,9 +1,7 @@
 #pragma once
 
-// Splits an H.264 access unit into NAL units, and writes it. An access unit holds the bytes of one
-// coded picture, here in Annex B form.
-// Source: ITU-T H.264 (08/2021), sections 7.3.1, 7.4.1.2 and annex B.
-// Thread: pure.
+// Splits H.264 access units in Annex B form into NAL units, and writes them. Source: ITU-T H.264
+// (08/2021), sections 7.3.1, 7.4.1.2 and annex B. Thread: pure.
 
 #include <cstdint>
 #include <span>
@@ -27,8 +25,7 @@ struct Nal {
 
   NalType type() const { return static_cast<NalType>(bytes[0] & 31); }
   /// True for slices and parameter sets, without which the picture cannot be decoded. A program
-  /// that copies a stream keeps these units unchanged. It may add, move or drop the others
-  /// (delimiters, fillers, SEI).
+  /// that copies a stream keeps these units unchanged, but may change the others.
   bool is_essential() const;
 };
 
@@ -39,8 +36,7 @@ Result<std::vector<Nal>> split_access_unit(std::span<const std::uint8_t> access_
 /// Appends a start code and the NAL unit.
 void append_nal(std::vector<std::uint8_t>& access_unit, std::span<const std::uint8_t> nal);
 
-/// Insert emulation prevention bytes into a payload, so that it contains no start code, and remove
-/// them.
+/// Insert emulation prevention bytes, so that a payload contains no start code, and remove them.
 std::vector<std::uint8_t> to_nal_bytes(std::span<const std::uint8_t> payload);
 std::vector<std::uint8_t> from_nal_bytes(std::span<const std::uint8_t> nal);
 

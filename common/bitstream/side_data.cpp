@@ -18,8 +18,7 @@ constexpr std::uint8_t kLayoutVersion = 3;
 constexpr std::array<std::uint8_t, 16> kUuid = {0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58,
                                                 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d, 0x80, 0x6a};
 constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 51, kPoseBytes = 96, kSizeBytes = 4;
-// The sum of start code, NAL unit header, payload type, last byte of the payload size, and stop
-// bit.
+// Start code, NAL unit header, payload type, last byte of the payload size, and stop bit.
 constexpr std::size_t kFramingBytes = 8;
 
 enum Flag : std::uint8_t { kHasColor = 1, kHasPose = 2, kHasResiduals = 4 };
@@ -86,8 +85,7 @@ Rigid3 read_pose(Reader& reader) {
   return pose;
 }
 
-/// Returns the CRC-32 of the bytes that the CRC `before` covers, followed by `bytes`. The CRC of no
-/// bytes is 0.
+/// Extends the CRC-32 `before` by `bytes`. The CRC-32 of no bytes is 0.
 std::uint32_t crc(std::span<const std::uint8_t> bytes, std::uint32_t before) {
   return static_cast<std::uint32_t>(crc32_z(before, bytes.data(), bytes.size()));
 }

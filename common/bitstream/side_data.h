@@ -36,8 +36,7 @@ struct SideData {
   friend bool operator==(const SideData&, const SideData&) = default;
 };
 
-/// Approximate size of the side data in the access unit, in bytes. Emulation prevention bytes are
-/// not counted.
+/// Size of the side data in the access unit, in bytes, without emulation prevention bytes.
 std::size_t side_data_bytes(const SideData& data);
 
 /// Returns the depth access unit's essential NAL units, with the side data before the first slice.
@@ -47,8 +46,8 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
                                         std::span<const std::uint8_t> color, const SideData& data);
 
 /// Reads the side data of a frame. Fails with kCorrupt if the side data, a slice or a parameter set
-/// of either picture is damaged or missing. Fails with kCorrupt, too, for numbers outside the
-/// bounds of common/frame/bounds.h.
+/// of either picture is damaged or missing. Numbers outside the bounds of common/frame/bounds.h
+/// fail, too.
 Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::span<const std::uint8_t> color);
 
 }  // namespace copresence::bitstream

@@ -36,8 +36,7 @@ void split(const Rgb8* __restrict rgb, int count, Channels& __restrict out) {
   }
 }
 
-/// Multiplies a number by a coefficient and rounds down. Compilers multiply sixteen of these 16-bit
-/// numbers at a time.
+/// Multiplies and rounds down. Compilers multiply sixteen of these 16-bit numbers at a time.
 std::uint16_t share(int of, std::uint16_t coefficient) {
   return static_cast<std::uint16_t>(
       static_cast<std::uint32_t>(static_cast<std::uint16_t>(of)) * coefficient >> kShift);

@@ -1,7 +1,6 @@
 #pragma once
 
-// Reports command lines that cannot be parsed, and prints --help and --version. Thread: the main
-// thread.
+// Reports invalid command lines, and prints --help and --version. Thread: the main thread.
 
 #include <CLI/CLI.hpp>
 

@@ -22,8 +22,7 @@ std::optional<Number> parse(const std::string& text) {
   return number;
 }
 
-/// Parses the numbers before and after the first `separator`. Returns nothing if either text is not
-/// a number.
+/// Parses the numbers before and after the first `separator`. Returns nothing on failure.
 template <class Number>
 std::optional<std::pair<Number, Number>> parse_two(const std::string& text, char separator) {
   const auto at = text.find(separator);

@@ -1,8 +1,7 @@
 #pragma once
 
-// Converts depth images to pictures for a video codec, and back. One pair of classes offers all
-// codecs of docs/internals/codecs.md. The codec's name and parameters are part of the stream
-// description.
+// Converts depth images to pictures for a video codec, and back. Encoder and Decoder offer all
+// codecs of docs/internals/codecs.md. The stream description has the codec's name and parameters.
 //
 // Every codec keeps states exactly: a hole is never decoded as depth, nor depth as a hole. All
 // decoded depth lies within the stream's range. Each codec's header and docs/internals/codecs.md
@@ -27,8 +26,7 @@ std::span<const std::string_view> codec_names();
 
 class Encoder {
  public:
-  /// Fails with kInvalid for an unknown name, with a message that lists the known names. Fails as
-  /// check(DepthFormat) does, too.
+  /// Fails with kInvalid for an unknown name, and as check(DepthFormat) does.
   static Result<Encoder> open(std::string_view codec_name, const DepthFormat& format);
   ~Encoder();
   Encoder(Encoder&&) noexcept;
@@ -37,8 +35,7 @@ class Encoder {
   const DepthCodecDescription& description() const;
 
   /// Sets the depths that the sensor can report, ascending, in the stream's unit. Call this before
-  /// the first frame. The codebook, if any, then has these levels from the beginning. The list need
-  /// not be complete.
+  /// the first frame. The codebook, if any, begins with these levels. The list may be incomplete.
   void set_sensor_levels(std::span<const std::uint16_t> levels);
 
   /// Switches lossless coding on or off. The next frame becomes a keyframe. Codecs with monochrome
@@ -47,10 +44,9 @@ class Encoder {
   void set_lossless(bool lossless);
 
   /// Converts depth and states to a picture and side data. Depth 0 and depth outside the range
-  /// become holes, whatever their state. The result is a keyframe if `keyframe` is set, for the
-  /// first frame, or if the codec decides so. Requires the shape of the format. Fails with
-  /// kUnsupported if lossless coding is impossible for this depth; the next frame is then a
-  /// keyframe.
+  /// become holes. The result is a keyframe if `keyframe` is set, for the first frame, or if the
+  /// codec decides so. Requires the shape of the format. Fails with kUnsupported if lossless coding
+  /// is impossible for this depth; the next frame is then a keyframe.
   Result<PlanarDepth> encode(const DepthImage& depth, const StateImage& states, bool keyframe);
 
  private:

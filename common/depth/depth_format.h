@@ -26,13 +26,11 @@ struct DepthFormat {
 /// Fails as check_noise() does, too.
 Result<void> check(const DepthFormat& format);
 
-/// Returns the codec parameter `name`. Fails with kInvalid if it is missing, not finite or outside
-/// [least, most].
+/// Returns the codec parameter `name`. Fails with kInvalid unless it is in [least, most].
 Result<double> described(const DepthCodecDescription& description, std::string_view name, double least,
                          double most);
 
-/// Returns the codec parameters near and far, in the stream's unit. Fails with kInvalid unless 1 <=
-/// near < far <= 65535.
+/// Returns near and far in the stream's unit. Fails with kInvalid unless 1 <= near < far <= 65535.
 Result<DepthRangeUnits> described_range(const DepthCodecDescription& description);
 
 }  // namespace copresence::depth

@@ -10,8 +10,7 @@ constexpr int kReach = 2;          // Pixels to either side.
 constexpr int kBlock = 32;         // Number of pixels that are tested for edges at a time.
 constexpr float kEdgeSteps = 10;   // Sides that differ by more are two surfaces.
 constexpr float kFlyingSteps = 5;  // Least difference between a flying pixel and both sides.
-// As a share of the difference between the sides. A pixel farther than this from both sides may
-// belong to either.
+// Share of the difference between the sides. Beyond it, a pixel may belong to either side.
 constexpr float kSureShare = 0.3f;
 
 }  // namespace

@@ -38,8 +38,8 @@ class PlaneDecoder {
   virtual ~PlaneDecoder() = default;
 
   /// Writes a depth within the range to every pixel of `out`, which has the picture's shape. Values
-  /// in holes are arbitrary. Requires a picture of the described format. Fails with kCorrupt if the
-  /// codebook change is impossible.
+  /// in holes are arbitrary. Requires the described format. Fails with kCorrupt on a bad codebook
+  /// change.
   virtual Result<void> decode(const PlanarDepth& in, const StateImage& states, DepthImage& out) = 0;
 };
 

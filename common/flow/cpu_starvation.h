@@ -11,8 +11,7 @@
 
 namespace copresence::flow {
 
-/// Measures how long the threads of a process were runnable but not scheduled, summed over the
-/// threads.
+/// Sums the time in which threads of a process were runnable but not scheduled.
 class CpuStarvation {
  public:
   explicit CpuStarvation(pid_t process) : process_(process) {}
@@ -29,8 +28,8 @@ class CpuStarvation {
   std::map<pid_t, std::chrono::nanoseconds> threads_;
 };
 
-/// How long a thread may be silent before it counts as broken: `usual` plus its time without a CPU,
-/// at most `most`.
+/// Silence after which a thread counts as broken: `usual` plus its time without CPU, at most
+/// `most`.
 class StallTimeout {
  public:
   constexpr StallTimeout(std::chrono::nanoseconds usual, std::chrono::nanoseconds most)

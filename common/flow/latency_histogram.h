@@ -16,8 +16,7 @@ class LatencyHistogram {
   void add(Duration duration);
   std::uint64_t count() const { return count_; }
 
-  /// Returns the milliseconds below which `percent` (0 to 100) of the durations lie, or 0 without
-  /// durations.
+  /// Milliseconds below which `percent` (0 to 100) of the durations lie; 0 if there are none.
   double percentile_ms(double percent) const;
 
  private:

@@ -26,8 +26,7 @@ class Mailbox {
     filled_.notify_one();
   }
 
-  /// Waits for a value and removes it. Returns nothing on a stop request, or if the mailbox is
-  /// closed and empty.
+  /// Waits for a value and removes it. Returns nothing on a stop request, or once closed and empty.
   std::optional<T> take(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, stop, [this] { return slot_.has_value() || closed_; });

@@ -21,8 +21,7 @@ class Mailboxes {
  public:
   explicit Mailboxes(std::size_t slots) : slots_(slots) {}
 
-  /// Stores a value. Returns true if it replaced a value that was not taken. Requires slot < number
-  /// of slots.
+  /// Stores a value. Returns true if this replaced a value. Requires slot < number of slots.
   bool put(std::size_t slot, T value) {
     bool lost = false;
     {

@@ -30,8 +30,7 @@ void WorkerPool::run(int jobs, FunctionRef job) {
     }
     work_.notify_all();
     take_jobs(job, jobs, 0);
-    // All jobs are taken. Threads that have not woken up yet will find no job. Wait for the others
-    // to finish.
+    // Threads that have not woken up yet will find no job. Wait for the others to finish.
     std::unique_lock lock(mutex_);
     job_ = nullptr;
     idle_.wait(lock, [this] { return working_ == 0; });

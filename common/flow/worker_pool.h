@@ -3,8 +3,7 @@
 // A fixed number of threads that run the jobs of one caller. The calling thread runs jobs, too.
 // Pipelines create the pool, and modules use it as an Executor (common/executor.h).
 //
-// Idle threads sleep on a condition variable. They do not spin, since capture servers need the same
-// cores.
+// Idle threads sleep instead of spinning, since capture servers need the same cores.
 
 #include <atomic>
 #include <condition_variable>

@@ -18,8 +18,7 @@ namespace {
 
 constexpr std::size_t kErrorsKept = 32;
 
-// EGL has one display per device in a process. eglTerminate() ends a display for all its users, so
-// this class counts them.
+// Counts the users of EGL's displays, since eglTerminate() ends a display for all its users.
 class Displays {
  public:
   static bool open(EGLDisplay display) {
@@ -46,8 +45,7 @@ class Displays {
   }
 };
 
-// Returns displays in the order of attempts: hardware devices, Mesa's software renderer without a
-// device, software devices.
+// Returns hardware devices, then Mesa's software renderer without a device, then software devices.
 std::vector<EGLDisplay> candidate_displays() {
   std::vector<EGLDisplay> hardware, software, surfaceless;
   if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") &&
@@ -74,8 +72,7 @@ std::vector<EGLDisplay> candidate_displays() {
   return all;
 }
 
-// Creates a 4.5 core context without a surface and makes it current. Returns EGL_NO_CONTEXT if the
-// display has none.
+// Creates a 4.5 core context without a surface. Returns EGL_NO_CONTEXT if that fails.
 EGLContext make_current_context(EGLDisplay display, Debug debug) {
   if (!eglBindAPI(EGL_OPENGL_API)) return EGL_NO_CONTEXT;
   EGLConfig config = EGL_NO_CONFIG_KHR;

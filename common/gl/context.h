@@ -21,8 +21,7 @@ class Window;
 
 namespace copresence::gl {
 
-/// Debug::kOn makes the driver check every call and report errors. It is slower and meant for
-/// tests.
+/// With Debug::kOn the driver checks every call and reports errors. Slower; meant for tests.
 enum class Debug : bool { kOff, kOn };
 
 /// Operations that will read what shaders wrote, for Context::barrier().
@@ -60,8 +59,7 @@ class Context {
   /// True if the CPU executes the shaders. The CPU renderer is then several times faster.
   bool is_software() const;
 
-  /// Makes what shaders wrote into images and storage blocks visible to later operations of these
-  /// kinds.
+  /// Makes earlier shader writes to images and storage blocks visible to later operations.
   void barrier(Reader readers);
 
   /// flush() sends all commands to the graphics card. finish() also waits until they are done.

@@ -1,8 +1,7 @@
 #pragma once
 
 // Owns one OpenGL name, the integer that identifies an object. Moving leaves 0 behind, which owns
-// nothing. Thread: create and destroy it on the thread of its context, and destroy it before its
-// context.
+// nothing. Thread: the thread of its context. Destroy it before its context.
 
 #include <cstdint>
 #include <utility>

@@ -40,8 +40,7 @@ class Texture {
     upload_pixels(image.data(), image.width(), image.height(), sizeof(Pixel), layer);
   }
 
-  /// Copies RGB into a kRgba8 texture with alpha 255. It converts on the CPU, since drivers take
-  /// ten times longer.
+  /// Copies RGB into a kRgba8 texture with alpha 255. Drivers convert ten times slower.
   void upload(const ColorImage& image, int layer = 0);
 
   /// Copies the texture into `image` and resizes it to fit. Waits for all earlier commands. Before

@@ -17,8 +17,7 @@
 namespace copresence::scene {
 namespace {
 
-// Largest distance in metres from the origin to a camera along each axis. A stream has the same
-// limit.
+// Largest distance of a camera from the origin along each axis, in metres, as in a stream.
 constexpr double kFarthestM = 10'000;
 // Limits in bytes. A name has the same limit as capture_server's --name.
 constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 1024;

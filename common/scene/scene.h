@@ -52,8 +52,7 @@ struct Scene {
 /// impossible values, and repeated camera names.
 Result<Scene> load(const std::filesystem::path& path);
 
-/// Like load(), but for a text. `path` is the file's path in error messages. Paths in the text are
-/// relative to its folder.
+/// Like load(), but for a text. `path` is used for error messages and as base of relative paths.
 Result<Scene> parse(std::string_view text, const std::filesystem::path& path);
 
 }  // namespace copresence::scene

@@ -1,7 +1,6 @@
 #pragma once
 
-// Writes the scene file. An existing file keeps its comments and its layout. Thread: pure
-// functions.
+// Writes the scene file. An existing file keeps comments and layout. Thread: pure functions.
 
 #include <filesystem>
 #include <string>

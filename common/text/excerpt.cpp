@@ -14,8 +14,7 @@ bool reverses_text(std::uint32_t code) {
          (code >= 0x2066 && code <= 0x2069);
 }
 
-/// Returns the number of bytes of the printable character at the start of `text`, or 0 if there is
-/// none.
+/// Returns the bytes of the printable character at the start of `text`, or 0 if there is none.
 std::size_t printable_character(std::string_view text) {
   const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t first = byte(0);

@@ -1,7 +1,6 @@
 #pragma once
 
-// Makes text from other people and machines safe for logs, terminals and error messages. Thread:
-// pure functions.
+// Makes untrusted text safe for logs, terminals and error messages. Thread: pure functions.
 
 #include <cstddef>
 #include <string>

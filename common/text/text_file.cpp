@@ -36,8 +36,7 @@ Result<std::string> read_text_file(const fs::path& path, std::string_view as, st
   }
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  // Read one byte more than allowed, to detect a larger file. The size that the file system reports
-  // may be wrong.
+  // Read one byte too many to detect a larger file. The file system may report a wrong size.
   std::string text(most_bytes + 1, '\0');
   if (file) file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!file.is_open() || file.bad()) {

@@ -6,12 +6,10 @@
 namespace copresence::video {
 namespace {
 
-/// Target share of the rate. The unused share keeps a second with a keyframe within 10 % of the
-/// rate.
+/// Target share of the rate. It keeps a second with a keyframe within 10 % of the rate.
 constexpr double kShare = 0.99;
 /// Size of x264's buffer, in frames. A value below 3 keeps every frame below three times the mean.
-/// It also keeps a second that begins with small frames and ends with a keyframe below 1.1 times
-/// the rate.
+/// It also keeps a second of small frames and a final keyframe below 1.1 times the rate.
 constexpr double kBufferFrames = 2.5;
 /// Saved bits are spent within about kSpendFrames. At most kMostSaved frames' worth are saved, so
 /// that they and a keyframe fit into one second. Spending them in 8 frames would be too slow: if
@@ -27,8 +25,7 @@ constexpr double kUsualLevel = 2;
 /// Highest level of the bucket, in frames. It bounds the recovery of the picture to a second after
 /// the side data alone has exceeded the rate for long.
 constexpr double kMostLevel = 30;
-/// Share that the picture still gets if the side data alone exceeds the rate, since x264 needs some
-/// bits.
+/// Share of the picture if the side data alone exceeds the rate, since x264 needs some bits.
 constexpr double kLeastShare = 0.05;
 
 }  // namespace

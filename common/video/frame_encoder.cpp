@@ -10,8 +10,8 @@ namespace copresence::video {
 
 namespace {
 
-/// Size of x264's buffer for colour, in frames. A keyframe may cause this delay on a link with the
-/// same rate.
+/// Size of x264's buffer for colour, in frames. On a link of this rate, a keyframe may take as
+/// long.
 constexpr double kColorBufferFrames = 3;
 
 PictureRate color_rate(int kbps, double frames_per_second) {

@@ -20,8 +20,7 @@ namespace copresence::video {
 
 class FrameEncoder {
  public:
-  /// Fails with kInvalid for settings out of range. Fails with kUnsupported if libx264 is missing
-  /// or rejects the settings.
+  /// Fails with kInvalid for settings out of range, with kUnsupported if libx264 does not open.
   static Result<FrameEncoder> open(const StreamDescription& stream, const VideoSettings& settings);
 
   /// Encodes a keyframe exactly if frame.depth.keyframe is set. Durations are copied; the caller
@@ -32,8 +31,8 @@ class FrameEncoder {
 
   /// Encodes the colour of the next frame before encode() is called, so that colour need not wait
   /// for depth. If depth later forces a keyframe, encode() encodes colour again. If the frame is
-  /// dropped, the next frame must be a keyframe. Thread: may run concurrently with anything that
-  /// does not use this encoder.
+  /// dropped, the next frame must be a keyframe. Thread: any thread, while no other call uses this
+  /// encoder.
   void encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe);
 
   /// Changes rates or QP from the next frame on. The preset must stay the same. Returns true if the

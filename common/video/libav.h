@@ -1,7 +1,6 @@
 #pragma once
 
-// FFmpeg's headers, and conversions of its error numbers and pixel formats. Private to this
-// module's sources.
+// FFmpeg's headers, and conversions of its error numbers and pixel formats. Private to this module.
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -15,8 +14,7 @@ extern "C" {
 
 namespace copresence::video {
 
-/// Keeps FFmpeg from writing to standard error, since modules do not log. Call it before opening a
-/// codec.
+/// Keeps FFmpeg from writing to standard error. Call this before opening a codec.
 void silence_libav();
 
 std::string libav_error(int code);

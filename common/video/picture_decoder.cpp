@@ -64,8 +64,7 @@ Result<PictureDecoder> PictureDecoder::open(PixelFormat format, int width, int h
   context->flags |= AV_CODEC_FLAG_LOW_DELAY;
   context->err_recognition = AV_EF_CAREFUL | AV_EF_COMPLIANT | AV_EF_EXPLODE;
   context->error_concealment = 0;
-  // Rejects a parameter set with a huge size before memory is allocated. Sizes are rounded up to
-  // macroblocks.
+  // Rejects huge sizes before memory is allocated. Sizes are rounded up to macroblocks.
   context->max_pixels = std::int64_t{width + 32} * (height + 32);
   if (const int code = avcodec_open2(context.get(), codec, nullptr); code < 0) {
     return fail(ErrorCode::kUnsupported,

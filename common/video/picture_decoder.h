@@ -1,7 +1,6 @@
 #pragma once
 
-// Decodes H.264 to pictures; the inverse of PictureEncoder. Each call decodes one access unit or
-// fails.
+// Decodes H.264 to pictures, the inverse of PictureEncoder. Each call decodes one access unit.
 //
 // The bytes may be untrusted: the result is an error, or a picture of the expected format and size.
 // After an error only a keyframe is accepted, since other pictures depend on the failed picture.

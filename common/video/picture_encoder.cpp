@@ -23,8 +23,7 @@ void set(AVCodecContext& context, const char* key, const std::string& value) {
 
 void apply_rate(AVCodecContext& context, const PictureRate& rate) {
   context.bit_rate = std::llround(1000 * rate.kbps);
-  // With equal mean and maximum, x264 keeps every sequence of pictures to the rate, not only the
-  // mean.
+  // With equal mean and maximum, x264 keeps every sequence of pictures to the rate.
   context.rc_max_rate = context.bit_rate;
   context.rc_buffer_size = static_cast<int>(std::lround(1000 * rate.buffer_kbit));
 }
@@ -37,11 +36,9 @@ constexpr const char* kDepthOptions =
     ":psy=0:aq-mode=0"
     // Depth is smooth between sharp edges. 4x4 transforms follow these edges; 8x8 transforms cost 6
     // % more bits. Small partitions save 12 % of the bits at the same error. A strong deblocking
-    // filter saves 4 to 8 % of the error. Weighted prediction is for fades, which depth does not
-    // have.
+    // filter saves 4 to 8 % of the error. Depth has no fades, so weighted prediction is off.
     ":no-8x8dct=1:analyse=i4x4,p8x8,p4x4:deblock=2,2:weightp=0:subme=0"
-    // Rounding closer to the nearest step instead of towards zero gives a third fewer large errors
-    // at the same rate.
+    // Rounding less towards zero gives a third fewer large errors at the same rate.
     ":deadzone-inter=11:deadzone-intra=11";
 constexpr const char* kColorOptions =
     "scenecut=0"
@@ -50,16 +47,14 @@ constexpr const char* kColorOptions =
     // Of the intra modes, 8x8 alone is as good as all. Weighted prediction is for fades.
     ":analyse=i8x8:weightp=0";
 
-// Options for machines with little free CPU time. Small partitions and CABAC take most time, so
-// they are off.
+// Options for little free CPU time. Small partitions and CABAC take most time, so they are off.
 constexpr const char* kLiveDepthOptions =
     "scenecut=0:psy=0:aq-mode=0:analyse=i4x4:deblock=2,2:no-deblock=0:deadzone-inter=11:deadzone-intra=11";
 constexpr const char* kLiveColorOptions = "scenecut=0:aq-mode=0";
 
 /// True if the deblocking filter can change a sample. Its threshold is 0 up to an index of 15
 /// (H.264 table 8-16). The index is the QP on the scale of 8 bits, plus twice the presets' offset
-/// of 2. At lower indices the filter is switched off, which saves time at both ends and gives the
-/// same pictures.
+/// of 2. Otherwise the filter is switched off, which saves time and gives the same pictures.
 bool can_deblock(const PictureSettings& settings) {
   constexpr int kFirstIndex = 16, kPresetOffset = 2 * 2, kTenBitOffset = 12;
   const int bits_offset = settings.format == PixelFormat::kGray10 ? kTenBitOffset : 0;
@@ -94,16 +89,14 @@ void set_presets(AVCodecContext& context, const PictureSettings& settings) {
   set(context, "x264-params", options);
   if (settings.rate) {
     apply_rate(context, *settings.rate);
-    // Lower QPs cost more bits than lossless coding, and reduce the error by less than one depth
-    // code.
+    // Lower QPs cost more bits than lossless coding and gain less than one depth code.
     if (settings.kind == PictureKind::kDepth) context.qmin = settings.format == PixelFormat::kGray10 ? 8 : 4;
   } else {
     set(context, "qp", std::to_string(settings.qp));
   }
 }
 
-/// Returns the mean QP that libx264 reports, or 0 if it reports none. With 0 the receiver does not
-/// repair edges.
+/// Returns the mean QP from libx264, or 0 if unknown. With 0 the receiver repairs no edges.
 int qp_of(const AVPacket& packet) {
   std::size_t size = 0;
   const std::uint8_t* const stats = av_packet_get_side_data(&packet, AV_PKT_DATA_QUALITY_STATS, &size);
@@ -112,8 +105,7 @@ int qp_of(const AVPacket& packet) {
   return std::clamp(lambda / FF_QP2LAMBDA, 0, kMaxQp);
 }
 
-/// Lets a frame refer to a picture's planes without a copy. The picture must outlive the frame's
-/// use.
+/// Makes a frame refer to a picture's planes. The picture must outlive the frame's use.
 void refer_to(const Picture& picture, AVFrame& frame) {
   for (int plane = 0; plane < picture.planes(); ++plane) {
     const bool deep = picture.bytes_per_sample() == 2;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Encodes pictures to H.264 without delay, one access unit for each. Uses libx264 without B frames,
-// lookahead or threads.
+// Encodes each picture to one H.264 access unit at once: libx264 without B frames, lookahead,
+// threads.
 //
 // The first picture is a keyframe (IDR, with its parameter sets). Later keyframes are made only on
 // request. Samples are full range and are not copied for x264. Equal inputs give equal outputs. At
@@ -47,8 +47,8 @@ class PictureEncoder {
   /// and size. Fails if libx264 does; the next picture is then a keyframe.
   Result<std::vector<std::uint8_t>> encode(const Picture& picture, bool keyframe);
 
-  /// Changes the rate from the next picture on. Requires an encoder opened with a rate, and numbers
-  /// above 0.
+  /// Changes the rate from the next picture on. Requires an encoder with a rate, and numbers above
+  /// 0.
   void set_rate(const PictureRate& rate);
 
   const PictureSettings& settings() const { return settings_; }

@@ -1,7 +1,6 @@
 #pragma once
 
-// Video settings that a user may choose. The preset fixes all other settings
-// (docs/internals/video.md).
+// Video settings of a user. The preset fixes all others (docs/internals/video.md).
 
 #include <optional>
 
@@ -9,8 +8,7 @@
 
 namespace copresence::video {
 
-/// Trade-off between CPU time and bits, for depth and colour. Equal QPs give equal errors with
-/// either preset.
+/// Trade-off between CPU time and bits. Equal QPs give equal errors with either preset.
 enum class Preset {
   kDense,  ///< Fewest bits; still keeps up with one camera. For benchmarks and fast machines.
   kLive,   ///< Two thirds of the time; 10 % more depth bits, 3 dB less for colour.
@@ -21,8 +19,7 @@ struct VideoSettings {
   /// QP of the depth pictures, 0 (lossless) to 51. A QP q at 10 bits is as coarse as q - 12 at 8
   /// bits. QPs from 1 to 7 cost more bits than lossless coding. Not used if depth_kbps is set.
   int depth_qp = 12;
-  /// Bit rate of all of depth (picture, mask and codebook) in kbit/s, at the stream's nominal frame
-  /// rate.
+  /// Total rate of depth (picture, mask, codebook) in kbit/s at the nominal frame rate.
   std::optional<int> depth_kbps = std::nullopt;
   int color_kbps = 2500;
 };

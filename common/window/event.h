@@ -8,8 +8,7 @@
 
 namespace copresence::window {
 
-/// The value of a printable key is its character on a US keyboard, with letters in upper case:
-/// Key{'R'}.
+/// A printable key has its upper-case character on a US keyboard as its value: Key{'R'}.
 enum class Key : std::uint16_t {
   kUnknown = 0,
   kSpace = ' ',

@@ -40,8 +40,7 @@ class Window {
   /// Refresh rate of the display; 60 if unknown.
   double refresh_rate_hz() const;
 
-  /// Returns the events since the last call, oldest first. Waits up to `timeout` for the first
-  /// event.
+  /// Returns the events since the last call, oldest first. Waits up to `timeout` for one.
   std::vector<Event> poll(std::chrono::duration<double> timeout = {});
 
   /// True after a click on the window's close button, or after request_close().

@@ -3,8 +3,8 @@
 // Estimates the offset between the server's and the client's monotonic clock (Cristian 1989). The
 // server answers a ping with its time, which is assumed to be the middle of the round trip. So the
 // error is at most half the round trip. The best ping has the smallest bound: half its round trip
-// plus the possible drift since then. The drift itself is not estimated, since the estimate's error
-// would exceed it. Thread: values.
+// plus the possible drift since then. The drift is not estimated, since the error would exceed it.
+// Thread: values.
 
 #include <cstdint>
 #include <deque>
@@ -39,9 +39,8 @@ class ClockEstimate {
   std::deque<Sample> samples_;  // The newest kSamples samples.
 };
 
-/// Identifies the monotonic clock of this machine. Processes with the same number share a clock.
-/// The number is a hash of the kernel's boot id and the time namespace's offsets, or 0 if they are
-/// unknown.
+/// Identifies the monotonic clock of this machine. Processes with the same number share a clock. It
+/// is a hash of the boot id and the time namespace's offsets, or 0 if unknown.
 std::uint64_t monotonic_clock_id();
 
 }  // namespace copresence::wire

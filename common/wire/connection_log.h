@@ -4,8 +4,7 @@
 //
 // Each client that joins or leaves gets one line, up to kLines per kPeriod. At the end of a period,
 // one line counts the further clients that joined and left. Another line counts the connections
-// that ended before they acknowledged a frame. It also gives the reasons, and the network of most
-// of them. Thread: a value.
+// that ended before they acknowledged a frame, with reasons and main network. Thread: a value.
 
 #include <cstddef>
 #include <cstdint>

@@ -221,8 +221,7 @@ class FrameClient::Protocol {
     ping_later();
   }
 
-  /// Adds the answer that was just read. The kernel's arrival time may be slightly before the
-  /// question.
+  /// Adds an answer. The kernel's arrival time may be slightly before the question.
   void learn_clock(Instant asked, Instant server_time) {
     estimate_.add(asked, server_time, std::max(asked, connection_.last_arrival()));
   }

@@ -99,8 +99,7 @@ class FrameServer::Loop {
     session->start();
   }
 
-  /// Returns true if `session` may enter `stage`. Closes another session if wire::admit() requires
-  /// it.
+  /// True if `session` may enter `stage`. Closes another session if wire::admit() requires it.
   bool admit(Session& session, Stage stage) {
     forget_closed();
     std::vector<Standing> others;

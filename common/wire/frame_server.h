@@ -41,8 +41,7 @@ class FrameServer {
                                                    StreamDescription description, LogLine log_line = {});
   ~FrameServer();
 
-  /// Serves clients until a stop request, or until end() has finished. Calls `alive` four times a
-  /// second. Call run() only once.
+  /// Serves clients until a stop request or end(). Calls `alive` four times a second. Call it once.
   void run(std::stop_token stop, std::function<void()> alive = {});
 
   /// Sends a frame to every client that can accept it. Never blocks. Call this in the order of
@@ -50,8 +49,7 @@ class FrameServer {
   /// because wants_frames() was false. Requires depth and a sequence number of at least 1.
   void send(std::shared_ptr<const EncodedFrame> frame, const FrameCounters& counters);
 
-  /// True if a client would get a frame that is encoded now. False without clients, so that the
-  /// encoder can pause.
+  /// True if a client would get a frame that is encoded now. Otherwise the encoder can pause.
   bool wants_frames() const;
 
   /// True if the next frame must be a keyframe: a client joined, fell behind, or requested one.

@@ -1,7 +1,6 @@
 #pragma once
 
-// Parses HOST:PORT, for example 127.0.0.1:7001, localhost:7001 or [::1]:7001. Thread: pure
-// functions.
+// Parses HOST:PORT, for example 127.0.0.1:7001 or [::1]:7001. Thread: pure functions.
 
 #include <cstdint>
 #include <string>

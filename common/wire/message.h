@@ -19,8 +19,7 @@
 
 namespace copresence::wire {
 
-/// Client and server must have the same version. Increase it with every change of the format after
-/// a release.
+/// Client and server must have the same version. Increase it with every change of the format.
 inline constexpr std::uint32_t kProtocolVersion = 6;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 

@@ -60,8 +60,8 @@ void Session::read_body(MessageHeader header) {
                       if (self->phase_ == Phase::kLeaving) return self->discard();
                       if (!self->take(header.type)) return self->close(Ending::kNonsense);
                       if (self->phase_ == Phase::kClosed) return;
-                      // Only complete messages show that the client works. Otherwise a client could
-                      // send single bytes forever.
+                      // Only complete messages prolong the session, so single bytes cannot keep it
+                      // open.
                       if (self->phase_ == Phase::kStreaming) self->prolong(Clock::now());
                       self->read_header();
                     });

@@ -1,8 +1,7 @@
 #pragma once
 
 // Chooses the value that the four pixels of one chroma sample share in 4:2:0. If they lie on two
-// surfaces, their mean would be a third depth. So the mean of the majority is used instead. Thread:
-// pure.
+// surfaces, their mean would be a third depth. So the majority's mean is used. Thread: pure.
 
 #include <algorithm>
 #include <array>

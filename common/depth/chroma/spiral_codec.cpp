@@ -43,8 +43,7 @@ double inverse_arc_length(double length) {
   return low;
 }
 
-// Returns the points on the spiral. Neighbours on the spiral or on its next turn are at least 38
-// codes apart.
+// Neighbouring points, also those on the next turn, are at least 38 codes apart.
 std::array<ChromaPoint, kSpiralPoints> spiral_points() {
   // The distance between points equals the distance between turns, 2 pi b.
   const double spacing = 2 * std::numbers::pi;
@@ -60,8 +59,7 @@ std::array<ChromaPoint, kSpiralPoints> spiral_points() {
   return points;
 }
 
-// Limit in codes of U and V together. A UV sample farther from its point was probably moved by
-// video coding.
+// Limit in codes of U plus V. Video coding probably moved a sample that is farther away.
 constexpr int kMoved = 8;
 constexpr std::uint8_t kOffPoint = 0x80;
 
@@ -221,8 +219,7 @@ class SpiralDecoder final : public PlaneDecoder {
   }
 
  private:
-  // Reads the upper bits of every chroma sample. Marks samples that video coding has moved off
-  // their point as doubtful.
+  // Reads the upper bits of every chroma sample. Samples off their point are doubtful.
   void read_chroma(const Picture& picture) {
     upper_.resize(picture.plane_width(1), picture.plane_height(1));
     doubtful_.resize(picture.plane_width(1), picture.plane_height(1));
@@ -254,8 +251,7 @@ class SpiralDecoder final : public PlaneDecoder {
     }
   }
 
-  // Marks samples whose neighbours have other upper bits as doubtful, since the upper bits may be
-  // wrong for some of their pixels.
+  // Marks samples whose neighbours have other upper bits. They may be wrong for some pixels.
   void doubt_votes() {
     const int width = upper_.width(), height = upper_.height();
     for (int y = 0; y < height; ++y) {

@@ -28,8 +28,7 @@ int nearest_alias(int coded, int target, bool fold) {
   return best;
 }
 
-// One row of pixels, and the rows above and below its chroma samples. Pointers beyond the image are
-// null.
+// One row of pixels, and the rows above and below its chroma samples; null beyond the image.
 struct Rows {
   std::uint16_t* here;
   const std::uint16_t *above, *below;
@@ -37,8 +36,7 @@ struct Rows {
   int width;
 };
 
-// Returns the value at x of a row beside the chroma sample, or kNone for a hole or outside the
-// image.
+// Returns the value at x of a row beside the chroma sample. Returns kNone if there is none.
 int side(const std::uint16_t* row, const DepthState* states, int x) {
   return row && states[x] != DepthState::kHole ? int{row[x]} : kNone;
 }

@@ -67,8 +67,7 @@ class AdaptiveCdf {
  private:
   using Row = std::array<std::int16_t, kSymbols>;
   static constexpr int kLearnt = (1 << kBits) - kSymbols;  // Frequency beyond each symbol's 1.
-  // A symbol moves its distribution by 1/32. A rate of 1/64 would save 1 % of the bits, but learns
-  // more slowly after a keyframe.
+  // A rate of 1/32. A rate of 1/64 saves 1 % of the bits, but learns slowly after a keyframe.
   static constexpr int kRate = 5;
 
   static constexpr std::array<Row, kSymbols> make_targets() {

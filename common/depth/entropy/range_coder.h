@@ -75,8 +75,7 @@ class RangeEncoder {
   void move_to(std::uint8_t* next) { next_ = next; }
   std::uint8_t* next() const { return next_; }
 
-  /// Returns where the interval [0, range) is divided: [0, split) stands for 1, the rest for 0.
-  /// Neither part is empty.
+  /// Divides [0, range): [0, split) stands for 1, the rest for 0. Neither part is empty.
   static std::uint32_t split_of(std::uint32_t range, const BinaryContext& model) {
     return (range >> 16) * model.probability_of_one();
   }
@@ -107,8 +106,7 @@ class RangeDecoder {
   bool decode(BinaryContext& model) {
     const std::uint32_t split = RangeEncoder::split_of(range_, model);
     const bool bit = code_ < split;
-    // Most decisions are well predicted. Without this branch, all later instructions would wait for
-    // the decision.
+    // Most decisions are well predicted. Without a branch, later instructions would wait.
     if (bit) {
       range_ = split;
     } else {

@@ -76,8 +76,7 @@ class Scan {
   Coder& coder() { return coder_; }
 
  private:
-  // Returns the number of pixels left in a stream's row. Begins the next row if there are none.
-  // Returns 0 at the stream's end.
+  // Returns the number of pixels left in a stream's row, after beginning the next row if needed.
   std::ptrdiff_t remaining(Stream& stream) {
     while (stream.next == stream.row_end && stream.y < stream.end) begin_row(stream);
     return stream.row_end - stream.next;
@@ -197,8 +196,7 @@ struct ResidualMemory {
     models->fill({});
   }
 
-  // Returns the first rows of the streams and the end of the last stream. All streams have about
-  // the same number of pixels.
+  // Returns the rows at which the streams begin and end. Each has about the same number of pixels.
   std::array<int, kStreams + 1> split(const StateImage& states) const {
     std::vector<std::ptrdiff_t> above(static_cast<std::size_t>(height) + 1);
     for (int y = 0; y < height; ++y) {

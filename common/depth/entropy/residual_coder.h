@@ -1,7 +1,7 @@
 #pragma once
 
-// Lossless coder for the monochrome pictures of a depth codec. Lossless H.264 takes a third more
-// bits and several times the time.
+// Lossless coder for monochrome depth pictures. Lossless H.264 takes a third more bits and far
+// longer.
 //
 // Every sample is coded as its difference from the sample on its left. A context selects the
 // adaptive distribution for the difference. It consists of four clamped differences: between the
@@ -51,8 +51,7 @@ class ResidualDecoder {
   ResidualDecoder(ResidualDecoder&&) noexcept;
   ResidualDecoder& operator=(ResidualDecoder&&) noexcept;
 
-  /// Resizes `picture` to the format and shape given to the constructor and decodes it. Its samples
-  /// in holes are arbitrary.
+  /// Decodes into `picture`, which gets the constructor's format and shape. Holes are arbitrary.
   void decode(std::span<const std::uint8_t> bytes, const StateImage& states, bool complete, Picture& picture);
 
  private:

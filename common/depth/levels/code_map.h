@@ -39,8 +39,7 @@ inline void look_up(const std::uint16_t* table, const std::uint16_t* in, std::ui
   for (; i < count; ++i) out[i] = table[in[i]];
 }
 
-/// Sets picture = code_of_depth[depth]. Requires 65536 entries that fit the picture's samples, and
-/// equal shapes.
+/// Sets picture = code_of_depth[depth]. Requires 65536 entries in range, and equal shapes.
 inline void write_codes(std::span<const std::uint16_t> code_of_depth, const DepthImage& depth,
                         Picture& picture) {
   assert(code_of_depth.size() == 65536);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Codebook: assigns a code to each of a sensor's depth levels. A depth sensor reports only some
-// hundred distinct depths. Codes ascend with depth, so a small error of a code gives a small error
+// A codebook assigns a code to each depth that a sensor can report, its depth levels. A sensor has
+// only some hundred levels. Codes ascend with depth, so a small error of a code gives a small error
 // of depth.
 //
 // Between the known levels, as many codes are free as the sensor has disparity steps there
@@ -50,8 +50,7 @@ class Codebook {
   void assign(std::span<const std::uint16_t> levels, std::span<const double> distance);
 
   /// Replaces all levels by kCodes levels, even in 1/z over `range`, a part of the codebook's
-  /// range. There are fewer levels if the unit is too coarse. Use it for depth that has more levels
-  /// than codes.
+  /// range. A coarse unit gives fewer levels. Use it for depth with more levels than codes.
   void assign_evenly(DepthRangeUnits range);
 
   /// Gives `level` a code between its neighbours' codes, and moves as few other levels as possible.

@@ -18,8 +18,7 @@ namespace {
 constexpr int kNumberBits = 17;   // Numbers are below 2^17 - 1.
 constexpr std::size_t kBase = 8;  // Distance of the two entries that predict the next entry.
 
-// Codes a number from 0 up. The bit length of the number plus 1 comes in unary, then its bits below
-// the leading one.
+// Codes a number: the bit length of number + 1 in unary, then its bits below the leading one.
 class NumberModel {
  public:
   template <class Code>
@@ -88,8 +87,8 @@ class ChangeModel {
     const Entry& last = known_[(count_known_ - 1) % kBase];
     const Entry& base = known_[count_known_ < kBase ? 0 : count_known_ % kBase];
     if (count_known_ == 1) return {last.level, 0};
-    // Solve 1/level = 1/last + (code - last) (1/last - 1/base) / (last - base). Integers give the
-    // same result on every machine.
+    // Extrapolate 1/level linearly from `last` and `base`. Integers give the same result on every
+    // machine.
     const std::int64_t over = last.level * base.level * (last.code - base.code);
     const std::int64_t under =
         base.level * (last.code - base.code) + (base.level - last.level) * (code - last.code);

@@ -62,8 +62,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     const DepthState* const state = states.data();
     std::uint16_t* const out = picture.plane10().data();
     const std::size_t size = depth.pixels().size();
-    // Blocks stay in the cache. The lookups come first, so that the compiler uses vector
-    // instructions for the rest.
+    // Blocks stay in the cache. Lookups come first, so that the rest can use vector instructions.
     constexpr std::size_t kBlock = 256;
     int unknown = 0;
     for (std::size_t first = 0; first < size; first += kBlock) {
@@ -91,8 +90,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
     const bool full = static_cast<std::size_t>(table_.count()) + fresh.size() > Codebook::kCodes;
     if (full && !advertised_.empty()) {
-      // Together with the advertised levels there are too many. From now on, use only levels that
-      // appear.
+      // With the advertised levels there are too many. From now on, use only levels that appear.
       advertised_.clear();
       levels_.clear();
       std::fill(code_of_depth_.begin(), code_of_depth_.end(), kUnknown);

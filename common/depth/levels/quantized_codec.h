@@ -14,8 +14,7 @@
 // appeared yet. If the scene moves to other depths, adaptive makes a keyframe with new spacing, at
 // most every 30 frames. For lossless coding adaptive works like quantized.
 //
-// The codecs have no parameters; range and unit are those of the format. Source: thesis 3.3.3.2 and
-// 3.3.3.3.
+// The codecs have no parameters; the format has range and unit. Source: thesis 3.3.3.2, 3.3.3.3.
 
 #include <memory>
 

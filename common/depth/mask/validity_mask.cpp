@@ -19,14 +19,12 @@ constexpr std::size_t kMostDecisions = 4;  // Per pixel: measured, filled, and l
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;
   std::array<BinaryContext, 1 << 12> filled;
-  // Indexed by the expected state, by whether the run is known to hold another state, and by the
-  // bits of its length.
+  // Indexed by the expected state, if the run is known to be mixed, and its length's bits.
   std::array<std::array<std::array<BinaryContext, 14>, 2>, 3> as_expected;
   BinaryContext any_filled;
 };
 
-// Windows of 64 pixels around a stretch of one plane. Pixel x of the stretch is bit x + 2 of each
-// window.
+// Windows of 64 pixels around a stretch. Pixel x of the stretch is bit x + 2 of each window.
 struct Windows {
   std::uint64_t above2, above, before, before_below;
 
@@ -36,8 +34,7 @@ struct Windows {
   }
 };
 
-// The scan over all pixels, shared by encoder and decoder. Coder::decide(model, bit) writes the
-// bit, or reads and returns it.
+// The scan over all pixels, for encoder and decoder. Coder::decide() writes or reads a bit.
 template <class Coder>
 class Scan {
  public:

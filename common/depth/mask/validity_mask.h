@@ -49,8 +49,7 @@ class ValidityMaskDecoder {
   ValidityMaskDecoder(ValidityMaskDecoder&&) noexcept;
   ValidityMaskDecoder& operator=(ValidityMaskDecoder&&) noexcept;
 
-  /// Resizes `states` to the shape given to the constructor and decodes them. `complete` must be as
-  /// in encoding.
+  /// Decodes into `states`, which get the constructor's shape. `complete` is as in encoding.
   void decode(std::span<const std::uint8_t> bytes, bool complete, StateImage& states);
 
  private:

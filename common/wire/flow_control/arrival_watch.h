@@ -21,8 +21,7 @@ class ArrivalWatch {
   enum class Verdict {
     kAlive,
     kSilent,  ///< No byte arrived for kSilence.
-    /// A message was not complete within kSilence plus its size at kSlowestPath, at most
-    /// kLongestMessage.
+    /// A message took longer than kSilence plus its size at kSlowestPath, or kLongestMessage.
     kTooSlow,
   };
 
@@ -30,8 +29,7 @@ class ArrivalWatch {
   void resume(Instant now);
   void pause(Instant now);
 
-  /// Reports that bytes of a message arrived, the newest at `at`. The first bytes begin the
-  /// message.
+  /// Bytes of a message arrived, the newest at `at`. The first bytes begin the message.
   void bytes_came(Instant at);
   /// Sets the size of the message that is arriving.
   void message_has(std::size_t bytes) { message_bytes_ = bytes; }

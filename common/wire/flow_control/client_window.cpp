@@ -110,8 +110,7 @@ void ClientWindow::adapt_allowance(Instant now) {
   if (now < round_->ends_at) return;
   const Duration least = kFewestPeriods * frame_period_;
   if (round_->least_queueing > least) {
-    // The queue did not get shorter with the allowance. Perhaps the path is longer and there is no
-    // queue.
+    // The queue did not shrink with the allowance. Perhaps the path is longer, without a queue.
     drains_ = allowance_ == least;
     allowance_ = least;
   } else {

@@ -53,8 +53,7 @@ void PathEstimate::measure_rate(const Sent& frame, Instant now) {
   Duration interval = std::max<Duration>(now - frame.at, std::chrono::milliseconds(1));
   bool limited_by_path = false;
   if (frame.alone) {
-    // This interval includes the base delay, which is harmless if the frame arrives before the next
-    // frame is due.
+    // This interval includes the base delay, which is harmless before the next frame is due.
     if (interval > tolerance_ / 2) return;
   } else {
     const Duration sent_apart = frame.at - previous_->at,
@@ -67,8 +66,7 @@ void PathEstimate::measure_rate(const Sent& frame, Instant now) {
   const bool is_busy = queueing_ > tolerance_ / 4;
   if (!is_larger && !is_busy) return;
   while (!rates_.empty() && rates_.back().bytes_per_second <= rate) {
-    // A sender that waits for acknowledgements sends at the path's rate. The path still limits the
-    // rate.
+    // A sender that waits for acknowledgements is still limited by the path.
     limited_by_path |= rates_.back().limited_by_path && rate < kSame * rates_.back().bytes_per_second;
     rates_.pop_back();
   }

@@ -33,8 +33,7 @@ namespace copresence::wire {
 
 class PathEstimate {
  public:
-  /// `tolerance` is the normal variation of ack delays on one path. A frame within half of it came
-  /// near the base delay.
+  /// `tolerance` is the normal variation of ack delays. Half of it counts as near the base delay.
   explicit PathEstimate(Duration tolerance) : tolerance_(tolerance) {}
 
   /// Facts about a sent frame that acknowledged() needs.
@@ -54,8 +53,7 @@ class PathEstimate {
   std::optional<Duration> base_delay() const;
   /// Zero while the delivery rate is unknown.
   Duration transmission_time(std::size_t bytes) const;
-  /// Queueing and jitter: ack delay of the newest acknowledged frame, minus base delay and
-  /// transmission time.
+  /// Newest ack delay minus base delay and transmission time: queueing and jitter.
   Duration queueing_delay() const { return queueing_; }
   /// True if no frame came near the base delay for 10 s.
   bool is_stale(Instant now) const;

@@ -1,7 +1,6 @@
 #pragma once
 
-// Accepts the connections that clients open to a listening socket. Thread: the thread that runs the
-// io_context.
+// Accepts connections to a listening socket. Thread: the thread that runs the io_context.
 
 #include <asio.hpp>
 #include <functional>

@@ -87,8 +87,7 @@ void Connection::read(std::initializer_list<asio::mutable_buffer> buffers, Done 
 }
 
 void Connection::read_on(Buffers buffers, Done done) {
-  // Post `done`, since it starts the next read. Otherwise a peer that sends fast would make the
-  // stack grow.
+  // Post `done`, which starts the next read. A direct call could make the stack grow.
   const auto finish = [this](Done what, const asio::error_code& error) {
     asio::post(socket_.get_executor(), [what = std::move(what), error] { what(error); });
   };
@@ -128,8 +127,7 @@ Instant Connection::arrival_of(msghdr& message) const {
     timespec queued, wall_now;
     std::memcpy(&queued, CMSG_DATA(note), sizeof queued);
     ::clock_gettime(CLOCK_REALTIME, &wall_now);
-    // The kernel's times are wall-clock times. The clamp bounds the error if the wall clock is set
-    // meanwhile.
+    // The kernel's times are wall-clock times. The clamp bounds the error if that clock is set.
     const Instant arrived = now - (nanoseconds_of(wall_now) - nanoseconds_of(queued));
     return std::clamp(arrived, last_arrival_, now);
   }

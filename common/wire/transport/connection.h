@@ -40,10 +40,9 @@ class Connection {
   /// Tries the addresses one after the other.
   void connect(const std::vector<asio::ip::tcp::endpoint>& addresses, Done done);
 
-  /// Fills all `buffers`. The memory must live until `done`. Requires at most kMostBuffers buffers
-  /// and no other pending read.
+  /// Fills at most kMostBuffers `buffers`, which must live until `done`. Only one read at a time.
   void read(std::initializer_list<asio::mutable_buffer> buffers, Done done);
-  /// Writes all `buffers`. The memory must live until `done`. Requires no other pending write.
+  /// Writes `buffers`, which must live until `done`. Only one write at a time.
   void write(const std::vector<asio::const_buffer>& buffers, Done done);
   /// Sends an end of the stream after the bytes written so far. Reading continues.
   void end_writing();
@@ -59,8 +58,7 @@ class Connection {
   /// Address of the other end, for example "192.0.2.1:7001" or "[2001:db8::1]:7001". An IPv4
   /// address that was mapped into IPv6 is returned as IPv4.
   std::string peer() const;
-  /// Address block that one party usually controls: an IPv4 address, or the first 64 bits of an
-  /// IPv6 address.
+  /// Block that one party usually controls: an IPv4 address, or the first 64 bits of IPv6.
   std::string peer_network() const;
 
  private:

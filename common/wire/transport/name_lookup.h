@@ -2,8 +2,7 @@
 
 // Looks up a host name in the background, so that the caller can cancel it at once. The system's
 // getaddrinfo() cannot be interrupted and may take half a minute without a name server. It runs on
-// a detached thread, which ends by itself after a cancelled lookup. Thread: the thread that runs
-// the io_context.
+// a detached thread, which ends later by itself. Thread: the thread that runs the io_context.
 
 #include <asio.hpp>
 #include <cstdint>
@@ -18,8 +17,7 @@ class NameLookup {
  public:
   using Done = std::function<void(const asio::error_code&, std::vector<asio::ip::tcp::endpoint>)>;
 
-  /// Starts the lookup. The io_context calls `done` with the addresses or an error. It must outlive
-  /// this object.
+  /// Starts the lookup. `io` must outlive this object and calls `done` with addresses or an error.
   NameLookup(asio::io_context& io, std::string host, std::uint16_t port, Done done);
   /// Cancels the lookup: `done` will not be called.
   ~NameLookup();

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kConnectTimeout{2000};
 constexpr int kMostLost = 90;  // Most frames in a row that may fail to decode.
-// Longer than a camera needs after it is plugged in again.
+// The frame timeout is longer than a camera needs after it is plugged in again.
 constexpr std::chrono::seconds kFrameTimeout{10};
 
 // Reads frames from a running capture_server.

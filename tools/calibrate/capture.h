@@ -92,8 +92,8 @@ bool is_sampled(std::size_t wanted, std::size_t number, std::size_t all);
 /// Calls `visit` with at most `most` frames: evenly spaced in a recording, or `pause` apart in a
 /// stream. Prints the text that `visit` returns, if any, with the frame's number to standard error.
 /// Returns the number of frames.
-/// Fails  as Capture::next(), except at the end of a recording; kCorrupt if there is no frame. The
-///        frames before an error have been visited.
+/// Fails  as Capture::next(), except at the end of a recording; kCorrupt if there is no frame. All
+///        frames before the error reach `visit`.
 using Visit = std::function<std::string(RgbdFrame)>;
 Result<std::size_t> for_each_frame(Capture& capture, std::size_t most, Duration pause, const Visit& visit);
 

@@ -186,7 +186,7 @@ namespace {
 constexpr int kTileWidth = 480, kScaleHeight = 34;
 const cv::Vec3f kPink(230, 60, 250);  // BGR
 
-// Blue for a surface 20 mm in front, over green for the same place, to red for 20 mm behind.
+// Colours: blue for a surface 20 mm in front, green for the same place, red for 20 mm behind.
 cv::Vec3f color_of(double behind_mm) {
   const cv::Vec3f before(255, 110, 40), same(90, 215, 90), behind(50, 60, 255);
   const auto share = static_cast<float>(std::clamp(behind_mm / kFullColor_mm, -1.0, 1.0));

@@ -17,7 +17,7 @@ namespace copresence::depth_bench {
 namespace {
 
 constexpr std::array<std::string_view, 5> kNames{"rvl", "rvl_zstd", "png", "split16", "holoimage"};
-constexpr int kZstdLevel = 1;  // Level 1 is fast enough for a camera.
+constexpr int kZstdLevel = 1;  // Level 1 is fast enough for a live camera.
 constexpr int kPngLevel = 1;
 constexpr int kLossyQp = 12;
 

@@ -22,8 +22,8 @@ class DepthError {
   double rmse_mm() const;
   double rmse_steps() const;
   double mae_mm() const;
-  double percentile_mm(double share) const;     ///< Resolution 0.01 mm, at most 655 mm.
-  double percentile_steps(double share) const;  ///< Resolution 0.01 disparity steps.
+  double percentile_mm(double share) const;     ///< Has a resolution of 0.01 mm and a limit of 655 mm.
+  double percentile_steps(double share) const;  ///< Has a resolution of 0.01 disparity steps.
   double max_mm() const { return max_mm_; }
   /// Share of pixels with an error above 3 disparity steps + 1 mm.
   double percent_beyond_3_steps() const { return percent(beyond_3_steps_); }

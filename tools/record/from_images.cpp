@@ -44,8 +44,8 @@ Result<void> check_size(const std::filesystem::path& path, const cv::Mat& image,
           path.string(), image.cols, image.rows, size.width, size.height));
 }
 
-// Scales a camera model to another picture size. Pixels keep their shape, and the picture's centre
-// stays the centre.
+// Scales a camera model to another picture size. Pixels keep their aspect ratio, and the view keeps
+// its centre.
 CameraModel scaled(const CameraModel& model, const Size& size) {
   const double scale = static_cast<double>(size.width) / model.width;
   CameraModel other = model;
@@ -63,7 +63,7 @@ class ImageImport {
   ImageImport(const FromImagesSettings& settings, ImageFolder images)
       : settings_(settings), images_(std::move(images)) {
     report_.remarks = images_.remarks;
-    // Lists may contain negative times. The first one becomes the zero of the recording.
+    // Lists may contain negative times. The first time becomes the zero of the recording.
     zero_ = std::min(images_.depth.front().time, microseconds(0));
     if (!images_.color.empty()) zero_ = std::min(images_.color.front().time, zero_);
   }

@@ -17,8 +17,9 @@ struct FromImagesReport {
   std::uint64_t bytes = 0;
   /// Number of depth pixels beyond the range of the unit, which became holes.
   std::uint64_t too_far = 0;
-  double depth_per_metre = 0;        ///< Pixel value of one metre; 0 for raw disparities.
-  std::vector<std::string> remarks;  ///< Messages for the user: what was used, left out and assumed.
+  double depth_per_metre = 0;  ///< Pixel value of one metre; 0 for raw disparities.
+  std::vector<std::string>
+      remarks;  ///< Messages for the user: images used, images left out, and assumptions.
 };
 
 /// Reads the images in the order of their times and writes a recording. JPEG files are copied

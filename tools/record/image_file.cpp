@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 using pictures::Format;
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{kLargestSide} * kLargestSide;
-// Marks a hole in 7-Scenes. Elsewhere it is the largest possible value and no measurement either.
+// The value of a hole in 7-Scenes. In other data sets it is the largest value, and no measurement
+// either.
 constexpr std::uint16_t kNotMeasured = 65535;
 // A Kinect's raw disparity has 11 bits; the largest value stands for a hole. The toolbox of NYU
 // Depth v2 converts it to metres by kMetresTimesDisparity / (kDisparityAtInfinity - raw).
@@ -129,7 +130,7 @@ bool has_empty_low_bytes(const cv::Mat& image) {
   return true;
 }
 
-// Raw disparities are never 0, and an image of them has holes.
+// Raw disparities are never 0, and images of raw disparities have holes.
 template <class Value>
 bool are_disparities(const cv::Mat& image, Value value) {
   bool has_hole = false;

@@ -45,9 +45,9 @@ DepthImage convert_depth(const cv::Mat& stored, DepthCoding coding, double per_m
                          std::uint64_t& too_far);
 
 struct ColorPicture {
-  cv::Mat bgr;  ///< 8 bits per channel, upright, of even size.
+  cv::Mat bgr;  ///< Pixels of 8 bits per channel; upright, of even size.
   std::vector<std::uint8_t>
-      jpeg_as_is;  ///< The file if a recording can contain it unchanged, otherwise empty.
+      jpeg_as_is;  ///< The JPEG file if a recording can contain it unchanged, otherwise empty.
 };
 
 /// Fails  as read_depth(), but accepts any number of channels and bits.

@@ -17,14 +17,15 @@ namespace copresence::record {
 
 struct TimedImage {
   std::filesystem::path path;
-  std::chrono::microseconds time{};  ///< Since 1970 if ImageFolder::since_1970, otherwise since any zero.
+  std::chrono::microseconds
+      time{};  ///< Time since 1970 if ImageFolder::since_1970, otherwise since any zero.
   friend bool operator==(const TimedImage&, const TimedImage&) = default;
 };
 
 /// The images of each stream in ascending order of time.
 struct ImageFolder {
   std::vector<TimedImage> depth, color;
-  bool has_tum_depth = false;  ///< True if a list as in TUM's data sets named the depth, with 5000 per metre.
+  bool has_tum_depth = false;  ///< True if depth has 5000 units per metre, as in TUM's data sets.
   TimeUnit unit = TimeUnit::kFrames;
   bool since_1970 = false;
   /// Messages for the user: images used and left out, and the unit of the times.
@@ -35,7 +36,7 @@ struct ImageFolder {
 struct FolderChoice {
   double frames_per_second = 30;       ///< Converts frame numbers to times.
   std::optional<TimeUnit> times = {};  ///< Unit of the times; recognised if not given.
-  std::string depth = {}, color = {};  ///< Folder or label of an ImageGroup; recognised if empty.
+  std::string depth = {}, color = {};  ///< Folder or label of an ImageGroup; chosen automatically if empty.
 };
 
 /// Finds the images. Times and pairs are read from associations.txt or a similar name, from

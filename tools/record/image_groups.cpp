@@ -159,7 +159,7 @@ NamedKind kind_by_name(const fs::path& relative) {
     parts.push_back(parent.filename().string());
     if (parent == parent.parent_path()) break;
   }
-  // A word that means neither depth nor colour decides, in any part of the path.
+  // A word for another kind, such as mask, decides in any part of the path.
   for (const std::string& part : parts) {
     for (const std::string& word : words_of(part)) {
       if (kind_of_word(word) == ImageKind::kOther) return {ImageKind::kOther, true};

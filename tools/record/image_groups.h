@@ -33,8 +33,8 @@ bool holds_depth(const std::filesystem::path& path);
 
 /// Images in one folder with similar names.
 struct ImageGroup {
-  std::string label;   ///< For messages, such as "depth/" or "ir*.png".
-  std::string folder;  ///< Relative to the folder of images; may be empty.
+  std::string label;   ///< Name for messages, such as "depth/" or "ir*.png".
+  std::string folder;  ///< The group's folder, relative to that of the images; may be empty.
   ImageKind kind = ImageKind::kOther;
   /// In groups of the same kind, the lowest rank is the most likely group.
   int rank = 0;

@@ -96,8 +96,8 @@ struct ListLine {
   std::vector<ListedImage> images;
 };
 
-// Reads lines with `images_per_line` pairs of a time and a file name relative to `folder`. Messages
-// call the list `name`.
+// Reads lines with `images_per_line` pairs of a time and a file name relative to `folder`. `name`
+// is the list's name in messages.
 Result<std::vector<ListLine>> parse_list(std::string_view text, const fs::path& folder,
                                          const std::string& name, std::size_t images_per_line) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());

@@ -23,7 +23,7 @@ struct ListedImage {
 /// The images of both streams in the order of the lists.
 struct ListedStreams {
   std::vector<ListedImage> depth, color;
-  bool has_tum_depth = false;  ///< True for depth of 5000 per metre, as in TUM's data sets.
+  bool has_tum_depth = false;  ///< True if depth has 5000 units per metre, as in TUM's data sets.
 };
 
 /// Reads the lists of a folder: associations.txt or a similar name, otherwise depth.txt and rgb.txt

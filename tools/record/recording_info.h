@@ -49,7 +49,7 @@ struct RecordingInfo {
   bool finished = false;
   double seconds = 0;
   std::vector<StreamInfo> streams;
-  std::optional<DepthInfo> depth;  ///< Empty if no frame decodes.
+  std::optional<DepthInfo> depth;  ///< Empty if no depth frame can be decoded.
   /// Median time from a depth frame to the nearest colour frame.
   std::optional<double> color_after_depth_ms;
   std::optional<recording::CameraMetadata> camera;

@@ -28,13 +28,13 @@ struct RepairSettings {
 struct CutSettings {
   std::string recording, out;
   double from_s = 0;           ///< Seconds after the first frame.
-  std::optional<double> to_s;  ///< Exclusive; the end of the recording if not given.
+  std::optional<double> to_s;  ///< Seconds, exclusive; the end of the recording if not given.
   bool overwrite = false;
 };
 
 struct Intrinsics {
-  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< In pixels of the depth images.
-  std::array<double, 8> distortion{};     ///< Numbers k1 k2 p1 p2 k3 k4 k5 k6, as in OpenCV.
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< Intrinsics, in pixels of the depth images.
+  std::array<double, 8> distortion{};     ///< Distortion k1 k2 p1 p2 k3 k4 k5 k6, as in OpenCV.
 };
 
 struct FromImagesSettings {

@@ -22,7 +22,7 @@ const char* name(TimeUnit unit);
 /// A number in a list or a file name.
 struct TimeNumber {
   long double value = 0;     ///< Exact for nanoseconds since 1970 on x86-64.
-  bool has_point = false;    ///< True for a decimal point, which a frame number has not.
+  bool has_point = false;    ///< True for numbers with a decimal point, unlike frame numbers.
   bool zero_padded = false;  ///< True for numbers such as "000012", which suggest a frame number.
 };
 

@@ -35,7 +35,8 @@ std::chrono::microseconds time_of(int frame) {
 }
 
 // An artificial start time from 2000 to 2010, computed from the arguments. The same command gives
-// the same bytes, all cameras of a session start together, and sessions differ.
+// the same bytes, all cameras of a session start together, and different sessions start at
+// different times.
 std::chrono::microseconds invented_start(const Settings& settings) {
   constexpr std::uint32_t kSecondsOfTenYears = 10 * 365 * 24 * 3600;
   constexpr std::chrono::seconds kYear2000{946'684'800};
@@ -103,7 +104,7 @@ Result<void> show_truth(const Settings& settings, const std::shared_ptr<const si
   return {};
 }
 
-// Fails if an output file exists already, before anything is rendered.
+// Fails before anything is rendered if an output file already exists.
 Result<void> keep_existing(const Settings& settings) {
   std::vector<std::filesystem::path> files{settings.folder / "scene.toml"};
   for (int i = 0; i < settings.cameras; ++i)

@@ -45,7 +45,7 @@ TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::Vi
 struct ViewScore {
   double seen_percent = 0, extended_percent = 0, empty_percent = 0;
   double psnr = 0;             ///< PSNR over all reachable pixels.
-  double psnr_seen = 0;        ///< PSNR over pixels that show a camera's pixel.
+  double psnr_seen = 0;        ///< PSNR over pixels that a camera sees.
   double psnr_extended = 0;    ///< PSNR over pixels that extend a surface; NaN if none.
   double psnr_silhouette = 0;  ///< PSNR over pixels near depth edges.
   /// Mean change of shown pixels between consecutive views, where the ground truth does not change.

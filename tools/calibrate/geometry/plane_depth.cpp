@@ -140,7 +140,8 @@ Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
   }
   std::minstd_rand random(1);  // The same samples give the same plane.
   std::uniform_int_distribution<std::size_t> any(0, samples.size() - 1);
-  constexpr int kDraws = 60;  // If half of the samples are wrong, one draw in eight is good.
+  // If half of the samples are wrong, one draw of three samples in eight has only good ones.
+  constexpr int kDraws = 60;
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   int most = 0;
   for (int draw = 0; draw < kDraws; ++draw) {

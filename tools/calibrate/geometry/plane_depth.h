@@ -33,21 +33,21 @@ class DepthAverage {
 
   explicit DepthAverage(DepthUnit unit) : unit_(unit) {}
 
-  /// Requires every image to have the size of the first one, and at most kMostFrames of them.
+  /// All images must have the same size. At most kMostFrames may be added.
   void add(const DepthImage& depth);
 
   int frames() const { return frames_; }
   int width() const { return inverse_sum_.width(); }
   int height() const { return inverse_sum_.height(); }
 
-  /// Mean of 1/z, in 1/m; 0 if fewer than a quarter of the frames belong to it.
+  /// Mean of 1/z, in 1/m; 0 if it averages fewer than a quarter of the frames.
   double inverse_depth(int x, int y) const;
 
   /// Depth of the still pixels, metres along the optical axis; 0 for the others. A pixel is still
   /// if at least half of the frames measured it and four fifths of these values belong to its mean.
   Image<float> still_depth() const;
 
-  /// Share of all pixels in which depth was measured, mean over the frames.
+  /// Share of pixels with depth, averaged over the frames.
   double measured_share() const;
 
   /// Share of the pixels measured in at least half of the frames that are not still. The causes are
@@ -71,7 +71,8 @@ class DepthAverage {
   Image<Counts> counts_;
 };
 
-/// Least-squares fit of value = x_slope x + y_slope y + offset to samples that are added singly.
+/// Least-squares fit of value = x_slope x + y_slope y + offset to samples that are added one at a
+/// time.
 template <class Scalar>
 class PlaneLeastSquares {
  public:
@@ -117,8 +118,8 @@ struct PlaneFit {
   double z_along(const Eigen::Vector2d& ray) const { return 1 / (slope.dot(ray) + offset); }
 };
 
-/// Fits a plane to the depth inside a convex outline, given by its corners in order, pixels. RANSAC
-/// finds the plane that most pixels lie on. Least squares over those pixels refines it.
+/// Fits a plane to the depth inside a convex outline (corner pixels in order). RANSAC finds the
+/// plane that most pixels lie on. Least squares over those pixels refines it.
 ///
 /// Fails   kNotFound: fewer than `kFewestPixels` of the pixels have depth, or fewer than half of
 ///         those lie on one plane.

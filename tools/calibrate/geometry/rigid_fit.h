@@ -13,25 +13,26 @@
 namespace copresence::calibrate {
 
 struct PointPair {
-  Eigen::Vector3d in_a, in_b;  ///< One point in both cameras' frames, metres.
+  Eigen::Vector3d in_a, in_b;  ///< The same point in the frames of both cameras, metres.
   double weight = 1;           ///< Inverse variance, in any unit.
 };
 
 /// Finds b_from_a with the smallest weighted sum of squared distances. Requires three pairs that
 /// are not on one line.
-/// Source   Umeyama 1991, without scale and with weights, which Eigen::umeyama() does not have.
+/// Source   Umeyama 1991 without scale. Eigen::umeyama() does not support weights.
 Rigid3 fit_rigid(std::span<const PointPair> pairs);
 
 /// The affine map from points of a to points of b, and the rigid transform nearest to it.
 struct LinearFit {
   Eigen::Matrix<double, 3, 4> b_from_a;    ///< The solution of the linear equations, metres.
-  Rigid3 rigid;                            ///< The nearest rotation; it maps centroid to centroid.
-  double least_scale = 1, most_scale = 1;  ///< Singular values of its 3x3 part; a rotation has 1 and 1.
+  Rigid3 rigid;                            ///< Has the nearest rotation; maps the centroid of a to that of b.
+  double least_scale = 1, most_scale = 1;  ///< Singular values of the 3x3 part; both are 1 for a rotation.
 };
 
 /// Solves for the thesis's 12 unknowns by unweighted least squares. Requires four pairs that are
 /// not in one plane.
-/// Source   thesis appendix A.2, eq. 3.4 and 3.5; its 3n x 12 system separates into three of n x 4.
+/// Source   thesis appendix A.2, eq. 3.4 and 3.5; for n pairs, its 3n x 12 system separates into
+///          three of n x 4.
 LinearFit fit_linear(std::span<const PointPair> pairs);
 
 /// Root mean square distance of the pairs after applying `b_from_a`, metres.

@@ -28,7 +28,7 @@ Seen by_camera_and_marker(std::span<const Observation> observations, const RigNa
 struct Link {
   PairFit report;
   Rigid3 a_from_b;
-  std::optional<Error> problem;  ///< Why this pair cannot be used.
+  std::optional<Error> problem;  ///< The reason why this pair cannot be used.
 };
 
 Link fit_pair(const Seen& seen, const RigNames& names, std::size_t a, std::size_t b,

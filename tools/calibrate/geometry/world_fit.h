@@ -19,7 +19,7 @@
 
 namespace copresence::calibrate {
 
-/// Root mean square and largest of some distances, metres.
+/// Root mean square and maximum of a set of distances, metres.
 struct Spread {
   double rms = 0, worst = 0;
   std::size_t worst_at = 0;  ///< Index of the worst marker (for a camera) or camera (for a marker).
@@ -29,7 +29,8 @@ struct Spread {
 struct CameraFit {
   Rigid3 world_from_camera;
   Spread residual;  ///< Distances of the camera's markers from their fitted positions.
-  /// Distance of each marker from the other cameras' position of it, in a fit without that marker.
+  /// Distance between each marker and its position by the other cameras, in a fit without the
+  /// marker.
   Spread leave_one_out;
   /// Standard deviation of a point among the markers, metres, relative to the reference camera.
   double expected_shift_m = 0;
@@ -49,7 +50,7 @@ struct PairFit {
   /// Residual of the rigid transform nearest to the linear solution. Empty if the markers do not
   /// allow the linear solver.
   std::optional<double> linear_rms_m;
-  std::string no_linear;                   ///< Why the linear solver cannot be used; may be empty.
+  std::string no_linear;                   ///< Reason why the linear solver cannot be used, or empty.
   double least_scale = 1, most_scale = 1;  ///< Scales of the linear solution.
 };
 

@@ -27,8 +27,10 @@ struct Board {
 /// Positions of the markers on a ChArUco board. OpenCV 4.6 changed them for boards with an even
 /// number of rows.
 enum class CharucoLayout {
-  kBlackCorner,   ///< Black top left square: OpenCV 4.6 and later, or an odd number of rows.
-  kMarkerCorner,  ///< Marker 0 at the top left: older OpenCV and an even number of rows.
+  /// The top left square is black: OpenCV 4.6 and later, or an odd number of rows.
+  kBlackCorner,
+  /// The top left square has marker 0: older OpenCV, with an even number of rows.
+  kMarkerCorner,
 };
 
 /// Parses "9x6" into columns and rows, each from 3 to 40. Returns an error message, or nothing.

@@ -14,8 +14,8 @@ namespace copresence::calibrate {
 namespace {
 
 constexpr std::ptrdiff_t kSmallestGroup = 3;  // Fewest views in a group.
-// Two cameras differ if a focal length or principal point differs by more than this, relative to
-// the focal length and in standard deviations.
+// Two cameras differ if a focal length or principal point differs by more than both limits. One is
+// relative to the focal length, the other in standard deviations.
 constexpr double kLeastDifference = 0.012, kLeastSigmas = 5;
 // A group whose views scatter less than this, relative to the corners' noise, is one camera.
 constexpr double kTightScatter = 1.5;
@@ -142,8 +142,8 @@ class Mixture {
   }
 
   /// True if the parameters of the two cameras differ much more than those of the views within a
-  /// group. Both are measured along the line between the two parameter sets, in units of
-  /// `variance`, the corners' noise.
+  /// group. Both differences are measured along the line between the two parameter sets, in units
+  /// of `variance`, the corners' noise.
   bool is_separate(const Groups& groups, double variance) const {
     const Eigen::VectorXd first = solve(groups, false), way = solve(groups, true) - first;
     double distance = 0, scatter = 0;

@@ -27,10 +27,11 @@ struct CameraSplit {
 /// The method fits a mixture of two cameras, linearised at the joint fit, with the boards' poses
 /// eliminated. From many starts, it alternates between assigning views and solving for both
 /// cameras. It then fits both groups of the best result in full. A split must pass three tests:
+///
 /// 1. Schwarz's criterion prefers two cameras.
 /// 2. Their focal lengths or principal points differ by more than their uncertainty.
-/// 3. The cameras' parameters differ by much more than the views' within a group. A bent board
-/// fails.
+/// 3. The parameters of the two cameras differ much more than those of the views in a group. A bent
+///    board fails this test.
 ///
 /// joint      the fit of all `views` by one camera, in the same order.
 /// fit_group  fits a camera with the same distortion coefficients to some of the views, beginning

@@ -44,7 +44,7 @@ double sides_of(const std::vector<cv::Point2f>& corners) {
 
 // Searches a scaled-down picture. If it shows no markers or only small ones, searches a larger one.
 SeenMarkers find_markers(const Board& board, const cv::Mat& gray) {
-  constexpr double kSmall = 20;  // Side in pixels; many smaller markers are missed.
+  constexpr double kSmall = 20;  // Side in pixels. The search misses many smaller markers.
   const auto dictionary = make_dictionary(board.dictionary);
   const auto parameters = cv::makePtr<cv::aruco::DetectorParameters>();
   parameters->markerBorderBits = board.border_bits;
@@ -115,7 +115,8 @@ void predict_corners(const Board& board, const MarkerCorners& markers, const See
       int count = 0;
       for (const auto& [number, homography] : homographies) {
         const cv::Point2f middle = 0.5f * (markers[number][0] + markers[number][2]);
-        if (cv::norm(middle - corner) > 0.8f * square) continue;  // Touching squares are at 0.71.
+        // The centres of touching squares are 0.71 squares from the corner.
+        if (cv::norm(middle - corner) > 0.8f * square) continue;
         std::vector<cv::Point2f> pixel;
         cv::perspectiveTransform(std::vector<cv::Point2f>{corner}, pixel, homography);
         sum += pixel[0];

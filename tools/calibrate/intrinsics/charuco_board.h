@@ -20,7 +20,7 @@ struct CharucoCorners {
 /// Requires a ChArUco board. Returns no corners if the picture does not show it.
 CharucoCorners find_charuco(const Board& board, const cv::Mat& gray);
 
-/// describe_other_board() for a ChArUco board.
+/// Does what describe_other_board() does, for a ChArUco board.
 std::string describe_other_charuco(const Board& board, const ColorImage& picture);
 
 }  // namespace copresence::calibrate

@@ -43,13 +43,13 @@ struct Pictures {
   bool keeps_shown = false;  ///< True if `shown` is filled.
   std::size_t searched = 0, different = 0;
   bool is_depths_own = true;  ///< True if colour is registered to depth, so both share intrinsics.
-  std::string seen_instead;   ///< describe_other_board() of the first pictures; may be empty.
+  std::string seen_instead;   ///< Result of describe_other_board() for the first pictures.
   int descriptions = 0;       ///< Number of calls of describe_other_board().
 };
 
 // Number of pictures searched for foil markers. More pictures of a still scene add nothing.
 constexpr std::size_t kMostPictures = 20;
-constexpr int kMostDescriptions = 3;  // Each takes a second for a large picture.
+constexpr int kMostDescriptions = 3;  // Each call takes a second for a large picture.
 
 Result<std::optional<scene::Scene>> scene_of(const IntrinsicsSettings& settings) {
   if (settings.scene.empty()) return std::optional<scene::Scene>();

@@ -30,7 +30,7 @@ struct IntrinsicsFit {
   double center_sigma_px = 0;        ///< Standard deviation of cx or cy, whichever is larger.
   double covered = 0;                ///< Share of the picture's 8 x 6 cells with a corner.
   std::vector<ViewFit> views;        ///< The views that were used.
-  std::vector<DroppedView> dropped;  ///< Views whose error is three times the median.
+  std::vector<DroppedView> dropped;  ///< Unused views: their error is over three times the median.
 };
 
 inline constexpr std::size_t kFewestViews = 6;

@@ -15,16 +15,17 @@
 namespace copresence::calibrate {
 
 struct StillBoard {
-  BoardView view;  ///< Has the mean corners over all pictures.
+  BoardView view;  ///< The board's corners, averaged over all pictures.
   ViewFit pose;
 };
 
-/// Fails  kNotFound: no picture shows the whole board; kInvalid: it moved, or has no clear pose.
+/// Fails  kNotFound: no picture shows the whole board; kInvalid: it moved, or its pose cannot be
+///        found.
 Result<StillBoard> find_still_board(const Board& board, std::span<const ColorImage> pictures,
                                     const CameraModel& model);
 
-/// Ratio of the board's distance by its size to its measured depth. It is 1 if the squares have the
-/// size in `board`. Returns nothing if the depth is no plane.
+/// Returns the board's distance computed from its size, divided by its measured depth. It is 1 if
+/// the squares have the size in `board`. Returns nothing if the depth is no plane.
 std::optional<double> size_over_depth(const StillBoard& still, const Board& board, const DepthAverage& depth,
                                       const CameraModel& model);
 

@@ -73,9 +73,9 @@ std::vector<FoundMarker> ClickList::markers() const {
 
 namespace {
 
-// OpenCV's window library, Qt, exits the program if there is no display. So a child process tries
-// first. It must run before the first window opens: a child cannot share a display that Qt already
-// uses.
+// OpenCV's window library, Qt, exits the program if there is no display. So a child process first
+// tries to open a window. The child must run before the first window opens: a child cannot share a
+// display that Qt already uses.
 bool try_a_window() {
   const pid_t child = fork();
   if (child < 0) return false;

@@ -23,7 +23,7 @@ void add_color_observations(const FoundMarker& marker, const CameraModel& color,
                             std::vector<Observation>& all) {
   std::vector<Eigen::Vector2d> points = marker.corners;
   points.insert(points.begin(), marker.middle);
-  const std::size_t of_depth = all.size() - points.size();  // The same points in the depth camera.
+  const std::size_t of_depth = all.size() - points.size();  // Index of the depth camera's observations.
   for (std::size_t part = 0; part < points.size(); ++part) {
     Observation observation = all[of_depth + part];
     observation.camera = kColor;

@@ -47,7 +47,7 @@ class DepthToColorFinder {
 
   DepthAverage average_;
   Image<std::uint16_t> measured_;     // Number of frames with depth, by pixel.
-  MarkerFinder in_color_, in_depth_;  // in_depth_ stays empty until fit().
+  MarkerFinder in_color_, in_depth_;  // `in_depth_` stays empty until fit().
 };
 
 }  // namespace copresence::calibrate

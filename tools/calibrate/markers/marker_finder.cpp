@@ -38,7 +38,7 @@ double brightness(const Image<std::uint8_t>& picture, const Eigen::Vector2d& at)
 std::optional<double> edge_along(const Image<std::uint8_t>& picture, const Eigen::Vector2d& at,
                                  const Eigen::Vector2d& outward, double reach) {
   constexpr double kStep = 0.25, kHalfRise = 0.75;
-  double best = 12, where = 0, weight = 0, sum = 0;  // Rises below 12 of 255 are noise.
+  double best = 12, where = 0, weight = 0, sum = 0;  // Rises of brightness below 12 of 255 are noise.
   for (double s = -reach; s <= reach; s += kStep) {
     const double rise = brightness(picture, at + (s + kHalfRise) * outward) -
                         brightness(picture, at + (s - kHalfRise) * outward);
@@ -169,8 +169,9 @@ void MarkerFinder::add_gray(const Image<std::uint8_t>& picture) {
   const auto dictionary = make_dictionary(dictionary_);
   const auto parameters = cv::makePtr<cv::aruco::DetectorParameters>();
   parameters->markerBorderBits = border_bits_;
-  parameters->minMarkerPerimeterRate =
-      0.02;  // A perimeter of 13 pixels in 640. Smaller markers have too little depth.
+  // This is a perimeter of 13 pixels in a picture of width 640. Smaller markers have too little
+  // depth.
+  parameters->minMarkerPerimeterRate = 0.02;
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
   cv::aruco::detectMarkers(gray, dictionary, corners, ids, parameters);

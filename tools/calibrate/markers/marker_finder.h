@@ -19,7 +19,7 @@ namespace copresence::calibrate {
 struct FoundMarker {
   std::string name;
   Eigen::Vector2d middle{0, 0};          ///< Centre, pixels.
-  std::vector<Eigen::Vector2d> corners;  ///< Pixels, clockwise from the top left; empty if clicked.
+  std::vector<Eigen::Vector2d> corners;  ///< Corner pixels, clockwise from the top left; empty if clicked.
   double sigma_px = 0.25;                ///< Expected standard deviation of each coordinate.
 };
 
@@ -36,14 +36,14 @@ class MarkerFinder {
   int pictures() const { return pictures_; }
 
   /// Returns the still markers that at least a third of the pictures show. A marker is still if its
-  /// corners stay within `kStill` of their median. Corners are medians. The centre is where the
-  /// diagonals cross after undistortion.
+  /// corners stay within `kStill` of their median. Corners are medians over the pictures. The
+  /// centre is where the diagonals cross after undistortion.
   std::vector<FoundMarker> found(const CameraModel& model) const;
 
   /// Names of the markers that moved.
   std::vector<std::string> moved() const;
 
-  static constexpr double kStill = 2.5;  ///< Largest distance from the median, pixels.
+  static constexpr double kStill = 2.5;  ///< Largest distance of a corner from its median, pixels.
 
  private:
   using Corners = std::array<Eigen::Vector2d, 4>;

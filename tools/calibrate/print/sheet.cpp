@@ -14,7 +14,7 @@ namespace {
 // All lengths are in millimetres.
 constexpr double kMargin = 8;                   // Margin at the top and the sides; printers need 3 to 6.
 constexpr double kFooter = 20;                  // Space for ruler and text at the bottom.
-constexpr double kGap = 6;                      // Between board and rulers.
+constexpr double kGap = 6;                      // Gap between board and rulers.
 constexpr double kSideRuler = 7;                // Width of the upright ruler.
 constexpr double kAcross = 100, kUpright = 50;  // Lengths of the rulers.
 constexpr double kTextHeight = 3;
@@ -139,7 +139,7 @@ Result<Sheet> marker_sheet(const std::string& dictionary, int border_bits, std::
   sheet.content = fmt::format("Marker of {}, {:g} mm wide", dictionary, side);
   sheet.flags = fmt::format("calibrate markers --dictionary {}", dictionary);
   if (border_bits != 1) sheet.flags += fmt::format(" --border-bits {}", border_bits);
-  const double left = (sheet.width_mm - side) / 2;  // Also the distance from the top.
+  const double left = (sheet.width_mm - side) / 2;  // This is also the distance from the top.
   for (const int number : numbers) {
     if (number < 0 || number >= markers_in(dictionary)) {
       return fail(ErrorCode::kInvalid, fmt::format("{} has no marker {}: its numbers are 0 to {}", dictionary,
@@ -168,8 +168,8 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-// Drawing operators in millimetres from the bottom left corner. All rectangles are one path, so
-// that viewers show no seams between adjacent ones.
+// PDF drawing operators, in millimetres from the bottom left corner. All rectangles are one path,
+// so that viewers show no seams between adjacent ones.
 std::string content_of(const Page& page, double height_mm) {
   std::string out = fmt::format("{0:.10f} 0 0 {0:.10f} 0 0 cm\n0 g\n", kPointsPerMm);
   for (const Rectangle& r : page.black) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Boards and markers on paper: black rectangles and text, in millimetres from the page's top left
-// corner. Each page has rulers for checking the print and the flags for its use.
+// corner. Each page has rulers for checking the print, and shows the `calibrate` flags for its use.
 // Thread: pure functions.
 
 #include <span>
@@ -43,13 +43,13 @@ struct Sheet {
   std::string flags;    ///< The `calibrate` command that uses the sheet.
 };
 
-/// A chessboard or ChArUco board on one page. A square of 0 stands for the largest whole
-/// millimetres that fit. A marker of 0 stands for about three quarters of a square.
+/// A chessboard or ChArUco board on one page. If `square_m` is 0, uses the largest whole number of
+/// millimetres that fits. If `marker_m` is 0, uses about three quarters of a square.
 /// Fails  kInvalid if it does not fit on the paper, and as problem_of().
 Result<Sheet> board_sheet(Board board, const Paper& paper);
 
-/// Prints one marker per page, with a white rim of at least one cell. A side of 0 stands for the
-/// largest whole centimetres that fit. Requires a known dictionary.
+/// Prints one marker per page, with a white rim of at least one cell. A side of 0 means the largest
+/// whole number of centimetres that fits. Requires a known dictionary.
 /// Fails  kInvalid for a number that is not in the dictionary, and for a side that does not fit.
 Result<Sheet> marker_sheet(const std::string& dictionary, int border_bits, std::span<const int> numbers,
                            double side_m, const Paper& paper);

@@ -20,10 +20,10 @@ class Projector {
 
   struct Target {
     Eigen::Vector3d point;  // Point of a in b's frame.
-    int u = 0, v = 0;       // The pixel of b's picture that shows it.
+    int u = 0, v = 0;       // The pixel of b's picture that shows the point.
   };
 
-  /// Returns nothing if the point is not in b's picture. Requires a surface of a at the pixel.
+  /// Returns nothing if the point is not in b's picture. Requires that surface a has a point there.
   std::optional<Target> project_pixel(int x, int y) const {
     Target target{b_from_a_ * a_.point(x, y).cast<double>()};
     const Eigen::Vector3d& p = target.point;

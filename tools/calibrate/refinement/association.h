@@ -7,7 +7,7 @@
 // surface that is visible there. The comparison has one of three results:
 //
 //   Inlier: the other surface is less than 50 mm away and has a similar normal.
-//   Violation: the point is nearer than the other camera's surface, which it would hide.
+//   Violation: the point is in front of the other camera's surface and would hide it.
 //   Not seen: the point is behind the other surface, outside of the picture, or at a hole.
 //
 // Thread: pure functions.
@@ -62,7 +62,7 @@ Agreement measure_agreement(const Surface& a, const Rigid3& world_from_a, const 
 
 enum class Association : std::uint8_t {
   kNone,     ///< The pixel has no surface.
-  kNotSeen,  ///< Behind, outside or at a hole; see above.
+  kNotSeen,  ///< The point is behind, outside or at a hole; see above.
   kInlier,
   kViolation,
 };
@@ -70,15 +70,15 @@ enum class Association : std::uint8_t {
 /// The association of every pixel of a camera, for pictures.
 struct AssociationImage {
   Image<Association> association;
-  Image<float> distance_m;  ///< Of inliers, along the mean normal; positive in front of b's surface.
+  Image<float> distance_m;  ///< Distance of inliers along the mean normal; positive in front of b's surface.
 };
 AssociationImage associate(const Surface& a, const Rigid3& world_from_a, const Surface& b,
                            const Rigid3& world_from_b);
 
 /// Weight of a point's squared distance: 1 / expected error (with a floor), not 1 / squared error.
 /// Noise averages out over thousands of pixels. Errors of intrinsics, registration and depth
-/// remain, and they grow less with distance. With the squared error, near points alone would hold
-/// the pose.
+/// remain, and they grow less with distance. With the squared error, near points alone would
+/// determine the pose.
 double weight_of(double sigma_m);
 
 }  // namespace copresence::calibrate

@@ -3,11 +3,11 @@
 // Iterated closest points (ICP) for all cameras at once: moves cameras until their surfaces
 // coincide.
 //
-// For each match of points p_a and p_b, it minimises w rho(n . (p_a - p_b)). The normal n is the
-// mean of both points' normals, as in the symmetric point-to-plane distance (Rusinkiewicz 2019).
-// The weight w is weight_of() the expected error. The function rho is Tukey's kernel, which is
-// constant beyond a limit. The limit shrinks from level to level. Each iteration finds new matches
-// and makes one Gauss-Newton step. Thread: pure functions.
+// It minimises the sum of w rho(n . (p_a - p_b)) over all matches, where p_a and p_b are the
+// matched points. The normal n is the mean of both points' normals, as in the symmetric
+// point-to-plane distance (Rusinkiewicz 2019). The weight w is weight_of() the expected error. The
+// function rho is Tukey's kernel, which is constant beyond a limit. The limit shrinks from level to
+// level. Each iteration finds new matches and makes one Gauss-Newton step. Thread: pure functions.
 
 #include <Eigen/Core>
 #include <span>
@@ -74,7 +74,7 @@ struct NormalEquations {
   int matches = 0;
 };
 
-/// Results that cost time or memory and that few callers need.
+/// Optional results that cost time or memory.
 enum class Extra { kNone, kRows, kScatter };
 
 /// about  centre and radius of the motions; if null, those of the matches.

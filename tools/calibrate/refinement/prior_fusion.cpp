@@ -14,7 +14,7 @@ namespace {
 
 constexpr IcpLevel kFusion{0.05, 4, 1};
 constexpr std::array<IcpLevel, 1> kHalf{{{0.05, 4, 15}}};
-constexpr double kSurprising = 22.5;  // Chi squared of six numbers that chance exceeds once in 1000.
+constexpr double kSurprising = 22.5;  // Chi squared of six numbers; chance exceeds it once in 1000.
 constexpr double kWorthMoving = 0.7;  // A pose moves only below this share of its known error.
 constexpr double kConfirmed = 2;      // Least t score on the blocks that were left out.
 constexpr double kHardlyFixed = 0.1;  // Largest share of a camera's parameters that may be fixed.
@@ -23,7 +23,7 @@ constexpr double kFirm_m = 1e-7;      // Error of a pose that must not move.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Mean square shift of points over all directions, from the variances of a camera's six parameters.
-// A shift of each axis moves a point, and two of three rotations do.
+// All three shifts move a point, but only two of the three rotations.
 double mean_square(const Vector6& variances) {
   return variances.tail<3>().sum() + 2.0 / 3 * variances.head<3>().sum();
 }
@@ -35,7 +35,7 @@ double variance_of(double error_m) {
 struct SurfaceEstimate {
   Motions motions;
   Eigen::MatrixXd free;        // Orthonormal columns.
-  Eigen::MatrixXd covariance;  // Of the free parameters.
+  Eigen::MatrixXd covariance;  // Covariance of the free parameters.
 };
 
 std::optional<SurfaceEstimate> estimate_at(const IcpProblem& problem, const FixedDirections& fixed,
@@ -65,8 +65,9 @@ std::optional<SurfaceEstimate> estimate_at(const IcpProblem& problem, const Fixe
   return estimate;
 }
 
-// Systematic errors, which residuals do not show: half of the distance between the poses of ICP and
-// those of highest score. Metres by camera, root mean square over points in all directions.
+// Estimates systematic errors, which residuals do not show, as half of the distance between ICP's
+// poses and those of highest score. Returns metres for each camera: the RMS over points in all
+// directions.
 std::vector<double> systematic_errors(const IcpProblem& problem, const FixedDirections& fixed,
                                       const Motions& motions, std::span<const Rigid3> found) {
   std::vector<Rigid3> raised(found.begin(), found.end());
@@ -105,7 +106,7 @@ class Prior {
 
   struct Posterior {
     std::vector<Rigid3> poses;   // Poses of all cameras.
-    Eigen::MatrixXd covariance;  // Of the moving cameras' parameters.
+    Eigen::MatrixXd covariance;  // Covariance of the moving cameras' parameters.
   };
   Posterior posterior(const SurfaceEstimate& estimate, std::span<const Rigid3> found) const {
     Eigen::VectorXd certainty = Eigen::VectorXd::Zero(estimate.free.rows());
@@ -132,7 +133,7 @@ class Prior {
  private:
   const IcpProblem& problem_;
   std::span<const Rigid3> given_;
-  std::vector<double> variances_;  // Metre^2, of each of a camera's six parameters; 0 if unknown.
+  std::vector<double> variances_;  // Variance of each parameter of a camera, metre^2; 0 if unknown.
 };
 
 void append_differences(std::span<const double> before, std::span<const double> after,
@@ -154,8 +155,8 @@ double t_score(std::span<const double> differences) {
   return spread > 0 ? sum / std::sqrt(spread) : 0;
 }
 
-// Cross-validation: returns true if poses fitted to half of the blocks agree better on the other
-// half than the given poses, by more than chance.
+// Cross-validation: fits poses to half of the blocks. Returns true if they agree better than the
+// given poses on the other half, by more than chance.
 bool is_cross_validated(const IcpProblem& problem, const FixedDirections& fixed,
                         std::span<const Rigid3> given, const Prior& prior, std::span<const Rigid3> found) {
   std::vector<double> gained;
@@ -222,7 +223,7 @@ std::vector<FusedPose> fuse_with_prior(const IcpProblem& problem, const FixedDir
   }
 
   auto posterior = prior.posterior(*estimate, found);
-  // In fixed directions a pose keeps the error of the given one.
+  // In fixed directions a pose keeps the error of the given pose.
   const auto fixed_share = [&](std::size_t i) -> Vector6 {
     if (fixed.directions.size() == 0) return Vector6::Zero();
     return fixed.directions.middleRows<6>(static_cast<Eigen::Index>(6 * i)).rowwise().squaredNorm();

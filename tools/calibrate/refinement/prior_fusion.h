@@ -5,8 +5,8 @@
 //
 // The error of the surfaces comes from their own residuals, by the sandwich estimator of Huber and
 // White with blocks of pixels as clusters. A pose of known error moves under two conditions: the
-// surfaces are more accurate, and surfaces left out of the fit then agree better.
-// Thread: pure functions.
+// surfaces are more accurate than that error, and surfaces left out of the fit agree better at the
+// new pose. Thread: pure functions.
 
 #include <span>
 #include <vector>

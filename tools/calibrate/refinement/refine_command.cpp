@@ -38,7 +38,7 @@ double error_to(const StillView& first, const StillView& view) {
                   std::hypot(*view.calibration_error_m, first.calibration_error_m.value_or(0)));
 }
 
-// Draws the first camera of each pair against the second one, before and after refinement.
+// Draws how the surfaces of each pair of cameras agree before and after refinement.
 Result<void> show(const Refinement& refinement, std::span<const StillView> views, const std::string& file) {
   std::vector<SurfaceComparison> all;
   for (const PairRefinement& pair : refinement.pairs) {

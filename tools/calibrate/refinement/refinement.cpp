@@ -185,7 +185,7 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
     }
     placed.push_back(camera);
     waiting.insert(waiting.end(), refused.begin(),
-                   refused.end());  // They may overlap with the camera just placed.
+                   refused.end());  // They may overlap with the placed camera.
     refused.clear();
     outcomes[camera] = Outcome::kRefined;
   }

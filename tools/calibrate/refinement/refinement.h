@@ -3,12 +3,12 @@
 // Refines the poses of cameras on the surfaces that they see in common. The first camera does not
 // move.
 //
-// Cameras are placed one after the other, each beside those that it shares most with. Each starts
-// coarsely from its given pose and from poses around it. The starts with the highest scores
-// (Agreement::score) are refined finely. Then all cameras move together. Directions that no surface
-// determines, such as along a single wall, keep the given pose. A result that agrees worse than the
-// given poses, by more than chance, is discarded.
-// Thread: pure functions; the same input gives the same output.
+// Cameras are placed one after the other, each beside those that it shares most with. Each camera
+// is first aligned coarsely, starting from its given pose and from poses around it. The results
+// with the highest scores (Agreement::score) are refined finely. Then all cameras move together.
+// Directions that no surface determines, such as along a single wall, keep the given pose. A result
+// that agrees worse than the given poses, by more than chance, is discarded. Thread: pure
+// functions; the same input gives the same output.
 
 #include <cstddef>
 #include <span>
@@ -28,8 +28,8 @@ inline constexpr double kLeastObservability = 0.01;  ///< Least value of Directi
 struct Direction {
   Eigen::Vector3d turn;   ///< Rotation vector, world frame; in metres at the overlap's radius.
   Eigen::Vector3d shift;  ///< Translation, world frame.
-  /// Mean over the matches of the squared part of the motion along their normals, corrected for
-  /// noise of the normals: 1/3 in the corner of a room, 0 along a wall.
+  /// Mean over the matches of the squared normal component of the motion, corrected for noise of
+  /// the normals. It is 1/3 in the corner of a room and 0 along a wall.
   double observability = 0;
 };
 
@@ -40,13 +40,13 @@ struct CameraRefinement {
     kKept,          ///< Not moved: the surfaces agree better at the given pose.
     kPriorBetter,   ///< Not moved: the surfaces are not more accurate than the given pose.
     kNotConfirmed,  ///< Not moved: surfaces left out of the fit agree no better.
-    kNoOverlap,     ///< Not moved: it overlaps too little with the cameras placed before.
+    kNoOverlap,     ///< Not moved: the camera overlaps too little with those placed before.
   };
   Outcome outcome = Outcome::kReference;
   Rigid3 world_from_camera;
   double moved_mm = 0, moved_deg = 0;
   // Root mean square shifts of points in the shared volume; 0 if unknown.
-  double prior_mm = 0;     ///< Error of the given pose, as given.
+  double prior_mm = 0;     ///< Error of the given pose, from the caller.
   double surfaces_mm = 0;  ///< Error of the surfaces alone, by their residuals.
   double error_mm = 0;     ///< Expected error of the refined pose.
   /// True if the surfaces differ from the given pose by more than both errors explain.
@@ -61,11 +61,11 @@ struct PairRefinement {
 
 struct Refinement {
   std::vector<CameraRefinement> cameras;
-  std::vector<PairRefinement> pairs;  ///< All pairs that overlap before or after.
+  std::vector<PairRefinement> pairs;  ///< Pairs that overlap before or after refinement.
   double least_observability = 0;     ///< Smallest observability of all motions of all cameras.
 };
 
-/// surfaces  one per camera. Requires as many poses and errors, at least one.
+/// surfaces  one per camera, at least one. Requires as many poses and errors.
 /// poses     world_from_camera as given.
 /// errors_m  known errors of the given poses: root mean square shift of points in the shared
 ///           volume, as `calibrate markers` estimates it; 0 if unknown. A pose with a known error

@@ -31,7 +31,7 @@ std::vector<Rigid3> stepped(const IcpProblem& problem, const Motions& motions, c
 }
 
 // Position of the maximum of the parabola through three evenly spaced values, in steps from the
-// middle value. At most one step.
+// middle value. It is limited to one step.
 double maximum(double before, double here, double after) {
   const double slope = (after - before) / 2, bend = before + after - 2 * here;
   if (bend >= 0) return slope > 0 ? 1 : slope < 0 ? -1 : 0;

@@ -19,8 +19,8 @@ namespace copresence::calibrate {
 struct StillView {
   std::string name;
   Surface surface;
-  Rigid3 world_from_camera;  ///< From the scene file, otherwise from the recording or server.
-  std::optional<double> calibration_error_m;  ///< From the scene file; relative to the reference camera.
+  Rigid3 world_from_camera;  ///< Pose from the scene file, or else from the recording or server.
+  std::optional<double> calibration_error_m;  ///< Error in the scene file, relative to the reference camera.
   double unsteady = 0;                        ///< Value of DepthAverage::unsteady_share().
 };
 

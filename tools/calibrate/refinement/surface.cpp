@@ -15,7 +15,7 @@
 namespace copresence::calibrate {
 namespace {
 
-// Depth z, in metres, has kSteps / z disparity steps.
+// The disparity at depth z (metres) is kSteps / z disparity steps.
 constexpr auto kSteps = static_cast<float>(kKinectV1Noise.disparity_constant_m);
 constexpr int kRadius = 6;  // Pixels; the window takes every other pixel of 13 by 13.
 constexpr int kSamples = (kRadius + 1) * (kRadius + 1);
@@ -79,8 +79,8 @@ class Bowl {
   static Vector6 terms(const Sample& s) {
     return Vector6(1, s.dx, s.dy, s.dx * s.dx, s.dx * s.dy, s.dy * s.dy);
   }
-  // Prior on the curvature: about two steps over the window. Windows with samples on one side need
-  // it.
+  // Prior on the curvature: about two steps over the window. Windows with samples on one side only
+  // need this prior.
   static Matrix6 stiffness() { return Vector6(0, 0, 0, 50, 50, 50).asDiagonal(); }
   static Matrix6 invert_whole_window() {
     Matrix6 A = stiffness();

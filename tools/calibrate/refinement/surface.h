@@ -16,8 +16,8 @@ namespace copresence::calibrate {
 struct Surface {
   CameraModel model;
   Image<float> depth_m;           ///< Measured depth, 0 = none; marks free space even where no plane fits.
-  Image<Eigen::Vector3f> point;   ///< On the fitted plane, metres, camera frame; valid where sigma > 0.
-  Image<Eigen::Vector3f> normal;  ///< Length 1, towards the camera.
+  Image<Eigen::Vector3f> point;   ///< Point on the fitted plane, metres, camera frame; valid where sigma > 0.
+  Image<Eigen::Vector3f> normal;  ///< Unit normal that points towards the camera.
   Image<float> sigma;  ///< Expected error of the point along the normal, metres; 0 if there is no plane.
   int measured = 0;    ///< Number of pixels with depth.
   int planar = 0;      ///< Number of pixels with a plane.

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Cameras through OpenNI2 over a fake libfreenect: CPU per frame, 1000 times opened and closed, 100 times unplugged and
-plugged in. Numbers only.
+"""Benchmark of cameras that OpenNI2 opens through a fake libfreenect. Measures the CPU time per frame, opens and closes a
+camera 1000 times, and unplugs and plugs it in 100 times.
 
-  benchmarks/cameras.py                                        all, about ten minutes
-  benchmarks/cameras.py --benchmark_filter=stream/simulated    some; further options go to Google Benchmark"""
+  benchmarks/cameras.py                                        all benchmarks, about ten minutes
+  benchmarks/cameras.py --benchmark_filter=stream/simulated    one benchmark; options go to Google Benchmark"""
 import argparse
 import os
 import pathlib

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The live benchmark: capture servers replay recordings at real pace, one headless client shows them, all on this machine.
-Prints what docs/internals/latency.md quotes. Numbers only, never a verdict.
+"""Live benchmark: capture servers replay recordings at normal speed, and one headless client on the same machine renders
+them. Prints the figures of docs/internals/latency.md.
 
   benchmarks/live.py                   two cameras at 1280x720, then four at 640x360, 20 s each
-  benchmarks/live.py --seconds 600     for latency that grows with time, or memory that does
-  benchmarks/live.py --apart 16.7      cameras as far out of step as 30 frames a second can be
+  benchmarks/live.py --seconds 600     to find latency or memory that grows with time
+  benchmarks/live.py --apart 16.7      cameras out of sync by half a frame period, the most possible
 """
 import argparse
 import json
@@ -32,7 +32,7 @@ def recordings(count):
 
 
 class Memory(threading.Thread):
-    """Resident memory of processes and their children over time, MB."""
+    """Samples the resident memory of processes and their children, MB."""
 
     def __init__(self, pids):
         super().__init__(daemon=True)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Shows the whole system: two capture servers replay data/recordings, and one client shows the room. With
---simulated the servers run live simulated cameras in the same poses. With a display the client opens a window, and the
-demo ends when that is closed. Without one it renders a path headless, into a picture. At the end the demo prints a table
-of views per second, bitrate and latency."""
+--simulated the servers run live simulated cameras in the same poses. With a display, the client opens a window,
+and closing the window ends the demo. Without a display, the client renders along a path and writes the last view to a
+picture. At the end the demo prints a table of views per second, bitrate and latency."""
 import argparse
 import collections
 import json
@@ -22,7 +22,7 @@ PICTURE = ROOT / "build/demo.png"
 CAMERAS = ("camera0", "camera1")
 FIRST_PORT = 7001
 VIEWS = 300
-HEADLESS_LIMIT_S = 300  # the views take ten seconds; longer means that something hangs
+HEADLESS_LIMIT_S = 300  # The views take ten seconds; a longer run has hung.
 
 
 def is_free(port):
@@ -42,7 +42,7 @@ def any_free_port():
 
 
 def choose_ports(first):
-    """Returns one port for each camera: from `first` on if given, else 7001 and 7002 or other free ones."""
+    """Returns one port per camera: from `first` on if given, else 7001 and 7002, or other free ports."""
     if first:
         return [first + i for i in range(len(CAMERAS))]
     return [port if is_free(port) else any_free_port() for port in range(FIRST_PORT, FIRST_PORT + len(CAMERAS))]
@@ -82,7 +82,7 @@ class Server:
 
 
 def start_servers(options, ports):
-    begin = time.time() + 2  # one instant for all servers: else the person is seen twice
+    begin = time.time() + 2  # A common start of playback; otherwise the person would appear twice.
     servers = []
     for index, (camera, port) in enumerate(zip(CAMERAS, ports)):
         source = ["--source", f"simulated:room?camera={index}"] if options.simulated else [
@@ -99,7 +99,7 @@ def client_command(options, ports, stats):
 
 
 def watch(client, servers, limit_s):
-    """Waits until the client ends. Returns a sentence if it must be stopped, else None."""
+    """Waits until the client ends. Returns an error message if it has to be stopped, else None."""
     begin = time.monotonic()
     while client.poll() is None:
         gone = next((server for server in servers if server.has_ended()), None)
@@ -131,7 +131,7 @@ def table(stats):
 
 
 def show_room(options, folder):
-    """Runs servers and client. Returns a sentence if that failed, else None."""
+    """Runs servers and client. Returns an error message if a program failed, else None."""
     ports = choose_ports(options.port)
     stats = folder / "stats.json"
     command, limit_s = client_command(options, ports, stats), float("inf")

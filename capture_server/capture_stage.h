@@ -1,7 +1,7 @@
 #pragma once
 
-// The first stage of the pipeline. It opens the source, reads its frames, records them and passes
-// them to the encode stage.
+// The first stage of the pipeline, on the capture thread. It opens the source, reads its frames,
+// records them and passes them to the encode stage.
 // Thread: all work runs on the capture thread. Any other thread may call the functions.
 
 #include <memory>
@@ -21,7 +21,8 @@
 namespace copresence::server {
 
 /// Added to the nice value of the threads that encode and that decode recordings, so that a
-/// render_client on the same machine does not stutter. The price is one frame of latency at most.
+/// render_client on the same machine does not stutter. The setting delays a frame by at most one
+/// frame period.
 inline constexpr int kStepsBelowRendering = 5;
 
 /// A frame on its way to the encode stage, with the source's counters at the time of its capture.
@@ -73,7 +74,7 @@ class CaptureStage {
   RecordingThread* const recording_;
   wire::FrameServer& server_;
   Heartbeat& heartbeat_;
-  std::optional<ErrorCode> interrupted_by_;  ///< Set while no frames come: the reason.
+  std::optional<ErrorCode> interrupted_by_;  ///< Why no frames come at present, if so.
   bool damage_is_logged_ = false, has_begun_ = false, has_all_frames_ = false;
 };
 

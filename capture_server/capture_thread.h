@@ -1,9 +1,9 @@
 #pragma once
 
-// The only thread of a process that opens, reads and closes the source. So it is the only thread
-// that calls OpenNI2. OpenNI2 (2.2.0.33) stores the ids of the threads that have called it and
-// later probes them with pthread_kill(). That crashes if such a thread has ended. So this thread is
-// created once and lives until the process ends.
+// The only thread of a process that opens, reads and closes the source, and so the only one that
+// calls OpenNI2. OpenNI2 (2.2.0.33) stores the ids of the threads that have called it. Later it
+// probes them with pthread_kill(), which crashes if such a thread has ended. Therefore this thread
+// is created once and lives until the process ends.
 // Thread: any other thread may call begin() and run().
 
 #include <pthread.h>

@@ -1,6 +1,7 @@
 #pragma once
 
-// The second stage of the pipeline. It encodes captured frames and passes them to the frame server.
+// The second stage of the pipeline, between capture and network. The stage encodes captured frames
+// and passes them to the frame server.
 // Thread: call run() on the thread that opened the encoding, since a graphics context may belong to
 // it.
 

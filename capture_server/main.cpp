@@ -1,4 +1,4 @@
-// capture_server: streams one RGB-D camera or recording. See settings.cpp for its command line.
+// capture_server: streams one RGB-D camera or recording. See settings.cpp for the command line.
 //
 // The parent process owns the listening socket and supervises the child process, which does all the
 // work. After a crash in a driver, a new child continues on the same port.

@@ -46,7 +46,7 @@ Result<std::unique_ptr<RecordingThread>> begin_recording(const ServerSettings& s
   return std::make_unique<RecordingThread>(std::move(*recording));
 }
 
-/// The open parts of the pipeline.
+/// The parts of the pipeline that are opened after the source.
 struct Parts {
   std::unique_ptr<RecordingThread> recording;  // Null without --record.
   std::optional<FrameEncoding> encoding;

@@ -14,7 +14,7 @@
 
 namespace copresence::server {
 
-/// Opens the source and streams it to all clients. It ends with success when the recording ends,
+/// Opens the source and streams it to all clients. The function succeeds when the recording ends,
 /// when `settings.frames` frames are captured, or when a stop is requested. New settings in
 /// `encoder_changes` take effect at the next frame.
 ///

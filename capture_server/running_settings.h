@@ -1,7 +1,7 @@
 #pragma once
 
-// The settings of a running server. It can read its settings file again. Settings that need no
-// restart then take effect.
+// The settings of a running server. The server can read its settings file again. Settings that need
+// no restart then take effect.
 // Thread: call read_again() on the thread that handles signals, and everything else on any thread.
 
 #include <mutex>
@@ -40,7 +40,7 @@ class RunningSettings {
 
   ServerSettings now() const;
 
-  /// The encode stage takes new encoder settings from here.
+  /// Returns the mailbox from which the encode stage takes new encoder settings.
   flow::Mailbox<EncoderSettings>& encoder_changes() { return encoder_changes_; }
 
  private:

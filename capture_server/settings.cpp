@@ -31,8 +31,7 @@ std::string key_of(const CLI::Option& option) {
   return option.get_lnames().empty() ? std::string() : option.get_lnames().front();
 }
 
-/// Returns a setting's value. If it is the relative path of a file, it is resolved against
-/// `folder`.
+/// Returns a setting's value. A relative path of a file is resolved against `folder`.
 std::string from_folder(const std::filesystem::path& folder, const Setting& setting) {
   const bool is_path = setting.key == "scene" || setting.key == "record" ||
                        (setting.key == "source" && sensor::is_recording(setting.value));

@@ -24,7 +24,7 @@ struct ServerSettings : EncodingSettings {
   bool loop = false;
   sensor::CameraControls controls;
   sensor::SourceSettings::Pace pace = sensor::SourceSettings::Pace::kReal;
-  /// Unix time in seconds at which a recording begins. It begins at once by default.
+  /// Unix time in seconds at which a recording begins. By default the recording begins at once.
   std::optional<double> start_at;
   std::optional<std::uint64_t> frames;  ///< The server ends after this many captured frames.
   bool insecure = false;
@@ -34,7 +34,7 @@ struct ServerSettings : EncodingSettings {
   bool list = false;
 
   /// The text of every setting, given or default, by its flag's name without the dashes. The text
-  /// is empty if the setting is not set. Messages about changed settings use it.
+  /// is empty if the setting is not set. The map is used for messages about changed settings.
   std::map<std::string, std::string> texts;
 
   /// True if a recording is played as fast as frames can be encoded and sent, so that no frame is
@@ -42,7 +42,7 @@ struct ServerSettings : EncodingSettings {
   bool keeps_every_frame() const;
 };
 
-/// Declares the flags on `app`. Parsing them writes into `settings`, which outlives `app`.
+/// Declares the flags on `app`. Parsing the flags writes into `settings`, which outlives `app`.
 void add_flags(CLI::App& app, ServerSettings& settings);
 
 /// Reads the command line, the file of --config and the scene file, in this order of priority. The

@@ -16,7 +16,7 @@ namespace copresence::server {
 
 struct Setting {
   std::string key;
-  std::string value;  ///< As on a command line: texts without quotes; true or false.
+  std::string value;  ///< Text without quotes, number, true or false, as on a command line.
   int line = 0;       ///< Line in the file, from 1.
 
   friend bool operator==(const Setting&, const Setting&) = default;
@@ -27,8 +27,8 @@ struct Setting {
 /// neither a text, a number, true nor false.
 Result<std::vector<Setting>> parse_settings(std::string_view text, const std::filesystem::path& path);
 
-/// Parses the file at `path`. Fails with kNotFound if it does not exist, and as parse_settings()
-/// does.
+/// Parses the file at `path`. Fails with kNotFound if the file does not exist, and as
+/// parse_settings() does.
 Result<std::vector<Setting>> load_settings(const std::filesystem::path& path);
 
 }  // namespace copresence::server

@@ -110,7 +110,7 @@ void add_bus_facts(std::vector<DeviceListing>& listing, const std::vector<UsbCam
   for (std::size_t i = 0; i < bus.size(); ++i) {
     const UsbCamera& camera = bus[i];
     DeviceListing* entry = entry_of[i];
-    if (!entry && camera.problems.empty()) continue;  // It is listed under another name.
+    if (!entry && camera.problems.empty()) continue;  // The camera is already listed.
     if (!entry)
       entry = &only_on_bus.emplace_back(
           DeviceListing{{}, camera.model, camera.serial, camera.kind, {}, {}, false});
@@ -121,8 +121,8 @@ void add_bus_facts(std::vector<DeviceListing>& listing, const std::vector<UsbCam
 }
 
 Result<std::vector<DeviceListing>> list_devices(const UsbPaths& paths) {
-  const std::vector<UsbCamera> bus =
-      find_usb_cameras(paths);  // Read the bus before this process opens any camera.
+  // Read the bus before this process opens any camera.
+  const std::vector<UsbCamera> bus = find_usb_cameras(paths);
   const sensor::OpenNiSession session(drivers::kEveryDriver);
   if (!session.is_up()) {
     return fail(ErrorCode::kUnavailable,

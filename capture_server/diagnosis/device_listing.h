@@ -13,17 +13,17 @@
 namespace copresence::diagnosis {
 
 struct DeviceListing {
-  std::string source;  ///< The argument of --source. Empty if the camera cannot be opened.
+  std::string source;  ///< The argument of --source. The text is empty if the camera cannot be opened.
   std::string name;    ///< Vendor and model.
-  std::string serial;  ///< Empty if the camera reports none.
+  std::string serial;  ///< Serial number, or empty if the camera reports none.
   std::string driver;
-  std::vector<std::string> modes;     ///< Such as "depth 640x480 at 30, 1 mm".
+  std::vector<std::string> modes;     ///< Modes such as "depth 640x480 at 30, 1 mm".
   std::vector<std::string> problems;  ///< One sentence per problem, with its remedy.
   bool ready = false;                 ///< True if the camera could be opened just now.
 };
 
 /// Lists every camera that OpenNI2 finds, and those that only the USB bus shows. Each camera is
-/// opened for a moment to test whether that works.
+/// opened for a moment to find out whether it can be used.
 /// Fails with kUnavailable if OpenNI2 does not start.
 Result<std::vector<DeviceListing>> list_devices(const UsbPaths& paths = {});
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // Finds depth cameras on the USB bus, even if this user may not open them, and the reasons why they
-// do not work. It reads /sys, /dev and /proc and opens no camera.
+// do not work. The search reads /sys, /dev and /proc and opens no camera.
 // Thread: free functions, safe anywhere.
 
 #include <string>
@@ -10,9 +10,9 @@
 namespace copresence::diagnosis {
 
 struct UsbCamera {
-  std::string model;  ///< Such as "Kinect" or "Asus Xtion".
-  /// Serial number as drivers report it. Empty or zeros if neither the camera nor its audio device
-  /// has one.
+  std::string model;  ///< Name such as "Kinect" or "Asus Xtion".
+  /// Serial number as drivers report it. The text is empty or zeros if neither the camera nor its
+  /// audio device has a number.
   std::string serial;
   std::string node;                   ///< Device file, /dev/bus/usb/BBB/DDD.
   std::string kind;                   ///< Name of the driver: kinect_v1 or primesense.

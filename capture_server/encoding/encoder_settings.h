@@ -13,7 +13,7 @@ namespace copresence::server {
 /// Quality and bitrates. All of these settings can change while the server runs.
 struct EncoderSettings {
   int depth_qp = 20;              ///< 0 (lossless) to 51.
-  std::optional<int> depth_kbps;  ///< Bitrate of depth with all its side data. If set, it replaces depth_qp.
+  std::optional<int> depth_kbps;  ///< Bitrate of depth with all its side data. The bitrate replaces depth_qp.
   int color_kbps = 2500;
 
   bool is_lossless() const { return depth_qp == 0 && !depth_kbps; }

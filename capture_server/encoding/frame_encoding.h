@@ -34,7 +34,7 @@ class FrameEncoding {
 
   /// Changes the settings from the next frame on. Changing the depth QP, or switching between QP
   /// and bitrate, forces a keyframe.
-  /// Fails if libx264 rejects them; the old settings then stay in force.
+  /// Fails if libx264 rejects the new settings; the old settings then stay in force.
   Result<void> change_settings(const EncoderSettings& settings);
 
   /// Encodes one frame. If `keyframe` is true, the coded frame does not depend on earlier ones.

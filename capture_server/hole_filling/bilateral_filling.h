@@ -1,7 +1,8 @@
 #pragma once
 
 // Fills holes with the mean of the depth around them, weighted by pixel distance alone (thesis
-// section 3.2, second version). It smears foreground into background and is kept for comparison.
+// section 3.2, second version). The method smears foreground into background and is kept for
+// comparison.
 // Thread: one thread at a time per object.
 
 #include <vector>
@@ -24,8 +25,9 @@ class BilateralFilling final : public HoleFiller {
 
  private:
   DepthRangeUnits range_;
-  std::vector<float> kernel_;                      // Weights of the centre and one half.
-  std::vector<float> column_sum_, column_weight_;  // Sums of one row, with margins of the kernel's radius.
+  std::vector<float> kernel_;  // Weights of the centre and of one side.
+  // Sums of one row, with empty margins as wide as the kernel's radius.
+  std::vector<float> column_sum_, column_weight_;
 };
 
 }  // namespace copresence::hole_filling

@@ -12,11 +12,11 @@ static_assert(copresence::hole_filling::Cells::kMarginPx >= 4, "rows end within 
 namespace copresence::hole_filling {
 namespace {
 
-constexpr float kNoSurface = -1e6f;  // Differs from every depth by more than any slope allows.
+constexpr float kNoSurface = -1e6f;  // A value that differs from every depth by more than any slope allows.
 constexpr float kNothingYet = 1e6f;
-constexpr std::uint8_t kNowhereNear = 200;  // In cells. Adding twelve still fits into a byte.
+constexpr std::uint8_t kNowhereNear = 200;  // In cells. Adding 12 does not overflow a byte.
 
-// Eight pixels in one vector register.
+// One vector register holds eight pixels.
 constexpr int kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 constexpr Lanes kNowhere{};
@@ -235,11 +235,12 @@ void Cells::move_to_middles() {
 }
 
 void Cells::find_reach() {
-  // A local copy, since the compiler must assume that stores through uint8_t change members.
+  // This local copy helps, since the compiler must assume that stores through uint8_t change
+  // members.
   const int columns = columns_;
   for (std::size_t d = 0; d < kDirections.size(); ++d) {
     const int towards = offset(kDirections[d]);
-    const bool upward = towards > 0;  // Rows run so that the neighbour's distance is known first.
+    const bool upward = towards > 0;  // Rows are visited so that the neighbour's distance is known first.
     std::uint8_t* reaches = reach[d].data();
     for (int i = 0; i < rows_; ++i) {
       const int first = at(0, upward ? rows_ - 1 - i : i);

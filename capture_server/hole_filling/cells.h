@@ -13,19 +13,20 @@ namespace copresence::hole_filling {
 
 class Cells {
  public:
-  static constexpr int kMargin =
-      2;  ///< Width of the border of empty cells, so that neighbours need no check.
+  /// Width of the border of empty cells, so that neighbours need no check.
+  static constexpr int kMargin = 2;
   struct Direction {
     int dx, dy;
   };
-  static constexpr std::array<Direction, 8> kDirections{{{1, 0},
-                                                         {-1, 0},
-                                                         {0, 1},
-                                                         {0, -1},
-                                                         {1, 1},
-                                                         {-1, -1},
-                                                         {1, -1},
-                                                         {-1, 1}}};  // Opposite directions are adjacent here.
+  static constexpr std::array<Direction, 8> kDirections{
+      {{1, 0},
+       {-1, 0},
+       {0, 1},
+       {0, -1},
+       {1, 1},
+       {-1, -1},
+       {1, -1},
+       {-1, 1}}};  // Each direction is followed or preceded by its opposite.
 
   Cells(int width_px, int height_px);
 
@@ -47,12 +48,13 @@ class Cells {
 
   // The following arrays have one element per cell. A cell whose depths differ by more than
   // kOneSurface holds two surfaces, split at the middle of its depth range.
-  /// Depths of the two surfaces at the cell's middle, in steps. Meaningless without such a surface.
+  /// Depths of the two surfaces at the cell's middle, in steps. The value is meaningless if the
+  /// cell lacks that surface.
   std::vector<float> far, near;
   /// Number of measured pixels on each surface. `near_count` is 0 if there is one surface.
   std::vector<std::uint8_t> far_count, near_count;
-  std::vector<float> slope_x, slope_y;  ///< In steps per pixel; 0 if unknown.
-  std::vector<std::uint8_t> wanted;     ///< 1 if the cell has fillable holes.
+  std::vector<float> slope_x, slope_y;  ///< Slope in steps per pixel; 0 if unknown.
+  std::vector<std::uint8_t> wanted;     ///< True (1) if the cell has fillable holes.
 
   /// Per direction and cell: distance in cells to the next cell with depth, or 0 if there is none
   /// within kReachCells.

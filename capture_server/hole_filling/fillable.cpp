@@ -7,7 +7,7 @@
 namespace copresence::hole_filling {
 namespace {
 
-constexpr std::uint8_t kLongest = 255;  // Stands for this length and all longer ones.
+constexpr std::uint8_t kLongest = 255;  // A run length that stands for 255 and all longer ones.
 
 /// Marks the holes of short column runs, and sets every pixel of `fillable`. The border counts as
 /// `border` holes. So a run that touches the border is short up to widest_at_border, and a run from

@@ -24,23 +24,25 @@ constexpr int kWidestGapPx = 40;
 /// measures its last eight columns, and planes can be extended that far.
 constexpr int kWidestAtBorderPx = 12;
 
-constexpr int kCellPx = 4;         ///< Edge length of the cells from which wide holes are filled.
-constexpr int kReachCells = 12;    ///< Reach of the search for measured cells in each direction, in cells.
-constexpr int kCellEnough = 5;     ///< Measured pixels, of 16, that a usable cell needs.
-constexpr float kOneSurface = 6;   ///< In steps. A cell with a larger depth range holds two surfaces.
-constexpr float kLinked = 5;       ///< In steps. Candidates that differ by less belong to one surface.
-constexpr int kWorthPixels = 8;    ///< Measured pixels that a candidate surface needs.
-constexpr float kSteepest = 1;     ///< In steps per pixel. Steeper differences are edges, not slopes.
-constexpr float kSameSurface = 3;  ///< In steps. Measured pixels this close to a candidate correct it.
-/// Weight of a candidate compared with the measured pixels that correct it.
+constexpr int kCellPx = 4;        ///< Edge length of the cells from which wide holes are filled.
+constexpr int kReachCells = 12;   ///< Reach of the search for measured cells in each direction, in cells.
+constexpr int kCellEnough = 5;    ///< Measured pixels, of 16, that a usable cell needs.
+constexpr float kOneSurface = 6;  ///< In steps. A cell with a larger depth range holds two surfaces.
+constexpr float kLinked = 5;      ///< In steps. Candidates that differ by less belong to one surface.
+constexpr int kWorthPixels = 8;   ///< Measured pixels that a candidate surface needs.
+constexpr float kSteepest = 1;    ///< In steps per pixel. Steeper differences are edges, not slopes.
+/// In steps. Measured pixels with a smaller distance to a candidate correct it.
+constexpr float kSameSurface = 3;
+/// Weight of a candidate; the measured pixels that correct it have weight 1 or less.
 constexpr float kCandidateWeight = 0.5f;
 constexpr int kWindowPx = 2;  ///< Radius of the window in which measured pixels correct a candidate.
 /// Width of an occlusion shadow per step: 43.5 px m / 351.3 m, plus a third for sloped surfaces.
 constexpr float kShadowPxPerStep = 0.16f;
 constexpr float kShadowSlackPx = 2;  ///< Added to that width for the shadow's ragged rim.
-constexpr float kColorSigma = 24;    ///< Of 255. Euclidean distance over the channels.
+/// Of 255. Standard deviation of colour distance, Euclidean over the channels.
+constexpr float kColorSigma = 24;
 
-// The rest is for median and bilateral filling.
+// The following constants are for median and bilateral filling.
 constexpr int kMedianWindowPx = 4;        ///< Radius of the first pass.
 constexpr int kMedianSmallWindowPx = 2;   ///< Radius of the second pass.
 constexpr int kMedianEnoughPercent = 35;  ///< Share of the first window's pixels that must hold depth.

@@ -44,7 +44,7 @@ class GlJointFilling final : public HoleFiller {
 };
 
 /// Opens a GlJointFilling with a headless context of its own. Fails with kUnavailable without
-/// OpenGL. With `hardware_only` it also fails, with kUnsupported, if OpenGL is a software renderer.
+/// OpenGL. With `hardware_only`, it also fails with kUnsupported if OpenGL is a software renderer.
 Result<std::unique_ptr<HoleFiller>> open_gl_joint_filling(const FrameFormat& format, bool hardware_only);
 
 }  // namespace copresence::hole_filling

@@ -40,7 +40,7 @@ std::string_view name(Method method);  ///< "off", "median", "bilateral" or "joi
 struct FrameFormat {
   int width = 640, height = 480;  ///< In pixels.
   DepthUnit unit = DepthUnit::kMillimetre;
-  DepthRange range;  ///< Holes are never filled with depth outside it.
+  DepthRange range;  ///< No hole is filled with depth outside this range.
   DepthNoise noise = {};
 };
 
@@ -51,7 +51,7 @@ class HoleFiller {
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --compute.
 
   /// True if any thread may call fill(), one at a time. False if only the thread that opened the
-  /// filler may.
+  /// filler may call it.
   virtual bool is_free_of_threads() const { return true; }
 
   /// Fills the narrow holes of `frame`. Depth and state change only in holes. Requires depth and

@@ -12,8 +12,8 @@
 namespace copresence::hole_filling {
 namespace {
 
-constexpr int kTilePx =
-    kCellPx + 2 * kWindowPx;  // A cell with the margin that the windows of its pixels reach.
+// Edge of a tile: a cell with the margin that the windows of its pixels reach.
+constexpr int kTilePx = kCellPx + 2 * kWindowPx;
 static_assert(kWindowPx <= Cells::kMarginPx && kWindowPx == 2 && kCellPx == 4);
 // Weights exp(-d^2 / 4) at the distances d = 2, 1 and 0 pixels from the window's centre.
 constexpr std::array<float, 3> kKernel{0.37f, 0.78f, 1};
@@ -32,8 +32,9 @@ void load(const float* from, Row& row) {
 /// over each pixel's window.
 struct Support {
   std::array<CellRow, kCellPx> weight;  ///< Total weight of the pixels on the surface.
-  std::array<CellRow, kCellPx> rest;    ///< Weighted sum of their distances from it, in steps.
-  std::array<CellRow, kCellPx> x, y;  ///< Weighted sums of their positions, pixels from the window's centre.
+  std::array<CellRow, kCellPx> rest;  ///< Weighted sum of these pixels' distances from the surface, in steps.
+  /// Weighted sums of these pixels' positions, in pixels from the window's centre.
+  std::array<CellRow, kCellPx> x, y;
 };
 
 /// Elements k to k + 3 of a tile's row: the neighbours of a cell's four pixels at one offset.
@@ -57,8 +58,8 @@ CellRow first_moment_across(const TileRow& row) {
 /// since a pixel's weight does not depend on the window. `corner` is the top left pixel of the
 /// cell's tile. Without `places`, x and y are not set.
 void find_support(const float* corner, int stride, const Plane& plane, bool places, Support& support) {
-  constexpr float kFirst =
-      -kWindowPx - 0.5f * (kCellPx - 1);  // The first column, counted from the cell's middle.
+  // Position of the first column, from the cell's middle.
+  constexpr float kFirst = -kWindowPx - 0.5f * (kCellPx - 1);
   constexpr TileRow kColumns{kFirst,     kFirst + 1, kFirst + 2, kFirst + 3,
                              kFirst + 4, kFirst + 5, kFirst + 6, kFirst + 7};
   constexpr TileRow kOne = kNone + 1.0f;

@@ -19,8 +19,8 @@ class MedianFilling final : public HoleFiller {
 
   /// Sets each hole to the median of the window's pixels with depth, the lower of two.
   /// Source: Maimone and Fuchs 2011. The large window fills a hole if its depths differ little, and
-  /// if enough pixels of the window and of its rim hold depth, so that silhouettes do not grow.
-  /// Their second pass also smooths measured depth; this one does not.
+  /// if enough pixels of the window and of its rim hold depth, so that silhouettes do not grow. The
+  /// second pass of the paper also smooths measured depth; this one does not.
   Result<void> fill(RgbdFrame& frame) override;
 
  private:
@@ -28,7 +28,7 @@ class MedianFilling final : public HoleFiller {
   struct Window {
     int radius;
     int enough;      ///< Least number of pixels with depth.
-    int enough_rim;  ///< Least number of these on the window's rim.
+    int enough_rim;  ///< Least number of pixels with depth on the rim.
     float widest;    ///< Largest difference of depths, in steps.
   };
   void pass(const Window& window, RgbdFrame& frame);

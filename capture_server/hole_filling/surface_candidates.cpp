@@ -19,7 +19,8 @@ struct Observation {
   int direction;    // Direction of the search, or -1 for the cell itself.
 };
 
-/// The surfaces observed around a cell. Their data is unpredictable, so this code avoids branches.
+/// The surfaces observed around a cell. Branches on this data would be unpredictable, so this code
+/// avoids branches.
 struct Observations {
   static constexpr int kMost = 2 + 2 * 8;
   static constexpr int kLanes = 8;
@@ -43,13 +44,13 @@ struct Observations {
     nearest = is_there ? std::max(nearest, observation.steps) : nearest;
   }
 
-  /// Sorts the entries from far to near, unless all of them belong to one surface. In this common
-  /// case, their order does not matter.
+  /// Sorts the entries from far to near, unless all of them belong to one surface. In that common
+  /// case, the order does not matter.
   void find_order() {
     for (int i = 0; i < count; ++i) order[i] = static_cast<std::uint8_t>(i);
     if (nearest - farthest <= kLinked) return;
-    // The rank of an entry is the number of entries before it. It is computed for eight entries at
-    // a time.
+    // The rank of an entry is the number of entries before it. The rank is computed for eight
+    // entries at a time.
     for (int first = 0; first < count; first += kLanes) {
       Steps these;
       std::memcpy(&these, &steps[first], sizeof these);

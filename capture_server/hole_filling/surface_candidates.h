@@ -18,7 +18,8 @@ struct Plane {
 /// candidates.
 struct SurfaceCandidates {
   Plane far, near;
-  /// Mean colours, 0 to 255. Valid only if there are two candidates and colour is known.
+  /// Mean colours, 0 to 255. The colours are valid only if there are two candidates and colour is
+  /// known.
   std::array<float, 3> far_color{}, near_color{};
   bool prefers_near = false;  ///< The choice if neither pixels nor colour decide.
 };

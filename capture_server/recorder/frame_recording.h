@@ -5,8 +5,8 @@
 // replay runs these stages again.
 //
 // A recording never overwrites a file. If the requested file exists, the first free name of
-// `name-2.oni`, `name-3.oni` and so on is used. This holds after a crash and when several servers
-// start at once.
+// `name-2.oni`, `name-3.oni` and so on is used. No recording is overwritten after a crash or when
+// several servers start at once.
 //
 // Thread: one thread at a time.
 

@@ -32,8 +32,8 @@ class RecordingThread {
   RecordingThread& operator=(const RecordingThread&) = delete;
 
   /// Copies the frame into the queue. If the queue is full, the frame is counted as left out. With
-  /// `may_wait`, for sources that can wait, it instead waits for room, however long the disk takes,
-  /// and logs that.
+  /// `may_wait`, for sources that can wait, the call instead waits for room in the queue, however
+  /// long the disk takes, and logs that.
   void offer(const RgbdFrame& frame, bool may_wait, std::stop_token stop);
 
   /// Closes the queue. The recording thread writes the remaining frames for at most `drain_for`.
@@ -57,9 +57,9 @@ class RecordingThread {
   std::atomic<std::uint64_t> left_out_ = 0;
   std::atomic<Instant> give_up_at_ = Instant::max();
   std::atomic<bool> over_ = false;   ///< True if nothing more can be written.
-  std::uint64_t said_left_out_ = 0;  ///< Only for the capture thread, like the next member.
+  std::uint64_t said_left_out_ = 0;  ///< Used by the capture thread only, like the next member.
   Instant said_left_out_at_{};
-  Instant said_refused_at_{}, checkpoint_at_{};  ///< Only for the recording thread.
+  Instant said_refused_at_{}, checkpoint_at_{};  ///< Used by the recording thread only.
   std::promise<void> written_;
   std::jthread thread_;
 };

@@ -1,8 +1,8 @@
 #pragma once
 
 // Camera metadata that the .oni format lacks: the full camera model, the pose, and whether colour
-// is registered to depth. It is stored as JSON in the general property kCameraMetadataProperty of
-// the depth node. Other players ignore it.
+// is registered to depth. The metadata is stored as JSON in the general property
+// kCameraMetadataProperty of the depth node. Other players ignore it.
 //
 //   {"name":"camera0","width":640,"height":480,"fx":585.5,"fy":585.5,"cx":319.5,"cy":239.5,
 //    "distortion":[k1,k2,p1,p2,k3,k4,k5,k6],"registered":true,"unit_um":1000,
@@ -34,7 +34,7 @@ struct CameraMetadata {
   CameraModel model;        ///< Model of depth and, if registered, of colour.
   bool registered = false;  ///< Depth and colour share one camera model.
   DepthUnit unit = DepthUnit::kMillimetre;
-  std::optional<Rigid3> world_from_camera;  ///< In metres. Nothing if it is unknown.
+  std::optional<Rigid3> world_from_camera;  ///< In metres. Nothing if the pose is unknown.
   /// The colour camera if it is known and colour is not registered.
   std::optional<ColorCameraMetadata> color = std::nullopt;
 

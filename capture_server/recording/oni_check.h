@@ -1,11 +1,11 @@
 #pragma once
 
 // Checks the record chain of an .oni recording. OpenNI2's player trusts every number in a file, but
-// this check trusts none. It compares sizes with the file's size before it uses them. Its memory is
-// proportional to the number of frames.
+// this check trusts none. The check compares sizes with the file's size before it uses them. The
+// check's memory is proportional to the number of frames.
 //
-// It rejects broken or unfinished record chains, streams that this project cannot use, and nodes
-// and properties that OpenNI2 cannot play. It does not check the frames' payloads, because the
+// The check rejects broken or unfinished record chains, streams that this project cannot use, and
+// nodes and properties that OpenNI2 cannot play. The frames' payloads are not checked, because the
 // format has no checksum. A frame with a damaged payload is lost or altered; the others are exact.
 //
 // Thread: free functions; concurrent calls are safe.
@@ -48,20 +48,22 @@ struct RecordedStream {
   int height = 0;
   int frames_per_second = 0;                 ///< Nominal frame rate.
   DepthUnit unit = DepthUnit::kMillimetre;   ///< Unit of depth. Unused for other streams.
-  std::optional<FieldOfView> field_of_view;  ///< Set for depth, and for colour if the recorder knew it.
-  /// All depths that the sensor can report, ascending. Empty if the recording does not state them.
+  std::optional<FieldOfView> field_of_view;  ///< Set for depth; set for colour if the recorder knew it.
+  /// All depths that the sensor can report, ascending. The list is empty if the recording does not
+  /// state them.
   std::vector<std::uint16_t> levels;
   /// Times of all frames in the file's order, counted from the recorder's time zero.
   std::vector<std::uint64_t> timestamps_us;
   std::vector<Payload> payloads;  ///< Payloads of the same frames.
-  std::uint32_t last_frame = 0;   ///< Number of the last frame. It equals frames() if none is missing.
+  /// Number of the last frame. The number equals frames() if no frame is missing.
+  std::uint32_t last_frame = 0;
 
   std::size_t frames() const { return timestamps_us.size(); }
 };
 
 struct RecordingSummary {
   std::vector<RecordedStream> streams;            ///< At most one stream of each kind.
-  std::optional<CameraMetadata> camera_metadata;  ///< Nothing if the recording has none.
+  std::optional<CameraMetadata> camera_metadata;  ///< Nothing if the recording has no metadata.
   /// Microseconds from 1970 (UTC) to time zero of the timestamps, if the recorder stored it.
   std::optional<std::int64_t> unix_zero_us;
   /// Duration of the depth stream, from its first frame to one period after the last.
@@ -70,9 +72,9 @@ struct RecordingSummary {
   const RecordedStream* find(RecordedStream::Kind kind) const;
 };
 
-/// Usual time between frames in microseconds: the median of the steps between their times. It is
-/// the nominal period if the stream has fewer than two frames or unusable times. Times are unusable
-/// if many do not increase or if they are closer together than kFastestRate allows.
+/// Usual time between frames in microseconds: the median of the steps between their times. The
+/// result is the nominal period if the stream has fewer than two frames or unusable times. Times
+/// are unusable if many do not increase or if they are closer together than kFastestRate allows.
 double usual_period_us(const RecordedStream& stream);
 
 /// Number of frames whose time is not later than that of the previous frame.
@@ -88,8 +90,8 @@ Result<void> check_playable(const RecordedStream& depth, std::string_view name);
 /// stream is cropped, of odd size or in an unknown format.
 Result<RecordingSummary> check(const std::string& path);
 
-/// Runs check() and check_playable() on a file that was just written. Every writer calls it at the
-/// end. Devices and pipes pass without a check.
+/// Runs check() and check_playable() on a file that was just written. Every writer calls this
+/// function at the end. Devices and pipes pass without a check.
 Result<void> check_written(const std::string& path);
 
 /// Parses bytes in memory as check(path) does. `name` replaces the path in messages.

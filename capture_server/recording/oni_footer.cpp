@@ -6,7 +6,7 @@
 namespace copresence::recording {
 namespace {
 
-// A property of the same size, which replaces a former footer.
+// Returns a property that overwrites a former footer of the same size.
 RecordBytesOut skipped_footer(std::uint32_t node, std::uint64_t size) {
   RecordBytesOut bytes;
   append_general(bytes, node, kFormerEndProperty, {});

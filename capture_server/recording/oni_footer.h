@@ -4,8 +4,8 @@
 // may be killed between any two writes, and the recording still plays up to its last footer.
 //
 // Frames may be written after a footer without seek tables, and the next footer after them. Only
-// then does the former footer become a property, which every player skips. This costs a hundred
-// bytes per footer, and no frame before a footer is ever lost.
+// after that, the former footer becomes a property, which every player skips. Each footer costs a
+// hundred bytes, and no frame before a footer is ever lost.
 //
 // Thread: free functions; one thread at a time per file.
 
@@ -28,8 +28,8 @@ struct FooterStream {
 
 enum class SeekTables { kNo, kYes };
 
-/// Appends a footer for these streams, at least one. It then makes this footer the valid one: it
-/// writes counts, times and, if requested, positions of seek tables at the front of the file.
+/// Appends a footer for at least one stream. The function then makes this footer valid by writing
+/// counts, times and, if requested, positions of seek tables at the front of the file.
 /// `earlier_footers` are the positions of these streams' former footers, all without seek tables.
 /// Returns the new footer's position.
 /// Fails as OutputFile does. The file then still ends with its former footer.

@@ -105,16 +105,16 @@ inline constexpr char kDisparityTableProperty[] = "S2D";
 /// General property without meaning: a former footer, see recording/oni_footer.h.
 inline constexpr char kFormerEndProperty[] = "copresence.end";
 
-inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< Frames of one stream: 38 hours.
+inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< Most frames of one stream: 38 hours.
 
-/// Largest timestamp in microseconds. It is 2284 years, so sums of times do not overflow.
+/// Largest timestamp in microseconds. This limit is 2284 years, so sums of times do not overflow.
 inline constexpr std::uint64_t kMaxTimestamp = std::uint64_t{1} << 56;
 
 /// Frame rates at which a recording can be played.
 inline constexpr double kSlowestRate = 0.1, kFastestRate = 1000;
 
-/// Largest depth value in a recording of this unit: the property "xnDeviceMaxDepth". Viewers size
-/// tables by it.
+/// Largest depth value in a recording of this unit, for the property "xnDeviceMaxDepth". Viewers
+/// size their tables by this value.
 inline constexpr std::uint16_t kMaxDepthMillimetre = 10000;
 inline constexpr std::uint16_t kMaxDepth100Micrometres = 65535;
 

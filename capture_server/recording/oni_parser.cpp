@@ -14,8 +14,8 @@ constexpr std::uint32_t kMaxNodes = 32;
 // Longer names do not fit into the player's fields.
 constexpr std::size_t kMaxName = 79;
 
-// The distinct depths of a table of 16-bit numbers, ascending. Empty if the bytes are no such
-// table.
+// The distinct depths of a table of 16-bit numbers, ascending. The result is empty if the bytes are
+// no such table.
 std::vector<std::uint16_t> levels_in(std::span<const std::uint8_t> table) {
   constexpr std::size_t kMostTableBytes = 2 * 65536;
   std::vector<std::uint16_t> levels;
@@ -127,8 +127,8 @@ Result<OniParser::Record> OniParser::next_record() {
 }
 
 Result<void> OniParser::read(const Record& record) {
-  // The player reads a stream's definition to its end before anything else. It loses frames within
-  // the definition, and an end within it makes the player recurse without limit.
+  // The player reads a stream's definition to its end before anything else. Frames within the
+  // definition are lost, and an end within it makes the player recurse without limit.
   const bool defines =
       (record.type >= RecordType::kIntProperty && record.type <= RecordType::kGeneralProperty) ||
       record.type == RecordType::kNodeAdded || record.type == RecordType::kNodeAddedOlder ||
@@ -176,7 +176,7 @@ Result<void> OniParser::node_added(const Record& record, FieldReader fields) {
   std::uint64_t seek_table_at = 0;
   if (record.type != RecordType::kNodeAddedOld) {
     frames = fields.u32();
-    fields.u64();  // First and last timestamp; the frames also have them.
+    fields.u64();  // First and last timestamp, which the frames also have.
     fields.u64();
   }
   if (record.type == RecordType::kNodeAdded) seek_table_at = is_old_ ? fields.u32() : fields.u64();
@@ -333,7 +333,7 @@ Result<void> OniParser::new_data(const Record& record, FieldReader fields) {
 }
 
 Result<void> OniParser::seek_table(const Record& record) {
-  const auto found = nodes_.find(record.node);  // Its node may have been removed.
+  const auto found = nodes_.find(record.node);  // The stream's node may have been removed.
   if (found == nodes_.end()) return damaged(record.at, "a seek table of an unknown stream");
   Node& node = found->second;
   const std::uint64_t entry = is_old_ ? kOldSeekEntryBytes : kSeekEntryBytes;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The strict parser of a recording. It reads the record chain once, by the rules of OpenNI2's
-// player (oni_check.h). The tolerant parser is in oni_recovery.h.
+// The strict parser of a recording. The parser reads the record chain once, by the rules of
+// OpenNI2's player (oni_check.h). The tolerant parser is in oni_recovery.h.
 
 #include <cstdint>
 #include <map>
@@ -18,7 +18,7 @@ class OniParser {
   /// `name` is the recording's name in messages. Both arguments must outlive this object.
   OniParser(RecordBytes& bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
-  /// Parses the recording. Call it only once per object.
+  /// Parses the recording. Call run() only once per object.
   Result<RecordingSummary> run();
 
  private:
@@ -32,7 +32,7 @@ class OniParser {
     bool is_stream = false;
     std::uint32_t frames_claimed = 0;
     bool is_counted_at_data = false;  ///< True if its kDataBegin has the number of frames.
-    std::uint64_t seek_table_at = 0;  ///< Position from its definition, or 0 for no table.
+    std::uint64_t seek_table_at = 0;  ///< Position of the seek table by its definition, or 0.
     bool has_seek_table = false;      ///< True if a table of the right size was found.
     std::uint64_t max_payload = 0;
     StreamFormat format;  ///< Must not change once the node is ready.

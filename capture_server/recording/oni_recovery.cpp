@@ -74,7 +74,7 @@ class Search {
     return found == found_.streams.end() ? nullptr : &*found;
   }
 
-  // Returns the record as the next frame of its stream. Nothing if it is no such frame.
+  // Returns the record as a frame if it is the next frame of its stream. Else returns nothing.
   std::optional<RecoveredFrame> frame_of(const Record& record) {
     const RecoveredStream* stream = find(record.node);
     if (record.type != RecordType::kNewData || !stream || record.fields_bytes != frame_head_bytes()) {

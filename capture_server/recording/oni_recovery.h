@@ -1,7 +1,7 @@
 #pragma once
 
-// The tolerant parser of a recording. It finds every whole frame, even if the file is cut off or
-// damaged. Repairing and cutting use it; the strict parser is in oni_parser.h.
+// The tolerant parser of a recording. The parser finds every whole frame, even if the file is cut
+// off or damaged. The strict parser is in oni_parser.h.
 // Thread: free functions; concurrent calls are safe.
 
 #include <cstdint>
@@ -25,8 +25,8 @@ struct RecoveredStream {
   std::uint32_t node = 0;
   NodeType type{};
   std::uint64_t added_position = 0;    ///< Position of its kNodeAdded.
-  std::uint64_t counts_position = 0;   ///< Position of its last kNodeCountsBytes; 0 in an old file.
-  std::vector<RecoveredFrame> frames;  ///< In the file's order, with increasing numbers.
+  std::uint64_t counts_position = 0;   ///< Position of the last kNodeCountsBytes; 0 in an old file.
+  std::vector<RecoveredFrame> frames;  ///< Frames in the file's order, with increasing numbers.
 
   std::vector<FramePlace> places() const;
 };
@@ -38,7 +38,7 @@ struct Gap {
 
 struct RecoveredRecording {
   bool is_old = false;                   ///< Written by OpenNI 1.0 to 1.3, see oni_format.h.
-  std::vector<RecoveredStream> streams;  ///< At least one: all streams that may have frames.
+  std::vector<RecoveredStream> streams;  ///< All streams that may have frames, at least one.
   std::uint32_t largest_node = 0;
   std::uint64_t first_frame_position = 0;  ///< All streams are defined before this position.
   std::uint64_t whole_until = 0;           ///< End of the last whole record.

@@ -21,8 +21,8 @@ namespace {
 using Bytes = RecordBytesOut;
 
 constexpr std::uint64_t kCopyStep = 1 << 20;
-constexpr std::uint64_t kLargestSkip = 16
-                                       << 10;  // Size of one property, since players read it into a buffer.
+// Largest size of one property, since players read it into a buffer.
+constexpr std::uint64_t kLargestSkip = 16 << 10;
 
 Result<void> copy_bytes(const InputFile& from, std::uint64_t begin, std::uint64_t end, OutputFile& to,
                         const std::string& name, const ProgressReport& progress) {
@@ -87,8 +87,8 @@ Result<void> renumber(OutputFile& file, const RecoveredStream& stream) {
 }
 
 Result<void> finish(OutputFile& file, const RecoveredRecording& found, const std::string& name) {
-  const bool end_stays =
-      !found.has_end || !found.has_seek_tables;  // The former footer stays in the file as a property.
+  // True if the former footer stays in the file as a property.
+  const bool end_stays = !found.has_end || !found.has_seek_tables;
   const std::uint64_t keep = end_stays ? found.whole_until : found.end_position;
   if (file.size() > keep) {
     if (auto cut = file.truncate(keep); !cut) return cut;

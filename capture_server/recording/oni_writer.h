@@ -70,13 +70,13 @@ class OniWriter {
   /// Fails as write_depth() does.
   Result<void> write_color(std::chrono::microseconds timestamp, const ColorImage& color);
 
-  /// Writes one colour picture that is already a JPEG of the right size with three components. Its
+  /// Writes one colour picture that is already a JPEG of the right size with three components. The
   /// bytes are stored unchanged. Requires ColorCoding::kJpeg.
   Result<void> write_jpeg(std::chrono::microseconds timestamp, std::span<const std::uint8_t> jpeg);
 
-  /// Completes the file up to here, so that it plays even if the program dies. If frames were
-  /// written since the last call, this takes a hundred bytes. Fails with kUnavailable if the disk
-  /// is full.
+  /// Completes the file up to here, so that it plays even if the program dies. A call takes a
+  /// hundred bytes of the file if frames were written since the last call. Fails with kUnavailable
+  /// if the disk is full.
   Result<void> checkpoint();
 
   /// Writes seek tables and counts, and closes the file. Call it once, last. If the disk has no
@@ -84,7 +84,7 @@ class OniWriter {
   /// kUnavailable if there is no room at all.
   Result<void> finish();
 
-  /// Deletes the file. Call it instead of finish().
+  /// Deletes the file. Call discard() instead of finish().
   void discard() { file_.discard(); }
 
   std::uint64_t bytes() const { return file_.size(); }

@@ -100,7 +100,7 @@ tl::unexpected<Error> OutputFile::failure() const {
 
 Result<void> OutputFile::append(std::span<const std::uint8_t> bytes) {
   if (auto written = write(size_, bytes); !written) {
-    // If this fails, the bytes after the recording's end do no harm.
+    // If ftruncate() fails, the bytes after the recording's end do no harm.
     [[maybe_unused]] const int cut = ::ftruncate(descriptor_, static_cast<off_t>(size_));
     return written;
   }

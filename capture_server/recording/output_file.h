@@ -21,8 +21,8 @@ enum class Existing {
 class OutputFile {
  public:
   /// Creates the file. If several processes create the same name with kKeep, exactly one of them
-  /// succeeds. Devices and named pipes are opened as they are.
-  /// Fails with kInvalid if a file of this name exists, with kKeep. Fails with kUnavailable if the
+  /// succeeds. A device or a named pipe is opened without being emptied.
+  /// Fails with kInvalid if the file exists and `existing` is kKeep. Fails with kUnavailable if the
   /// file cannot be written.
   static Result<OutputFile> create(const std::string& path, Existing existing = Existing::kKeep);
   /// Creates `path`, or the first of `name-2.ext`, `name-3.ext` and so on that does not exist yet.
@@ -53,8 +53,8 @@ class OutputFile {
   /// Closes the file. Call it last. Fails if the system reports a delayed write failure.
   Result<void> close();
 
-  /// Deletes a file that could not be completed. Call it instead of close(). Devices and named
-  /// pipes stay.
+  /// Deletes a file that could not be completed. Call discard() instead of close(). Devices and
+  /// named pipes stay.
   void discard();
 
  private:

@@ -45,7 +45,7 @@ double FieldReader::f64() {
 
 std::string_view FieldReader::text() {
   const auto bytes = take(u32());
-  // OpenNI2 uses each character of a name, as a signed number, as an index into a table. So it
+  // OpenNI2 uses each character of a name, as a signed number, as an index into a table. So OpenNI2
   // crashes on characters beyond ASCII.
   if (bytes.empty() || bytes.back() != 0 ||
       std::any_of(bytes.begin(), bytes.end() - 1, [](std::uint8_t c) { return c < 0x20 || c > 0x7e; })) {

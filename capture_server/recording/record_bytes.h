@@ -29,8 +29,8 @@ class RecordBytes {
 
   std::uint64_t size() const { return size_; }
 
-  /// Returns `count` bytes from `offset` on, valid until the next call. Nothing if they are outside
-  /// the file or cannot be read.
+  /// Returns `count` bytes from `offset` on, valid until the next call. Returns nothing if these
+  /// bytes are outside the file or cannot be read.
   std::optional<std::span<const std::uint8_t>> at(std::uint64_t offset, std::uint32_t count);
 
  private:
@@ -72,7 +72,7 @@ class FieldReader {
 
 /// The first fields of a record. Their values are unchecked.
 struct RecordHead {
-  std::uint32_t magic = 0;  ///< It is kRecordMagic if a record begins here.
+  std::uint32_t magic = 0;  ///< kRecordMagic if a record begins here.
   RecordType type{};
   std::uint32_t node = 0;
   std::uint32_t fields_bytes = 0;   ///< Size of head and fields.

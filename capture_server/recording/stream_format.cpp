@@ -61,7 +61,7 @@ bool StreamFormat::apply(Kind kind, RecordType type, std::string_view key,
   if (is_int && key == "xnPixelFormat") {
     const std::uint64_t number = fields.u64();
     if (kind == Kind::kDepth) {
-      // This holds for every value, because a recorder of another format adds oniPixelFormat.
+      // The value does not matter, because a recorder of another format adds oniPixelFormat.
       pixel_format = kDepthMillimetre;
       return true;
     }
@@ -153,7 +153,7 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
     return unsupported("has no property xnCropping, without which OpenNI2 plays nothing; record it again");
   }
   if (cropped) return unsupported("was recorded cropped; record it without cropping");
-  // In each of these cases the player has no decoder for the frames.
+  // The player has no decoder for the frames in any of the following cases.
   const bool depth_codec = stream.codec == "16zT" || stream.codec == "16zP";
   const bool fits = stream.codec == "NONE" ||
                     (stream.kind == Kind::kColor ? stream.codec == "JPEG" : depth_codec) ||
@@ -170,8 +170,8 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
   return {};
 }
 
-// A frame larger than its codec can produce is a broken record. With this limit, OpenNI2's reads
-// beyond a damaged payload also stay inside its much larger buffer.
+// A frame larger than its codec can produce is a broken record. This limit also keeps OpenNI2's
+// reads beyond a damaged payload inside its own buffer, which is much larger.
 std::uint64_t StreamFormat::max_payload(std::string_view codec, Kind kind) const {
   const std::uint64_t pixels = std::uint64_t{width} * height;
   const std::uint64_t frame_bytes = pixels * bytes_per_pixel(kind);

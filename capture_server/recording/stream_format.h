@@ -1,7 +1,7 @@
 #pragma once
 
-// The format of a stream's frames, from its properties. It also decides whether this project and
-// OpenNI2's player can use the stream. Part of the recording's check.
+// The format of a stream's frames, from its properties. The class also decides whether this project
+// and OpenNI2's player can use the stream. Part of the recording's check.
 // Thread: one thread at a time per object.
 
 #include <cstdint>
@@ -34,8 +34,8 @@ struct StreamFormat {
   /// name, for a sentence about the file.
   Result<void> describe(RecordedStream& stream) const;
 
-  /// The maximum size of a coded frame in bytes. With codec NONE it is the exact size. Requires
-  /// that describe() succeeded.
+  /// The maximum size of a coded frame in bytes. With codec NONE the size is exact. Requires that
+  /// describe() succeeded.
   std::uint64_t max_payload(std::string_view codec, RecordedStream::Kind kind) const;
 
   friend bool operator==(const StreamFormat&, const StreamFormat&) = default;

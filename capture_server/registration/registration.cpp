@@ -9,8 +9,8 @@ namespace copresence::registration {
 namespace {
 
 constexpr float kNowhere = -1e6f;    // A coordinate outside every picture.
-constexpr float kNearestM = 0.05f;   // Points closer to the colour camera than this count as behind it.
-constexpr float kUnknownDepthM = 2;  // Assumed depth of rows above the first measured one.
+constexpr float kNearestM = 0.05f;   // In metres. Points closer to the colour camera count as behind it.
+constexpr float kUnknownDepthM = 2;  // Assumed depth in metres of rows above the first row with depth.
 constexpr float kFarAway = std::numeric_limits<float>::max();
 
 /// A surface behind this depth is hidden by the nearest surface, at depth z. The limit is six

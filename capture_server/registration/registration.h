@@ -45,7 +45,7 @@ class Registration {
   /// dropped.
   ///
   /// The colour camera cannot see a pixel that lies outside its picture or behind something nearer.
-  /// Such a pixel takes the colour of the nearest visible pixel of its row at a similar depth. A
+  /// The pixel then takes the colour of the nearest visible pixel of its row at a similar depth. A
   /// hole is assumed to lie on the farther of the surfaces next to it in its row, as an occlusion
   /// shadow does.
   /// Source: thesis section 3.1 (last part), equations 2.1 to 2.4.

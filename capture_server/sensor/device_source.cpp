@@ -23,8 +23,8 @@ constexpr Duration kStallAfter = std::chrono::seconds(1);
 // settle.
 constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
 constexpr int kSliceMs = 50;  // Longest delay of a stop request.
-// A slice that took longer counts as this much silence, because the process was suspended
-// meanwhile.
+// The longest silence that a single wait can count as. A longer wait means that the process was
+// suspended.
 constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::uint64_t kSettledAfter = 60;  // In frames.
@@ -106,13 +106,13 @@ class DeviceSource final : public FrameSource {
   openni::VideoStream depth_;
   openni::VideoStream color_;
   std::optional<GoneListener> gone_;
-  std::optional<Projector> projector_;  // Only if projectors take turns.
+  std::optional<Projector> projector_;  // Set only if projectors take turns.
 
   SensorDescription description_;
   std::int64_t half_period_us_ = 16667;
   std::optional<Synchronizer> synchronizer_;
   Instant color_is_up_by_{};
-  int last_index_[2] = {0, 0};  // Of depth and of colour.
+  int last_index_[2] = {0, 0};  // Frame numbers of depth and of colour.
   SourceCounters counters_;
 };
 
@@ -282,8 +282,8 @@ Result<DeviceSource::Synchronizer::Pair> DeviceSource::next_pair(const std::stop
       time.look(kMostALook) + others + (counters_.frames ? kStallAfter : kFirstFrameAfter);
   Instant waits_until = Instant::max();  // Time limit of the wait for colour.
   while (true) {
-    // A camera may send no depth while its projector is off. This gap in its frame numbers is no
-    // loss.
+    // A camera may send no depth while its projector is off. The gap in the camera's frame numbers
+    // is then no loss.
     if (projector_ && projector_->follow_schedule()) last_index_[0] = 0;
     const Instant now = steady_clock::now();
     const bool may_wait = description_.has_color && now < waits_until;

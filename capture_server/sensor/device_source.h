@@ -21,7 +21,7 @@ namespace copresence::sensor {
 Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const CameraControls& controls = {});
 
 /// Opens a camera that may be unplugged and plugged in again (reconnecting_source.h). With an empty
-/// `uri` it always waits for the camera that it opened first.
+/// `uri` the source always waits for the camera that it opened first.
 Result<std::unique_ptr<FrameSource>> open_reconnecting_device(const std::string& uri,
                                                               const CameraControls& controls = {});
 

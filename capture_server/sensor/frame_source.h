@@ -31,15 +31,16 @@ struct SensorDescription {
   std::string uri;   ///< URI by which open_device() opens this very device.
   CameraModel depth;
   DepthUnit unit = DepthUnit::kMillimetre;
-  DepthNoise noise;         ///< A Kinect v1's, since no driver or recording reports its own.
+  DepthNoise noise;         ///< A Kinect v1's noise, since no driver or recording reports its own.
   bool has_color = false;   ///< If false, `color` is meaningless and no frame has colour.
   CameraModel color;        ///< The colour camera, before registration.
-  Rigid3 color_from_depth;  ///< In metres; identity if registered.
+  Rigid3 color_from_depth;  ///< In metres; the identity if `registered`.
   bool registered = false;  ///< Depth and colour share one camera model.
-  /// Every depth that the sensor can report, in `unit`, ascending. Empty if this is unknown.
+  /// Every depth that the sensor can report, in `unit`, ascending. The list is empty if the levels
+  /// are unknown.
   std::vector<std::uint16_t> levels;
   double frames_per_second = 30;            ///< Nominal frame rate.
-  std::optional<Rigid3> world_from_camera;  ///< Pose of the camera. Nothing if it is unknown.
+  std::optional<Rigid3> world_from_camera;  ///< Pose of the camera. Nothing if the pose is unknown.
   bool is_recording = false;
   std::optional<std::uint64_t> frames;  ///< Number of depth frames in one pass of a recording.
   /// Microseconds from 1970 (UTC) to the zero of the sensor's times, if a recording states it.
@@ -66,7 +67,7 @@ struct SourceSettings {
     kFast,  ///< Delivers every frame as soon as the caller asks for it.
   };
   Pace pace = Pace::kReal;
-  bool loop = false;  ///< Play again from the start, one mean period after the last frame.
+  bool loop = false;  ///< True to play again from the start, one mean period after the last frame.
   /// The instant at which the first frame is due at real pace. By default the replay is in sync
   /// with the other replays of its session on this machine (session_clock.h), or starts at once. A
   /// past instant means at once.
@@ -74,9 +75,9 @@ struct SourceSettings {
   CameraControls controls = {};  ///< Only for a camera.
 };
 
-/// Counts the pictures that a source received. Each one is in a frame or counted as missing, except
-/// a camera's depth before its first colour picture. Colour that arrives while the projector is off
-/// counts as colour without depth.
+/// Counts the pictures that a source received. Every picture is in a frame or counted as missing,
+/// except a camera's depth before its first colour picture. Colour that arrives while the projector
+/// is off counts as colour without depth.
 struct SourceCounters {
   std::uint64_t frames = 0;  ///< Delivered frames.
   /// Frames delivered without colour of their instant, although the source has colour.

@@ -38,8 +38,8 @@ class OpenNiSession {
 };
 
 /// Waits until the driver's threads have left the streams of a device: until the threads of this
-/// process had 50 ms of CPU time, at most 400 ms. Call it between stopping streams and destroying
-/// them.
+/// process had 50 ms of CPU time, at most 400 ms. Call this function between stopping streams and
+/// destroying them.
 void let_threads_leave();
 
 /// OpenNI2's message about its last error on one line, or "no reason given".
@@ -53,15 +53,15 @@ bool is_usable(const openni::VideoMode& mode, bool is_depth);
 std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
                                              int height);
 
-/// The stream's camera model, from the device's intrinsics or its field of view. Without either, it
-/// is a Kinect's.
+/// The stream's camera model, from the device's intrinsics or its field of view. Without either,
+/// the model is a Kinect's.
 CameraModel camera_of(const openni::VideoStream& stream);
 
-/// The pose world_from_camera. Nothing if the device does not know it.
+/// The pose world_from_camera. Returns nothing if the device does not know its pose.
 std::optional<Rigid3> pose_of(const openni::Device& device);
 
-/// Every depth that the stream can report, ascending, from its table of disparities. Empty if the
-/// stream has no table.
+/// Every depth that the stream can report, ascending, from its table of disparities. The result is
+/// empty if the stream has no table.
 std::vector<std::uint16_t> levels_of(const openni::VideoStream& depth);
 
 /// True if a frame has the size that its stream advertised. OpenNI2 also delivers truncated frames.

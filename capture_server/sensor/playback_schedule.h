@@ -1,7 +1,7 @@
 #pragma once
 
-// Computes when each frame of a recording is due. It uses the timestamps and one starting instant,
-// but never the time at which a frame was shown, so it does not drift.
+// Computes when each frame of a recording is due. The schedule uses the timestamps and one starting
+// instant, but never the time at which a frame was shown, so it does not drift.
 //
 // By default, a replay begins at a whole fifth of a second of the machine's clock. So replays of
 // the common frame rates are in phase, like cameras with a common trigger. Viewers then need not
@@ -24,8 +24,8 @@ class PlaybackSchedule {
   static constexpr Duration kStep = std::chrono::milliseconds(200);
 
   /// `period` is the usual time between frames, for recordings with unusable timestamps. `begin` is
-  /// the instant at which the first frame is due. If it is missing or has passed, the first frame
-  /// is due at the next whole step.
+  /// the instant at which the first frame is due. If `begin` is missing or has passed, the first
+  /// frame is due at the next whole step.
   explicit PlaybackSchedule(Duration period, std::optional<Instant> begin = std::nullopt)
       : period_(period), begin_(begin) {}
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // Switches the projector of an open camera by a schedule. PrimeSense's and Asus's cameras can
-// switch it; a Kinect v1 cannot.
+// switch their projector; a Kinect v1 cannot.
 // Thread: the thread that reads the camera.
 
 #include <OpenNI.h>
@@ -17,15 +17,16 @@ namespace copresence::sensor {
 
 class Projector {
  public:
-  /// `device` is open and outlives this object. `period` is the time between two of its frames.
+  /// `device` is open and outlives this object. `period` is the time between two frames of the
+  /// device.
   Projector(openni::Device& device, const ProjectorSlot& slot, Duration period)
       : device_(device), schedule_(slot), settles_(2 * period) {}
-  /// Switches the projector on, as it was found.
+  /// Switches the projector on, because it was on at the start.
   ~Projector();
   Projector(const Projector&) = delete;
   Projector& operator=(const Projector&) = delete;
 
-  /// Begins to follow the schedule. Call it once, before the other functions.
+  /// Begins to follow the schedule. Call begin() once, before the other functions.
   /// Fails with kUnsupported if the camera cannot switch its projector.
   Result<void> begin();
 
@@ -38,8 +39,9 @@ class Projector {
 
   /// True if a depth picture received at `at` was exposed while this camera's projector was on. A
   /// picture is exposed and then transferred, so the first such picture arrives two periods after
-  /// the projector was switched on. The last one arrives with the end of the time slot. Call it on
-  /// arrival of the picture, because the result also depends on the present time.
+  /// the projector was switched on. The last such picture arrives with the end of the time slot.
+  /// Call this function on arrival of the picture, because the result also depends on the present
+  /// time.
   bool is_exposed(Instant at) const;
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
-// A camera that may disappear and return. If it was unplugged, fell silent or had failing
-// transfers, it is opened again and again until that succeeds. Sequence numbers continue.
+// A camera that may disappear and return. A camera that was unplugged, fell silent or had failing
+// transfers is opened again and again until that succeeds. Sequence numbers continue.
 // Thread: as FrameSource.
 
 #include <functional>
@@ -26,8 +26,8 @@ class ReconnectingSource final : public FrameSource {
   const SensorDescription& description() const override { return description_; }
   SourceCounters counters() const override;
 
-  /// As FrameSource::next(). After kUnavailable and kTimeout, call it again. That call tries once
-  /// to open the camera and waits for its first frame, together up to 20 s.
+  /// As FrameSource::next(). After kUnavailable and kTimeout, call next() again. The next call
+  /// tries once to open the camera and waits for its first frame, together up to 20 s.
   /// Fails with kUnsupported if a different kind of camera came back.
   Result<RgbdFrame> next(std::stop_token stop) override;
 

@@ -18,8 +18,8 @@ struct RecordingDescription {
   /// Length of one pass, from the first depth frame to one period after the last.
   std::int64_t duration_us = 0;
   std::int64_t first_us = 0;  ///< Timestamp of the first depth frame.
-  /// Microseconds from 1970 (UTC) to the first depth frame. Set only if the recording states it and
-  /// its times increase.
+  /// Microseconds from 1970 (UTC) to the first depth frame. The value is set only if the recording
+  /// states its start and its times increase.
   std::optional<std::int64_t> began_unix_us;
 };
 

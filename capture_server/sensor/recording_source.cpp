@@ -22,7 +22,7 @@ using std::chrono::steady_clock;
 // plays on.
 constexpr Duration kSignOfLife = std::chrono::seconds(1);
 constexpr std::int64_t kReuseColorUs = 100'000;
-constexpr std::size_t kDepthsAhead = 4;  // Depth frames by which colour may lag behind in the file.
+constexpr std::size_t kDepthsAhead = 4;  // Number of depth frames by which colour may lag behind in the file.
 
 class RecordingSource final : public FrameSource {
  public:
@@ -55,7 +55,7 @@ class RecordingSource final : public FrameSource {
   struct Stream {
     const RecordedStream* recorded = nullptr;
     std::size_t next = 0;           // Index of the next picture in this pass.
-    std::int64_t timestamp_us = 0;  // Of the last picture. Never decreases, also over passes.
+    std::int64_t timestamp_us = 0;  // Time of the last picture over all passes. Does not decrease.
 
     bool has_next() const { return recorded && next < recorded->frames(); }
     std::uint64_t position() const { return recorded->payloads[next].position; }
@@ -83,7 +83,8 @@ class RecordingSource final : public FrameSource {
   Synchronizer synchronizer_;
   SourceCounters counters_;
 
-  // Used if no depth of the recording can be decoded. Its time passes, but nothing more is read.
+  // These members are used if no depth of the recording can be decoded. The recording's time then
+  // passes, but nothing more is read.
   std::optional<Instant> begun_, pass_ends_;
   std::uint64_t lost_by_pass_ = 0;
 

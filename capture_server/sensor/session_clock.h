@@ -5,9 +5,9 @@
 // moving person appears twice.
 //
 // The first replay decides when the session's first instant is due and writes that to a small file
-// of this user. Replays whose recordings overlap it in time use the same file. Every replay locks
-// the file while it runs. So the session ends with its last replay, even if that is killed, and
-// nothing has to be cleaned up.
+// of this user. Other replays whose recordings overlap the first one in time use the same file.
+// Every replay locks the file while it runs. So the session ends with its last replay, even if that
+// is killed, and nothing has to be cleaned up.
 //
 // A rule from the wall clock and the recorded times alone would need no file, but has two
 // drawbacks. With --loop, all recordings would need the same length. Without --loop, a replay would
@@ -66,7 +66,7 @@ class SessionTimeline {
   Instant begin_;
 };
 
-/// Membership in a replayed session. It ends with this object.
+/// Membership in a replayed session. The membership ends with this object.
 class SessionClock {
  public:
   /// Joins the session that is being replayed on this machine, or starts one at `begin`. `folder`
@@ -74,7 +74,8 @@ class SessionClock {
   /// replayed or the file cannot be created. The replay is then not synchronised.
   static std::optional<SessionClock> join(const std::string& folder, const SessionSpan& own, Instant begin);
 
-  /// $XDG_RUNTIME_DIR, or a folder of this user in /tmp. Empty if neither can be used.
+  /// $XDG_RUNTIME_DIR, or a folder of this user in /tmp. The result is empty if neither can be
+  /// used.
   static std::string default_folder();
 
   SessionClock(SessionClock&& other) noexcept;

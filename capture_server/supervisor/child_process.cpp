@@ -27,7 +27,7 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 constexpr milliseconds kBetweenLooks{100}, kBetweenLooksWhileStopping{20};
-constexpr int kStarvedSilence = 6;  // In multiples of the usual limit, see SupervisorPolicy.
+constexpr int kStarvedSilence = 6;  // Multiple of the usual limit, see SupervisorPolicy.
 constexpr milliseconds kKilledWithin{2000};
 
 double seconds(nanoseconds time) {
@@ -115,7 +115,7 @@ ChildProcess::ChildProcess(const SupervisorPolicy& policy, const BlockedSignals&
                            const Predecessor& predecessor, const std::function<int(Heartbeat&)>& child_main)
     : policy_(policy), signals_(signals), report_(report) {
   const pid_t parent = ::getpid();
-  std::fflush(nullptr);  // Else both processes would write the buffered text.
+  std::fflush(nullptr);  // Otherwise both processes would write the buffered text.
   id_ = ::fork();
   if (id_ != 0) return;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -254,7 +254,7 @@ std::optional<ChildEnd> ChildProcess::look_at_threads(nanoseconds step) {
     }
     const milliseconds usual = pace == Pace::kOpening ? policy_.opening : policy_.silence;
     if (!watched.silence.is_over(step, usual, kStarvedSilence * usual, starved_)) continue;
-    if (is_suspended(id_)) {  // By a debugger. waitpid() reports a suspension by a signal.
+    if (is_suspended(id_)) {  // A debugger suspended it. waitpid() reports a suspension by a signal.
       watched.silence.begin_again();
       continue;
     }

@@ -44,7 +44,7 @@ class BlockedSignals {
   int descriptor_ = -1;
 };
 
-/// A ChildReport in shared memory of parent and children. Each child starts with a new one.
+/// A ChildReport in shared memory of parent and children. Each child starts with a new report.
 class SharedReport {
  public:
   SharedReport();
@@ -66,7 +66,7 @@ struct ChildEnd {
     kNotStarted,
     kExited,
     kStopped,        ///< Ended after a stop request, in any way.
-    kWouldNotStop,   ///< Killed, because it did not stop in time.
+    kWouldNotStop,   ///< Killed because it did not stop in time.
     kStoppedAtOnce,  ///< Killed on a second stop request.
     kCrashed,        ///< Crashed by its own fault.
     kKilled,         ///< Killed by a signal from another process.
@@ -74,11 +74,11 @@ struct ChildEnd {
   };
   Kind kind = Kind::kExited;
   int code = 0;        ///< Exit status, or the signal's number.
-  bool crash = false;  ///< True if it crashed after a stop request.
+  bool crash = false;  ///< True if the child crashed after a stop request.
   Stage stage = Stage::kPreparing;
   std::string activity{}, remedy{};
   std::uint64_t frames = 0;
-  std::string thread{};                ///< The thread that crashed or hung. Empty if it is unknown.
+  std::string thread{};                ///< The thread that crashed or hung. Empty if the thread is unknown.
   pid_t sender = 0;                    ///< Process that sent the killing signal, or 0.
   std::chrono::nanoseconds silent{0};  ///< How long the hung thread was silent.
 };

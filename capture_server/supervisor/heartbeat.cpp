@@ -13,12 +13,12 @@ namespace {
 
 constexpr int kFatalSignals[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS};
 
-// The report for the signal handler. It is set before the handler is installed.
+// The report for the signal handler. The pointer is set before the handler is installed.
 ChildReport* noted_in = nullptr;
 struct sigaction actions_before[NSIG];
 
-// Stores the first fatal signal in the report and passes it on to the former handler. That is a
-// sanitizer's handler or the default one, which ends the process.
+// Stores the first fatal signal in the report and passes it on to the former handler. The former
+// handler is a sanitizer's or the default one, which ends the process.
 void note_and_pass_on(int number, siginfo_t* info, void*) {
   int none = 0;
   if (noted_in->fatal_signal.compare_exchange_strong(none, number)) {
@@ -29,7 +29,8 @@ void note_and_pass_on(int number, siginfo_t* info, void*) {
     noted_in->sender = was_sent ? info->si_pid : 0;
   }
   ::sigaction(number, &actions_before[number], nullptr);
-  // A fault occurs again after the return. A sent signal does not, so it is raised again.
+  // A fault occurs again after the return. A signal that was sent does not occur again, so it is
+  // raised again.
   if (info->si_code <= 0) ::raise(number);
 }
 

@@ -44,7 +44,7 @@ class SharedText {
 /// How long a thread may be silent.
 enum class Pace : int {
   kUnused,   ///< No thread reports here.
-  kResting,  ///< It waits for another thread, for any time.
+  kResting,  ///< The thread waits for another thread, for any time.
   kWorking,  ///< At most SupervisorPolicy::silence.
   kOpening,  ///< At most SupervisorPolicy::opening.
 };
@@ -103,7 +103,7 @@ class Pulse {
 /// Facts about the previous child process.
 struct Predecessor {
   bool existed = false;
-  std::string crashed_while;  ///< Its activity if it crashed, else empty.
+  std::string crashed_while;  ///< The child's activity if it crashed, else empty.
 };
 
 class Heartbeat {
@@ -111,7 +111,7 @@ class Heartbeat {
   /// `report` outlives this.
   Heartbeat(ChildReport& report, Predecessor predecessor);
 
-  /// The pulse of the main thread. It begins in the state Pace::kOpening.
+  /// The pulse of the main thread. The pulse begins in the state Pace::kOpening.
   Pulse& main() { return main_; }
 
   /// Creates a pulse for another thread. `name` has up to 15 characters and appears in messages.
@@ -120,13 +120,14 @@ class Heartbeat {
 
   void enter(Stage stage) { report_.stage = stage; }
 
-  /// Reports the number of captured frames. It tells at which place in a recording a crash happens.
+  /// Reports the number of captured frames. The number shows at which place in a recording a crash
+  /// happens.
   void captured(std::uint64_t frames) { report_.frames.store(frames, std::memory_order_relaxed); }
 
   const Predecessor& predecessor() const { return predecessor_; }
 
-  /// Marks an activity that a message about the child's death names. It lasts as long as this
-  /// object, also across stages.
+  /// Marks an activity that a message about the child's death names. The activity lasts as long as
+  /// this object, also across stages.
   class Activity {
    public:
     Activity(Activity&& other) noexcept : report_(std::exchange(other.report_, nullptr)) {}
@@ -141,9 +142,9 @@ class Heartbeat {
     ChildReport* report_;
   };
 
-  /// Begins an activity. `what` describes it, such as "reading the scene file lab.toml". `remedy`
-  /// is the advice after repeated crashes, such as "mend that file". Only one activity may exist at
-  /// a time.
+  /// Begins an activity. `what` describes the activity, such as "reading the scene file lab.toml".
+  /// `remedy` is the advice after repeated crashes, such as "mend that file". Only one activity may
+  /// exist at a time.
   [[nodiscard]] Activity doing(std::string_view what, std::string_view remedy);
 
   /// Installs handlers that write fatal signals (SIGSEGV, SIGABRT and others) into the report

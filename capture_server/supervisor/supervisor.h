@@ -30,8 +30,7 @@ struct SupervisorPolicy {
   /// no CPU is added, up to six times this value. Time in which the child was suspended or traced,
   /// or in which the parent did not run, does not count.
   std::chrono::milliseconds silence{5000};
-  std::chrono::milliseconds opening{
-      20000};  ///< The same limit while a camera is opened, until its first frame.
+  std::chrono::milliseconds opening{20000};  ///< The limit while a camera is opened, until its first frame.
 
   /// A child that does not stop within this time is killed. The time in which it got no CPU is
   /// added, up to `stop_starved`.
@@ -39,14 +38,15 @@ struct SupervisorPolicy {
   /// Signals that are closer together count as one, because timeout(1) sends two.
   std::chrono::milliseconds second_stop_after{150};
 
-  /// Pause before a new child. It doubles with each crash in a row, up to `longest_pause`.
+  /// Pause before a new child. The pause doubles with each crash in a row, up to `longest_pause`.
   std::chrono::milliseconds first_pause{100};
   std::chrono::milliseconds longest_pause{2000};
   std::chrono::milliseconds healthy_after{10000};  ///< A child that lived this long ends a row of crashes.
-  int most_in_a_row = 10;         ///< The supervisor gives up after so many crashes in a row.
-  std::uint64_t same_place = 90;  ///< In frames. Two crashes this close are at the same place.
+  int most_in_a_row = 10;  ///< The supervisor gives up after so many crashes in a row.
+  /// In frames. Two crashes with at most so many frames between them are at the same place.
+  std::uint64_t same_place = 90;
 
-  /// Sum of the time in which a process's threads got no CPU. By default, the kernel's figure.
+  /// Sum of the time in which a process's threads got no CPU. The default is the kernel's figure.
   std::function<std::chrono::nanoseconds(pid_t)> starvation = {};
 };
 
@@ -54,7 +54,7 @@ struct SupervisorPolicy {
 ///
 /// The first SIGTERM or SIGINT becomes a SIGTERM for the child, and a later SIGINT kills it. The
 /// child starts with SIGINT ignored, since a terminal sends it to both processes, and with SIGHUP
-/// blocked if it is passed on. It is killed if its parent dies.
+/// blocked if it is passed on. The child is killed if its parent dies.
 ///
 /// A child that ended by a crash, a hang or another process's signal is replaced. A suspended child
 /// is resumed after `silence`. A sentence on standard error reports each of these events. The
@@ -63,9 +63,9 @@ struct SupervisorPolicy {
 /// deaths in a row.
 ///
 /// Returns the result of `child_main`. After a stop it returns 0, even if the child crashed or was
-/// still opening its source. It returns 1, after a message, if the child did not stop in time or no
-/// other child is started. After a second Ctrl-C it returns 128 plus SIGINT's number. Do not fork
-/// elsewhere in this process, since every ended child process is taken for this one.
+/// still opening its source. The result is 1, after a message, if the child did not stop in time or
+/// no other child is started. The result is 128 plus SIGINT's number after a second Ctrl-C. Do not
+/// fork elsewhere in this process, since every ended child process is taken for this one.
 int supervise(const SupervisorPolicy& policy, const std::function<int(Heartbeat&)>& child_main);
 
 }  // namespace copresence::server

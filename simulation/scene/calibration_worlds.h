@@ -21,9 +21,9 @@ struct PlacedMarker {
   Eigen::Vector3f center, half_u, half_v;
 };
 
-/// The markers of the world "markers", in order of their ids. Six hang at different heights and
-/// distances and face cameras 0 and 1. Six on their backs face cameras 2 and 3. Four lie on boxes
-/// where all cameras see them.
+/// The markers of the world "markers", in order of their ids. Six markers hang at different heights
+/// and distances and face cameras 0 and 1. Six markers on the backs of the first six face cameras 2
+/// and 3. Four markers lie on boxes where all cameras see them.
 std::vector<PlacedMarker> placed_markers();
 
 Scene make_marker_room();
@@ -32,9 +32,9 @@ Scene make_marker_room();
 inline constexpr int kBoardColumns = 9, kBoardRows = 6;
 inline constexpr float kMovingSquare = 0.04f, kStillSquare = 0.09f;  // In metres.
 
-/// The chessboard of the world "board". In each period it takes 24 poses in front of camera 0: near
-/// and far, tilted in all directions, and in the corners of the picture. Adds its materials to
-/// `scene`.
+/// The chessboard of the world "board". In each period of motion the board takes 24 poses in front
+/// of camera 0: near and far, tilted in all directions, and in the corners of the picture. The
+/// function adds the board's materials to `scene`.
 Figure make_moving_board(Scene& scene);
 
 /// The world "still-board": a larger chessboard in the middle of the room that faces cameras 0 and

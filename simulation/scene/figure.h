@@ -1,8 +1,8 @@
 #pragma once
 
-// The moving part of a scene: rigid parts on joints. In the world "room" they form a person who
-// shifts weight, waves and gestures.
-// The motion has the period 1 in `phase`: pose and velocity at phase 1 are those at phase 0.
+// The moving part of a scene: rigid parts on joints. In the world "room" the parts form a person
+// who shifts weight, waves and gestures. The motion has the period 1 in `phase`: pose and velocity
+// at phase 1 are those at phase 0.
 // Thread: values; pose() is pure.
 
 #include <Eigen/Core>
@@ -25,10 +25,10 @@ struct Figure {
   std::vector<Mesh> parts;
   std::vector<Capsule> capsules;  ///< One capsule per part, in the frame of the part.
 
-  /// Pose of the figure. Its origin is between its feet, and it faces -z.
+  /// Pose of the figure. The figure's origin is between its feet, and it faces -z.
   Eigen::Isometry3f world_from_figure = Eigen::Isometry3f::Identity();
 
-  /// Returns figure_from_part for every part. Null only if the figure has no parts.
+  /// Returns figure_from_part for every part. The function is null only if the figure has no parts.
   std::vector<Eigen::Isometry3f> (*motion)(double phase) = nullptr;
 
   bool empty() const { return parts.empty(); }
@@ -39,7 +39,8 @@ struct Figure {
 
 struct Scene;
 
-/// An adult of 1.75 m in a plaid shirt, jeans and shoes. Adds its materials to `scene`.
+/// An adult of 1.75 m in a plaid shirt, jeans and shoes. The function adds the person's materials
+/// to `scene`.
 Figure make_person(Scene& scene);
 
 }  // namespace copresence::simulation

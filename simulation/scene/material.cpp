@@ -16,8 +16,8 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-// The table is indexed by the square root of light, which keeps precision in dark colours. It has
-// 2048 entries per unit.
+// The table is indexed by the square root of light, which keeps precision in dark colours. The
+// table has 2048 entries per unit.
 constexpr float kSteps = 2048, kLastStep = 4096;  // The table covers light from 0 to 4.
 
 const std::uint8_t* screen_curve() {
@@ -118,8 +118,8 @@ void plaid(const Material& m, const SurfacePoints& points, const Colors& out) {
   sum = sum * s - 1.0 / 5040;
   sum = sum * s + 1.0 / 120;
   sum = sum * s - 1.0 / 6;
-  const double half = 0.5 * turns,
-               odd = 4 * (half - std::floor(half));  // 0 if `turns` is even, 2 if it is odd.
+  // `odd` is 0 for even `turns` and 2 for odd `turns`.
+  const double half = 0.5 * turns, odd = 4 * (half - std::floor(half));
   return static_cast<float>((r + r * s * sum) * (1 - odd));
 }
 

@@ -29,8 +29,8 @@ struct Mesh {
 };
 
 /// A flat rectangle: `center` +- `half_u` +- `half_v`. Seen from its front, u points right and v
-/// points down. Texture coordinates are metres from the corner (-half_u, -half_v). If `whole`, they
-/// run from 0 to 1.
+/// points down. Texture coordinates are metres from the corner (-half_u, -half_v). If `whole` is
+/// true, texture coordinates run from 0 to 1 instead.
 Mesh panel(const Eigen::Vector3f& center, const Eigen::Vector3f& half_u, const Eigen::Vector3f& half_v,
            int material, float cell, bool whole = false);
 

@@ -30,14 +30,14 @@ constexpr std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) 
   return hash(hash(a, b), c);
 }
 
-/// Maps a hash to a number from 0 to below 1. The conversion is signed because AVX2 has no unsigned
-/// one.
+/// Maps a hash to a number from 0 to below 1. The conversion uses a signed type because AVX2 has no
+/// conversion of unsigned integers.
 constexpr float unit(std::uint32_t hashed) {
   return static_cast<float>(static_cast<std::int32_t>(hashed >> 8)) * 0x1p-24f;
 }
 
 /// Maps a hash to an approximately normal value with mean 0 and standard deviation 1, within +-3.5.
-/// It is the scaled sum of the four bytes.
+/// The result is the scaled sum of the four bytes.
 constexpr float normal(std::uint32_t hashed) {
   const std::uint32_t sum = (hashed & 0xFF) + (hashed >> 8 & 0xFF) + (hashed >> 16 & 0xFF) + (hashed >> 24);
   return (static_cast<float>(static_cast<std::int32_t>(sum)) - 510.0f) * (1.0f / 147.8f);
@@ -57,7 +57,7 @@ inline float value_noise(float x, float y, std::uint32_t seed) {
 }
 
 /// Fills `noise` with normal values that are correlated over about `cell` pixels. Over the image,
-/// their mean is about 0 and their standard deviation about 1. Requires cell >= 2.
+/// the values have a mean of about 0 and a standard deviation of about 1. Requires cell >= 2.
 void fill_blob_noise(int cell, std::uint32_t seed, Image<float>& noise);
 
 /// One row of blob noise, interpolated on access between the lattice rows above and below.

@@ -108,7 +108,7 @@ Vector3f color_at_point(const Material& m, const Vector2f& uv) {
     case Pattern::kFace:
     case Pattern::kWood:
     case Pattern::kParquet:
-      break;  // albedo() evaluates these in batches.
+      break;  // albedo() evaluates these patterns in batches.
   }
   return m.color;
 }

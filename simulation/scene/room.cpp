@@ -16,7 +16,7 @@ Vector3f at(float x, float height, float z) {
   return {x, -height, z};
 }
 
-// The pose of an upright object at this point.
+// The pose of an upright object at the point (x, -height, z).
 Eigen::Isometry3f upright(float x, float height, float z) {
   Eigen::Isometry3f pose = Eigen::Isometry3f::Identity();
   pose.translate(at(x, height, z));
@@ -73,7 +73,7 @@ class Room {
     room_.add(panel(at(0.05f, 0.008f, 0.1f), {1.25f, 0, 0}, {0, 0, -0.9f}, rug, 0.08f, true));
   }
 
-  // The window is in the wall to the right. Its pane reflects almost no infrared light.
+  // The window is in the wall to the right. The pane reflects almost no infrared light.
   void window_and_curtains() {
     Material outdoors{Pattern::kOutdoors, srgb(0xFFFFFF), srgb(0xFFFFFF), 1.0f, 1.1f, 0.0f, 0.01f};
     const int pane = room_.add(outdoors);

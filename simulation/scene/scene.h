@@ -36,7 +36,7 @@ struct AreaLight {
 struct Scene {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;       ///< Static surfaces in the world frame.
-  std::vector<AreaLight> lights;  ///< Only the first one casts shadows of the figure.
+  std::vector<AreaLight> lights;  ///< Only the first light casts shadows of the figure.
   /// Light from all directions, before occlusion.
   Eigen::Vector3f ambient = Eigen::Vector3f::Constant(0.1f);
   Figure figure;  ///< May be empty.
@@ -70,8 +70,8 @@ double phase_of_frame(std::uint64_t frame, std::uint64_t frames);
 inline constexpr int kMostKinects = 8;
 
 /// The poses world_from_camera of `count` Kinects around the figure, all aimed at it, in metres.
-/// The first two are 70 degrees apart in front of it, the third and fourth behind it. Requires
-/// `count` from 1 to kMostKinects.
+/// The first two Kinects are 70 degrees apart in front of the figure, the third and fourth behind
+/// it. Requires `count` from 1 to kMostKinects.
 std::vector<Rigid3> kinect_poses(int count);
 
 /// Returns the upright pose at `eye` that faces `target`. Requires that neither is above the other.

@@ -72,7 +72,7 @@ void ColorResponse::apply_response(const ColorImage& truth, NoiseFreeColors& col
   const std::array<std::int32_t, 9> m = mixing_fixed_;
   const std::array<std::int32_t, 3> offset = offset_fixed_;
   const auto width = static_cast<std::size_t>(truth.width());
-  // One row, channel by channel, so that the loop over pixels becomes vector code.
+  // Values of one row, channel by channel, so that the loop over pixels becomes vector code.
   std::vector<std::int32_t> curved(3 * width);
   std::int32_t* __restrict red = curved.data();
   std::int32_t* __restrict green = red + width;

@@ -38,7 +38,7 @@ class ColorResponse {
   void add_noise(const NoiseFreeColors& colors, std::uint64_t frame, std::span<Rgb8> picture) const;
 
   /// Returns the response to one colour without noise and vignetting, with channels from 0 to 1.
-  /// Colour correction has to invert it.
+  /// Colour correction has to invert this response.
   Eigen::Vector3f respond_to(const Eigen::Vector3f& color) const;
 
  private:
@@ -46,7 +46,7 @@ class ColorResponse {
   Eigen::Matrix3f mixing_;
   Eigen::Vector3f offset_, gamma_;
   std::vector<std::uint16_t> vignetting_;               // Vignetting per pixel, times 4096.
-  std::array<std::array<std::int16_t, 3>, 256> curve_;  // Gamma as [true value][channel], times 16.
+  std::array<std::array<std::int16_t, 3>, 256> curve_;  // Gamma curve as [true value][channel], times 16.
   std::array<std::int32_t, 9> mixing_fixed_{};          // Crosstalk, times 4096.
   std::array<std::int32_t, 3> offset_fixed_{};          // Offset, times 16.
   std::vector<std::int8_t> grain_;                      // A tile of noise, times 16.

@@ -31,8 +31,8 @@ void pick(const Runs& runs, const Image<Pixel>& image, std::vector<Pixel>& into)
 }
 
 // Changes `shown` from one frame to another. The old frame differs from `background` in the runs
-// `before`, the new frame in the runs `after`, with the given pixels. Most pixels are in both and
-// are written only once.
+// `before`, the new frame in the runs `after`, with the given pixels. Most pixels are in both runs
+// and are written only once.
 template <class Runs, class Pixel>
 void change(const Runs& before, const Runs& after, const std::vector<Pixel>& pixels,
             const Image<Pixel>& background, Image<Pixel>& shown) {

@@ -41,7 +41,7 @@ class FrameCache {
   struct Difference {
     bool stored = false;
     std::vector<Run> dot_runs, color_runs;
-    std::vector<Dots> dots;  // Of the pixels in dot_runs.
+    std::vector<Dots> dots;  // Dots of the pixels in dot_runs.
     std::vector<NoiseFreeColor> colors;
   };
 

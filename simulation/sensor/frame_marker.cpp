@@ -32,7 +32,7 @@ std::optional<std::uint32_t> read_marker(const ColorImage& picture) {
   if (picture.width() < kCell * kBits || picture.height() < kCell) return std::nullopt;
   std::uint64_t bits = 0;
   for (int bit = 0; bit < kBits; ++bit) {
-    int sum = 0;  // Over the inner quarter of the cell.
+    int sum = 0;  // Sum over the inner quarter of the cell.
     for (int y = kCell / 4; y < 3 * kCell / 4; ++y) {
       for (int x = kCell / 4; x < 3 * kCell / 4; ++x)
         sum += picture.row(y)[static_cast<std::size_t>(bit * kCell + x)].g;

@@ -156,7 +156,7 @@ void KinectNoise::add_noise(const DotImage& dots, std::uint64_t frame, std::span
         depth.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     for (int x = 0; x < width; ++x) {
       const float level = std::floor(taken[x].level + pattern[x] + kFrameError * error[x] + 0.5f);
-      // This uses integers, because && would keep the loop from becoming vector code.
+      // The conditions are integers, because && would keep the loop from becoming vector code.
       const int measured = int{level >= kFirstLevel} & int{level <= kLastLevel} &
                            int{taken[x].intensity > needed[x] * (1 + 0.12f * gain[x])} &
                            int{0.6f * interference[x] <= threshold[x]};

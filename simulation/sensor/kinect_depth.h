@@ -35,7 +35,7 @@
 
 namespace copresence::simulation {
 
-inline constexpr double kProjectorBaseline = 0.075;  // In metres, to the right of the camera.
+inline constexpr double kProjectorBaseline = 0.075;  // Distance in metres, to the right of the camera.
 /// In metres. Disparity level k has the depth kLevelConstant / k.
 inline constexpr double kLevelConstant = kKinectV1Noise.disparity_constant_m;
 inline constexpr double kNearestDepth = 0.5, kFarthestDepth = 5;  // In metres.
@@ -67,7 +67,7 @@ class KinectNoise {
   KinectNoise(const CameraModel& model, DepthUnit unit, std::uint32_t seed, std::uint32_t camera);
 
   /// Sets the light of other projectors per pixel, as a multiple of the light of this camera's
-  /// projector. It is 0 at first. Requires the model's size.
+  /// projector. That light is 0 at first. Requires the model's size.
   void set_interference(const Image<float>& light);
 
   /// Writes the depth of one frame row by row, in the given unit, with 0 for holes. Requires `dots`
@@ -77,9 +77,9 @@ class KinectNoise {
  private:
   DepthUnit unit_;
   std::uint32_t seed_;
-  Image<float> pattern_;                 // Fixed error of the disparity, in levels.
-  Image<float> needed_intensity_;        // Fixed part of the intensity below which depth is lost.
-  Image<float> fixed_interference_;      // Fixed part of the noise of interference.
+  Image<float> pattern_;             // Fixed error of the disparity, in levels.
+  Image<float> needed_intensity_;    // Fixed part of the intensity below which depth is lost.
+  Image<float> fixed_interference_;  // The part of the random interference that is the same in all frames.
   Image<float> interference_threshold_;  // Depth is lost where a frame's interference exceeds it.
 };
 

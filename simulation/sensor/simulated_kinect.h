@@ -38,8 +38,8 @@ class SimulatedKinect {
                                       std::span<const Rigid3> poses, std::size_t index, DepthUnit unit,
                                       std::uint32_t seed);
 
-  /// Sets which projectors are on. At first, all are on. The camera has no depth while its own
-  /// projector is off. Other projectors interfere.
+  /// Sets which projectors are on. At first, all projectors are on. The camera has no depth while
+  /// its own projector is off. Other projectors interfere.
   void set_projectors(Projectors on);
 
   /// Captures a frame with the figure at `phase`. The noise depends only on the frame number.
@@ -75,7 +75,7 @@ class SimulatedKinect {
   ColorResponse response_;
   NoiseFreeFrame captured_;  // The frame of the last capture().
   const TrueView* truth_ = nullptr;
-  std::unique_ptr<FrameCache> cache_;  // Null before precompute(), then one period.
+  std::unique_ptr<FrameCache> cache_;  // The pointer is null before precompute(), then holds one period.
 };
 
 }  // namespace copresence::simulation

@@ -109,7 +109,7 @@ void FigureTracer::find_cells(const PixelRays& pixels, std::span<const Eigen::Is
       const Eigen::Vector3d center = camera_from_world * Vector3f(pose[part] * sphere.center).cast<double>();
       const double nearest = center.z() - sphere.radius;
       if (center.z() + sphere.radius < 0) continue;
-      if (nearest < 0.1) {  // Next to the eye, it may cover any pixel.
+      if (nearest < 0.1) {  // Next to the eye, a part may cover any pixel.
         std::fill(cells_.pixels().begin(), cells_.pixels().end(), std::uint8_t{1});
         return;
       }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to TrueCamera: finds by ray tracing which surface points of the figure a camera sees. It
-// traces only cells of pixels that are covered by bounding spheres of the figure's parts.
+// Private to TrueCamera: finds by ray tracing which surface points of the figure a camera sees.
+// Only cells of pixels that are covered by bounding spheres of the figure's parts are traced.
 // Thread: one thread at a time per object; several objects may share a scene.
 
 #include <Eigen/Core>
@@ -19,8 +19,8 @@
 
 namespace copresence::simulation {
 
-/// Sample points of a pixel's colour, in pixels from its centre. No two of them share a row or
-/// column of sub-pixels.
+/// Sample points of a pixel's colour, in pixels from its centre. No two sample points share a row
+/// or column of sub-pixels.
 inline const std::array<Eigen::Vector2f, 4> kFigureSamples{
     Eigen::Vector2f(-0.125f, -0.375f), Eigen::Vector2f(0.375f, -0.125f), Eigen::Vector2f(0.125f, 0.375f),
     Eigen::Vector2f(-0.375f, 0.125f)};

@@ -67,7 +67,7 @@ void FigureView::find_points(const Mesh& part, const Eigen::Isometry3f& world_fr
     px[i] = direction.x();
     py[i] = direction.y();
     pz[i] = direction.z();
-    cosine[i] = hits[i].depth;  // The second loop replaces it.
+    cosine[i] = hits[i].depth;  // The second loop replaces these depths by cosines.
   }
   const Eigen::Matrix3f rotation = world_from_part.linear();
   const Vector3f eye = pixels.eye;
@@ -170,7 +170,7 @@ void FigureView::draw_hits(std::size_t part, const Eigen::Isometry3f& world_from
   for (std::vector<float>& channel : sample_colors_) channel.resize(n * kSampleCount);
   albedo(material, {sample_u_, sample_v_}, {sample_colors_[0], sample_colors_[1], sample_colors_[2]});
   for (std::size_t c = 0; c < 3; ++c) {
-    float* __restrict color = sample_colors_[c].data();  // The first n elements become light.
+    float* __restrict color = sample_colors_[c].data();  // The first n elements are replaced by light.
     const float* __restrict lamp = point_light_.lamp[c].data();
     const float* __restrict rest = point_light_.rest[c].data();
     const float* __restrict hidden = hidden_.data();

@@ -65,9 +65,9 @@ class FigureView {
   Points points_;
   PointLight point_light_;
   std::vector<float> hidden_;               // Share of the lamp that is in shadow.
-  std::vector<float> sample_u_, sample_v_;  // All hits' first samples, then all second ones and so on.
-  std::array<std::vector<float>, 3>
-      sample_colors_;  // In the same order. The first sample of each hit becomes its light.
+  std::vector<float> sample_u_, sample_v_;  // First samples of all hits, then all second samples and so on.
+  // Colours in the same order. The first sample of each hit becomes its light.
+  std::array<std::vector<float>, 3> sample_colors_;
   std::vector<Rgb8> screen_;
 };
 

@@ -3,9 +3,9 @@
 // A scene with its light computed, ready for tracing.
 //
 // Light on static surfaces is computed once per vertex: direct light of the lamps with soft
-// shadows, and one diffuse reflection (a radiosity gather). It is the same from every viewpoint and
-// free of noise. "Light" is the radiance of a white diffuse surface; 1 is the brightest value of a
-// display.
+// shadows, and one diffuse reflection (a radiosity gather). This light is the same from every
+// viewpoint and free of noise. "Light" is the radiance of a white diffuse surface; 1 is the
+// brightest value of a display.
 //
 // Thread: immutable, so any thread may use it.
 

@@ -23,8 +23,8 @@ struct RTCSceneTy;
 
 namespace copresence::simulation {
 
-/// A ray and, after tracing, its first hit. `direction` may have any length. `near` and `far` are
-/// multiples of it.
+/// A ray, and its first hit after tracing. `direction` may have any length. `near` and `far` are
+/// multiples of the length of `direction`.
 struct Ray {
   Eigen::Vector3f origin, direction;
   float near = 1e-4f, far = 1e30f;  ///< Searched range. After a hit, `far` is the distance of the hit.

@@ -81,7 +81,7 @@ void add_shadow(const ShadowPoints& points, const Range& range, const Capsule& c
 }
 
 // Divides the points into smaller and smaller groups, and drops the capsules that cannot shade any
-// point of a group. This only saves time: dropped capsules would add no shadow.
+// point of a group. Dropping only saves time, because the dropped capsules would add no shadow.
 void add_shadows(const ShadowPoints& points, const Range& range, std::span<const Capsule> capsules,
                  float lamp_radius, std::span<float> hidden) {
   const auto bounds = [&](const std::vector<float>& values) {

@@ -13,7 +13,7 @@
 
 namespace copresence::simulation {
 
-/// Radius of the lamp in metres. It determines how soft shadows are.
+/// Radius of the lamp in metres. The radius determines how soft shadows are.
 inline constexpr float kLampRadius = 0.2f;
 
 /// Points that may be in shadow, in metres, world frame. Separate arrays per coordinate let loops
@@ -32,9 +32,9 @@ struct ShadowPoints {
   void aim_at(const Eigen::Vector3f& lamp_center);
 };
 
-/// Computes the share of the lamp that the capsules hide from each point, 0 to 1. It is fastest if
-/// consecutive points are close to each other. Requires an earlier ShadowPoints::aim_at() and one
-/// element of `hidden` per point.
+/// Computes the share of the lamp that the capsules hide from each point, 0 to 1. The function is
+/// fastest if consecutive points are close to each other. Requires an earlier
+/// ShadowPoints::aim_at() and one element of `hidden` per point.
 void cast_shadows(const ShadowPoints& points, std::span<const Capsule> capsules, float lamp_radius,
                   std::span<float> hidden);
 

@@ -10,10 +10,10 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr float kFigureReach = 0.95f,
-                kFigureHeight = 2.0f;  // Size of the space around its origin, in metres.
+// Size of the space around the figure's origin, in metres.
+constexpr float kFigureReach = 0.95f, kFigureHeight = 2.0f;
 
-// Sample points of a pixel's colour. No two of them share a row or column of sub-pixels.
+// Sample points of a pixel's colour. No two sample points share a row or column of sub-pixels.
 constexpr int kSampleGrid = 3;
 const auto kSamples = [] {
   std::array<Vector2f, kSampleGrid * kSampleGrid> samples;

@@ -46,13 +46,13 @@ class StaticView {
 
   std::shared_ptr<const LitScene> scene_;
   TrueView view_;
-  std::vector<Eigen::Vector3f> static_light_,
-      static_lamp_;  // Linear, without shadow; the lamp's share of it.
+  // Linear light per pixel without the figure's shadow, and the part of it that the lamp gives.
+  std::vector<Eigen::Vector3f> static_light_, static_lamp_;
   std::vector<Block> blocks_;
   ShadowPoints shadow_points_;
   std::vector<float> hidden_;                      // Per block: the hidden share of the lamp.
   std::vector<Eigen::Vector3f> light_;             // Per pixel, with the shadow of the figure.
-  ColorImage color_;                               // The same light after tone mapping.
+  ColorImage color_;                               // The light after tone mapping.
   std::vector<float> u_, v_, red_, green_, blue_;  // Buffers of add_light().
 };
 

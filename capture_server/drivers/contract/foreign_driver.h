@@ -1,8 +1,8 @@
 #pragma once
 
-// Embeds a third-party camera driver in a driver of this project. Its library is loaded from its
-// installed path, and only if it is needed. Its devices and streams are passed on unchanged,
-// because OpenNI2's driver interface gives them the same virtual functions in every driver.
+// Embeds a third-party camera driver in a driver of this project. The other driver's library is
+// loaded from its installed path, and only if it is needed. Devices and streams are passed on
+// unchanged, because they have the same virtual functions in every OpenNI2 driver.
 // Thread: as OpenNI2 calls a driver.
 
 #include <optional>
@@ -16,12 +16,12 @@ namespace copresence::drivers {
 
 class ForeignDriver {
  public:
-  /// Loads the library. It stays loaded until the process ends, since threads of PS1080 were seen
-  /// to run in its code after its shutdown. Returns nothing if the file is missing or is no OpenNI2
-  /// driver.
+  /// Loads the library. The library stays loaded until the process ends, since threads of PS1080
+  /// were seen to run in its code after its shutdown. Returns nothing if the file is missing or is
+  /// no OpenNI2 driver.
   static std::optional<ForeignDriver> load(const std::string& path);
 
-  /// These functions forward to those that the driver's library exports.
+  /// The following functions call the functions that the library exports.
   void create(OniDriverServices* services) const { create_(services); }
   OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
                        oni::driver::DeviceDisconnectedCallback disconnected,

@@ -26,7 +26,7 @@ class PeriodicThread {
         }) {}
 
  private:
-  std::jthread thread_;  // Its destructor stops the thread and joins it.
+  std::jthread thread_;  // The destructor stops the thread and joins it.
 };
 
 }  // namespace copresence::drivers

@@ -33,7 +33,7 @@ class PushDevice : public oni::driver::DeviceBase, public StreamOwner {
  private:
   const OniVideoMode common_mode_;
   const int max_depth_;
-  std::deque<OniVideoMode> modes_;  // A deque, because sensors_ points to its elements.
+  std::deque<OniVideoMode> modes_;  // A deque keeps its elements in place for the pointers in sensors_.
   std::vector<OniSensorInfo> sensors_;
 };
 

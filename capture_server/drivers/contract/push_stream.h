@@ -35,12 +35,12 @@ std::optional<Value> read_as(const void* data, int size) {
 
 struct Lens {
   float horizontal_fov = 0, vertical_fov = 0;  ///< In radians.
-  std::optional<Intrinsics> intrinsics;        ///< Nothing if they are unknown.
+  std::optional<Intrinsics> intrinsics;        ///< Nothing if the intrinsics are unknown.
 };
 
 class PushStream;
 
-/// The device of a stream. It starts and stops the camera.
+/// The device of a stream. The device starts and stops the camera.
 class StreamOwner {
  public:
   virtual OniStatus begin(PushStream& stream) = 0;
@@ -69,14 +69,15 @@ class PushStream : public oni::driver::StreamBase {
   OniVideoMode mode() const;
   void set_lens(const Lens& lens);
 
-  /// One picture. Get it, write it and send it. A picture that is not sent is returned to OpenNI2.
-  /// While a picture exists, stop() waits for it, so the stream cannot disappear. The stream holds
-  /// no lock during this time, since OpenNI2 calls stop() and properties under its own locks. A
-  /// device may hold a lock during next_picture(), but not during send().
+  /// One picture. The driver gets a picture, writes its pixels and sends it. A picture that is not
+  /// sent is returned to OpenNI2. While a picture exists, stop() waits for it, so the stream cannot
+  /// disappear. The stream holds no lock during this time, since OpenNI2 calls stop() and
+  /// properties under its own locks. A device may hold a lock during next_picture(), but not during
+  /// send().
   class Picture {
    public:
-    /// All pixels, row by row from the top. They are uninitialised. Requires a `Pixel` of the
-    /// mode's size.
+    /// All pixels of the picture, row by row from the top. The pixels are uninitialised. Requires a
+    /// `Pixel` of the mode's size.
     template <class Pixel>
     std::span<Pixel> pixels() {
       return {static_cast<Pixel*>(frame_->data), static_cast<std::size_t>(frame_->dataSize) / sizeof(Pixel)};
@@ -111,13 +112,14 @@ class PushStream : public oni::driver::StreamBase {
  private:
   int row_bytes() const;
   void no_picture();    // Marks that there is no picture.
-  bool end_pictures();  // Waits for the present picture. False if the stream did not run.
+  bool end_pictures();  // Waits for the present picture. False if no stream ran.
 
   StreamOwner& owner_;
   const OniSensorType type_;
   const std::vector<OniVideoMode> modes_;
   const int max_value_;
-  mutable std::mutex mutex_;  // Guards all members below. Never held while OpenNI2 or the owner is called.
+  // Guards all members below. The mutex is never held while OpenNI2 or the owner is called.
+  mutable std::mutex mutex_;
   std::condition_variable given_back_;
   OniVideoMode mode_;
   Lens lens_;

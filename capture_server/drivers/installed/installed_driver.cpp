@@ -25,7 +25,7 @@ class InstalledDrivers final : public ForeignDriverHost {
                  oni::driver::DeviceStateChangedCallback, void*) override {
     for (const std::string& path : installed_drivers(driver_folders(COPRESENCE_OPENNI_DRIVERS))) {
       const auto driver = ForeignDriver::load(path);
-      if (!driver) continue;  // It was probably built for another system.
+      if (!driver) continue;  // The library was probably built for another system.
       Loaded& loaded = drivers_.emplace_back(Loaded{*driver, this});
       driver->create(services());
       if (driver->initialize(on_connected, on_disconnected, on_changed, &loaded) != ONI_STATUS_OK)

@@ -40,7 +40,7 @@ class FreenectThread {
   int run(const std::function<int(freenect_device*)>& work);
 
  private:
-  // The thread's data. It outlives the object if the Kinect does not answer.
+  // The thread's data. The data outlives the object if the Kinect does not answer.
   struct Shared {
     std::string serial;
     std::function<void()> on_lost;
@@ -61,7 +61,7 @@ class FreenectThread {
   static void do_work(Shared& shared);
 
   const std::shared_ptr<Shared> shared_;
-  std::mutex one_at_a_time_;  // Held by run(), so that calls take turns.
+  std::mutex one_at_a_time_;  // Held by run(), so that calls wait for each other.
   std::jthread thread_;
 };
 

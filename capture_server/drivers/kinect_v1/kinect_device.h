@@ -1,7 +1,7 @@
 #pragma once
 
 // One Kinect v1 as a device of OpenNI2. All streams have 640x480 pixels and 30 frames a second.
-// Depth is in 1 mm, optionally registered to colour. The other camera gives either colour (RGB888)
+// Depth is in 1 mm, optionally registered to colour. The second camera gives either colour (RGB888)
 // or infrared (GRAY8). The device also has tilt, light, near mode, exposure and white balance.
 // Thread: OpenNI2 calls it from the threads of its users. Pictures come from the device's own
 // thread.
@@ -68,7 +68,7 @@ class KinectDevice final : public PushDevice {
   std::mutex running_mutex_;
   Running depth_, video_;
   DeviceClock clock_;
-  std::unique_ptr<FreenectThread> thread_;  // Last, so that it is destroyed first.
+  std::unique_ptr<FreenectThread> thread_;  // The last member is destroyed first.
 };
 
 }  // namespace copresence::drivers

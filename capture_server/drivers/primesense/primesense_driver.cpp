@@ -22,7 +22,7 @@ class PrimeSenseDriver final : public ForeignDriverHost {
                  oni::driver::DeviceDisconnectedCallback disconnected,
                  oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
     ps1080_ = ForeignDriver::load(kPs1080);
-    if (!ps1080_) return ONI_STATUS_OK;  // Without PS1080 there may be other cameras.
+    if (!ps1080_) return ONI_STATUS_OK;  // Other drivers may have cameras.
     ps1080_->create(services());
     return ps1080_->initialize(connected, disconnected, changed, cookie);
   }

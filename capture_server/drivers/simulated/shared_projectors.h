@@ -29,7 +29,7 @@ class SharedProjectors {
  private:
   explicit SharedProjectors(std::uint32_t* entries) : entries_(entries) {}
 
-  std::uint32_t* entries_;  // Per camera: its process if its projector is on, else 0.
+  std::uint32_t* entries_;  // Per camera: the id of its process while its projector is on, else 0.
 };
 
 }  // namespace copresence::drivers

@@ -133,8 +133,8 @@ Lens SimulatedDevice::lens_of(OniSensorType) const {
           Intrinsics{model.fx, model.fy, model.cx, model.cy}};
 }
 
-// Shows the other cameras of the world whether this projector is on. It is off while the camera
-// does not run. Requires mutex_.
+// Shows the other cameras of the world whether this projector is on. The projector is off while the
+// camera does not run. Requires mutex_.
 void SimulatedDevice::share_projector_state(bool is_running) {
   if (projectors_) projectors_->set(static_cast<std::size_t>(uri_.camera), is_running && is_projector_on_);
 }

@@ -38,13 +38,13 @@ class SimulatedDevice final : public PushDevice {
  public:
   static constexpr int kWidth = 640, kHeight = 480;  // pixels
 
-  /// A camera with its precomputed frames. It outlives the device, so that opening the device again
-  /// is fast.
+  /// A camera with its precomputed frames. The camera outlives the device, so that opening the
+  /// device again is fast.
   using Camera = std::shared_ptr<simulation::SimulatedKinect>;
 
-  /// `make_camera` is called when the first stream starts. It returns null on failure, and its
-  /// first call takes seconds. `projectors` is the state that the cameras of a world share. Without
-  /// it all projectors are on.
+  /// `make_camera` is called when the first stream starts. The function returns null on failure,
+  /// and its first call takes seconds. `projectors` is the state that the cameras of a world share.
+  /// Without this state all projectors are on.
   SimulatedDevice(SimulatedUri uri, std::function<Camera()> make_camera,
                   std::optional<SharedProjectors> projectors);
 

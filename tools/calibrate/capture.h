@@ -2,8 +2,7 @@
 
 // Reads the input of all commands: one recording or one stream of a running server per camera.
 // Frames have colour and depth in one camera model. Video coding adds errors to the frames of a
-// stream, and a mean over frames removes most of them. Depth that the server made by hole filling
-// is removed.
+// stream, and a mean over frames removes most of them. Filled holes become holes again.
 
 #include <CLI/CLI.hpp>
 #include <functional>

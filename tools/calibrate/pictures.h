@@ -38,7 +38,7 @@ class BoardPictures {
     ColorImage picture;
     std::vector<Eigen::Vector2d> corners;  // Corners in pixels of the small picture.
   };
-  std::map<std::string, Small> pictures_;  // Pictures by BoardView::picture.
+  std::map<std::string, Small> pictures_;
 };
 
 /// The markers that one camera found.

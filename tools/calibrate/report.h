@@ -30,7 +30,7 @@ struct MarkerReport {
   Solver solver = Solver::kRigid;
   bool of_board = false;  ///< True for corners of a chessboard, which the text does not list.
   WorldFit fit;
-  std::vector<std::vector<MarkerDepth>> depths;  ///< Depths by camera.
+  std::vector<std::vector<MarkerDepth>> depths;
   std::vector<Unused> unused;
 };
 

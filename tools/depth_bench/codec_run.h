@@ -1,7 +1,6 @@
 #pragma once
 
-// Runs a depth codec on a recording, with the encoders and decoders of capture_server and
-// render_client.
+// Runs a depth codec on a recording, with the encoders of the server and decoders of the client.
 
 #include <optional>
 #include <string>
@@ -23,12 +22,11 @@ struct Setting {
 
 /// The middle frame of a recording, for plots.
 struct Snapshot {
-  Picture before, after;   ///< The depth picture before and after video coding.
-  DepthImage depth, back;  ///< Original and decoded depth.
+  Picture before, after;  ///< The depth picture before and after video coding.
+  DepthImage depth, back;
 };
 
-/// Codes and decodes all frames. Fails as the encoders and decoders, and if a frame decodes only in
-/// part.
+/// Codes and decodes all frames. Fails as the codecs, and if a frame decodes only in part.
 Result<Row> run_codec(const DepthRecording& recording, const std::string& codec, const Setting& setting,
                       Snapshot* snapshot = nullptr);
 
@@ -36,8 +34,7 @@ Result<Row> run_codec(const DepthRecording& recording, const std::string& codec,
 std::vector<std::string> tuning_candidates();
 
 /// Runs all candidates at a bitrate and sorts them by RMSE in disparity steps, the best first
-/// (thesis 5.1.2). Codecs that exceed the bitrate by more than a tenth come last. Fails as
-/// run_codec().
+/// (thesis 5.1.2). Codecs more than a tenth above the bitrate come last. Fails as run_codec().
 Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset preset,
                               tools::Progress& progress);
 

@@ -24,8 +24,7 @@ double fraction(double value) {
   return value - std::floor(value);
 }
 
-// The wave within a stair, K = 0 in equation 2.6. It continues from one stair to the next without a
-// jump.
+// The wave within a stair, K = 0 in equation 2.6. It does not jump between stairs.
 double wave(double stair, double phase) {
   return stair / 2 - (stair - 2) / 2 * std::cos(kPi * phase);
 }

@@ -3,11 +3,9 @@
 // Holoimage (thesis 2.7.1 and equation 2.6): a virtual projector throws fringes onto the surface
 // from the side, and a virtual camera takes a picture of it. Depth is triangulated from the
 // fringes. Where the surface is in shadow of the projector, depth is lost.
-//
 // Projector and camera are orthographic. The depth image is a height field whose pixels are kPixelM
 // apart. The projector stands to the right of the camera. A point at (x, z) has the fringe
 // coordinate p = x cos(angle) + z sin(angle).
-//
 // The picture is YUV 4:4:4. U holds the sine of the phase of p, V holds the cosine, and Y holds the
 // stair that counts whole fringes. Pixels without light are black. The thesis's equation uses RGB
 // channels, but the thesis recommends YUV for H.264.

@@ -46,7 +46,7 @@ Result<std::vector<Row>> measure(const Settings& settings, const DepthRecording&
       continue;
     }
     Snapshot snapshot;
-    std::string shot;  // The setting of the snapshot.
+    std::string shot;
     for (const Setting& setting : list) {
       const std::string title = codec + ' ' + setting.text();
       progress.begin(title);

@@ -2,7 +2,6 @@
 
 // RVL, a lossless depth codec, implemented from the description in the paper.
 // Source: Andrew D. Wilson, Fast Lossless Depth Image Compression, ISS 2017.
-//
 // Runs of holes and runs of depth alternate. A pair of runs is coded as the number of zeros, the
 // number of non-zeros, and the differences between consecutive non-zeros, zigzag-coded. Numbers
 // consist of nibbles, the lowest first: three bits of value and one bit that is set if another

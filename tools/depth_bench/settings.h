@@ -15,7 +15,7 @@ namespace copresence::depth_bench {
 
 struct Settings {
   std::filesystem::path recording;
-  std::vector<std::string> codecs;  ///< Known codecs and baselines.
+  std::vector<std::string> codecs;
   std::vector<int> qps;
   std::vector<int> rates_kbps;
   int frames = 0;  ///< 0 means all frames.

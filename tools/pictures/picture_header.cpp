@@ -95,8 +95,7 @@ std::uint32_t tiff_number(Bytes tiff, std::size_t at, std::size_t count, bool is
   return value;
 }
 
-// Reads the orientation from the first directory of an EXIF block, which has the format of a TIFF
-// file.
+// Reads the orientation from the first directory of an EXIF block, which is a TIFF file.
 int exif_orientation(Bytes segment) {
   if (segment.size() < 14 || !begins_with(segment, "Exif\0\0"sv)) return 1;
   const Bytes tiff = segment.subspan(6);
@@ -121,7 +120,7 @@ Result<PictureHeader> jpeg_header(const ReadAt& read_at) {
     std::array<std::uint8_t, 10> bytes{};
     if (read_at(at, std::span(bytes).first(4)) < 4 || bytes[0] != 0xFF) return broken();
     const std::uint8_t marker = bytes[1];
-    if (marker == 0xFF) {  // Skips a fill byte.
+    if (marker == 0xFF) {
       ++at;
       continue;
     }

@@ -44,8 +44,7 @@ Result<void> check_size(const std::filesystem::path& path, const cv::Mat& image,
           path.string(), image.cols, image.rows, size.width, size.height));
 }
 
-// Scales a camera model to another picture size. Pixels keep their aspect ratio, and the view keeps
-// its centre.
+// Scales a camera model to another picture size. Pixel shape and centre do not change.
 CameraModel scaled(const CameraModel& model, const Size& size) {
   const double scale = static_cast<double>(size.width) / model.width;
   CameraModel other = model;

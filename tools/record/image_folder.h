@@ -1,7 +1,6 @@
 #pragma once
 
-// Finds the depth and colour images of a folder and their times. Public RGB-D data sets are such
-// folders.
+// Finds the depth and colour images of a folder and their times. Public data sets are such folders.
 
 #include <chrono>
 #include <cstddef>
@@ -32,7 +31,6 @@ struct ImageFolder {
   std::vector<std::string> remarks;
 };
 
-/// Options that the user chose.
 struct FolderChoice {
   double frames_per_second = 30;       ///< Converts frame numbers to times.
   std::optional<TimeUnit> times = {};  ///< Unit of the times; recognised if not given.

@@ -124,8 +124,7 @@ bool is_hidden(const fs::path& path) {
   return name.starts_with('.') || name == "__MACOSX" || name == "Thumbs.db" || name == "desktop.ini";
 }
 
-// Adds the images of a folder to `images` and the number of its hidden files to `hidden`. Ignores
-// subfolders.
+// Adds the images of a folder to `images` and counts hidden files in `hidden`. Ignores subfolders.
 void list(const fs::path& folder, std::vector<fs::path>& images, std::size_t& hidden) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {

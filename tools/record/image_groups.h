@@ -38,7 +38,7 @@ struct ImageGroup {
   ImageKind kind = ImageKind::kOther;
   /// In groups of the same kind, the lowest rank is the most likely group.
   int rank = 0;
-  std::vector<std::filesystem::path> paths;  ///< Sorted by name.
+  std::vector<std::filesystem::path> paths;
 };
 
 struct FolderContent {
@@ -51,8 +51,7 @@ FolderContent list_images(const std::filesystem::path& folder);
 
 /// Chooses a group of this kind by its label or folder `wanted`. If `wanted` is empty, chooses the
 /// group with the lowest rank. Returns null if there is no group. `folder` is for messages.
-/// Fails  kNotFound if no group is called `wanted`; kInvalid if several groups have the lowest
-///        rank.
+/// Fails  kNotFound if no group is called `wanted`; kInvalid if several have that rank.
 Result<const ImageGroup*> choose(const FolderContent& content, ImageKind kind, const std::string& wanted,
                                  const std::string& folder);
 

@@ -14,7 +14,6 @@
 
 namespace copresence::record {
 
-/// An image in a list.
 struct ListedImage {
   TimeNumber time;
   std::filesystem::path path;

@@ -1,5 +1,4 @@
-// The program record describes, repairs, cuts and creates recordings. Its command line is in
-// settings.cpp.
+// The program record: describes, repairs, cuts and creates recordings.
 
 #include <fmt/format.h>
 

@@ -68,8 +68,7 @@ bool varies(const Column& column) {
                      [&](const TimeNumber& number) { return number.value != column.front().value; });
 }
 
-// Reads names such as "1305031102-175304000": Unix seconds, then the fraction in milli-, micro- or
-// nanoseconds.
+// Reads names such as "1305031102-175304000": Unix seconds and their fraction in ms, us or ns.
 std::optional<Column> seconds_and_fraction(const std::vector<std::string>& seconds,
                                            const std::vector<std::string>& fractions) {
   Column column = parsed(seconds);

@@ -34,7 +34,6 @@ struct StreamInfo {
   std::size_t without_time = 0;
 };
 
-/// Statistics of the depth pictures.
 struct DepthInfo {
   double unit_mm = 1;
   double holes_percent = 0;

@@ -115,8 +115,7 @@ class Numbers {
       if (padded_) return TimeScale{TimeUnit::kFrames, false};
       possible.push_back(TimeUnit::kFrames);
     }
-    // Numbers such as 0.25, 20.25, 40.25 may be seconds of a slow series, or milliseconds with a
-    // constant fraction.
+    // Numbers such as 0.25, 20.25, 40.25 may be seconds of a slow series, or milliseconds.
     if (!whole_ && video != std::end(kTimes) && *video != TimeUnit::kSeconds && steps_are_whole_and_equal()) {
       possible.insert(possible.begin(), TimeUnit::kSeconds);
     }

@@ -28,19 +28,17 @@ Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
   return folder;
 }
 
-// The time of a frame at 30 frames per second. Each time is rounded separately, so errors do not
-// accumulate.
+// The time of a frame at 30 frames per second. Rounding errors do not accumulate.
 std::chrono::microseconds time_of(int frame) {
   return std::chrono::microseconds((static_cast<std::int64_t>(frame) * 1'000'000 + 15) / 30);
 }
 
 // An artificial start time from 2000 to 2010, computed from the arguments. The same command gives
-// the same bytes, all cameras of a session start together, and different sessions start at
-// different times.
+// the same bytes, all cameras of a session start together, and sessions differ in their start.
 std::chrono::microseconds invented_start(const Settings& settings) {
   constexpr std::uint32_t kSecondsOfTenYears = 10 * 365 * 24 * 3600;
   constexpr std::chrono::seconds kYear2000{946'684'800};
-  std::uint32_t hash = 2'166'136'261;  // The hash is FNV-1a.
+  std::uint32_t hash = 2'166'136'261;
   for (const char c : fmt::format("{} {} {} {} {}x{}", settings.world, settings.cameras, settings.frames,
                                   settings.seed, settings.width, settings.height)) {
     hash = (hash ^ static_cast<unsigned char>(c)) * 16'777'619;

@@ -17,12 +17,12 @@ struct Settings {
   int cameras = 2;
   int frames = 60;
   std::filesystem::path folder;
-  bool overwrite = false;  ///< Replace existing files.
+  bool overwrite = false;
   std::uint32_t seed = 1;
   int width = 640, height = 480;
   DepthUnit unit = DepthUnit::kMillimetre;
   int jpeg_quality = 85;
-  bool truth = false;                              ///< Also write the ground truth.
+  bool truth = false;
   std::vector<std::filesystem::path> truth_views;  ///< Path files of additional viewpoints.
   int truth_width = 1280, truth_height = 720;      ///< Size of these views, pixels.
   double truth_fov_deg = 50;                       ///< Their vertical field of view, degrees.

@@ -18,7 +18,6 @@
 
 namespace copresence::view_bench {
 
-/// A camera's view volume.
 struct ViewVolume {
   CameraModel model;
   Rigid3 world_from_camera;
@@ -40,8 +39,7 @@ inline constexpr int kSeamPixels = 3;
 TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::ViewPose& eye,
                            std::span<const ViewVolume> cameras);
 
-/// The result of one scene: PSNR in dB, shares in percent of reachable pixels, differences in
-/// 1/255.
+/// One scene's result: PSNR in dB, shares in percent of reachable pixels, differences in 1/255.
 struct ViewScore {
   double seen_percent = 0, extended_percent = 0, empty_percent = 0;
   double psnr = 0;             ///< PSNR over all reachable pixels.

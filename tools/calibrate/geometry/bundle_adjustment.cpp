@@ -200,7 +200,7 @@ class Adjustment {
   struct PointShare {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), inverse;
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    std::vector<Eigen::Matrix<double, 6, 3>> with_pose;  // Same order as seen_[point].
+    std::vector<Eigen::Matrix<double, 6, 3>> with_pose;
   };
 
   static Eigen::Index row(std::size_t camera) { return static_cast<Eigen::Index>(6 * camera); }
@@ -209,8 +209,8 @@ class Adjustment {
   std::vector<Rigid3> poses_;
   std::size_t reference_;
   std::vector<Eigen::Vector3d> points_;
-  std::vector<std::vector<const Observation*>> seen_;  // Observations of each point.
-  std::map<std::size_t, std::size_t> middles_;         // Point index of each marker's centre.
+  std::vector<std::vector<const Observation*>> seen_;
+  std::map<std::size_t, std::size_t> middles_;  // Point index of each marker's centre.
   Eigen::MatrixXd normal_;
   Eigen::VectorXd right_;
   std::vector<PointShare> shares_;

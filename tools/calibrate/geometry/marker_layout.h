@@ -17,7 +17,7 @@ enum class Solver {
 };
 
 struct NamedPoint {
-  std::string name;          ///< The marker's name, for messages.
+  std::string name;
   Eigen::Vector3d position;  ///< Position in metres, in any frame.
 };
 
@@ -29,8 +29,7 @@ inline constexpr std::size_t kFewestMarkers = 4;  ///< Three markers determine a
 
 /// points   the markers that two cameras see in common, or that one camera shares with any other.
 /// cameras  names the cameras at the beginning of a message: "left and right".
-/// Fails    kInvalid: too few markers, too close together, on a line, or in a plane if the solver
-///          is linear.
+/// Fails    kInvalid: markers too few, too close, on a line, or (linear solver) in a plane.
 Result<void> check_layout(std::span<const NamedPoint> points, Solver solver, const std::string& cameras);
 
 }  // namespace copresence::calibrate

@@ -1,7 +1,6 @@
 #pragma once
 
 // Computes the mean depth of a still scene, and finds planes in it.
-//
 // Both work on 1/z, because a Kinect's noise has the same standard deviation everywhere in 1/z, and
 // 1/z of a plane is linear over the picture. So a mean of 1/z and a linear least-squares fit to 1/z
 // are the best estimates. Thread: one thread per object; the functions are pure.
@@ -71,8 +70,7 @@ class DepthAverage {
   Image<Counts> counts_;
 };
 
-/// Least-squares fit of value = x_slope x + y_slope y + offset to samples that are added one at a
-/// time.
+/// Least-squares fit of value = x_slope x + y_slope y + offset to added samples.
 template <class Scalar>
 class PlaneLeastSquares {
  public:

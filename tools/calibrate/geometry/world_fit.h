@@ -1,7 +1,6 @@
 #pragma once
 
 // Finds the poses of all cameras from their observations of markers, and estimates the errors.
-//
 // Each pair of cameras that shares enough markers is first fitted alone. A tree of pairs from the
 // reference camera gives initial poses. A bundle adjustment then fits all cameras together.
 // Thread: pure functions.
@@ -29,8 +28,7 @@ struct Spread {
 struct CameraFit {
   Rigid3 world_from_camera;
   Spread residual;  ///< Distances of the camera's markers from their fitted positions.
-  /// Distance between each marker and its position by the other cameras, in a fit without the
-  /// marker.
+  /// Distance between each marker and its position by the other cameras, if left out of the fit.
   Spread leave_one_out;
   /// Standard deviation of a point among the markers, metres, relative to the reference camera.
   double expected_shift_m = 0;
@@ -67,7 +65,7 @@ struct RigNames {
 };
 
 struct WorldSettings {
-  std::size_t reference = 0;  ///< Index of the reference camera.
+  std::size_t reference = 0;
   Rigid3 world_from_reference;
   Solver solver = Solver::kRigid;
   /// True if the points are corners of one rigid board. Its known size gives better depth than a
@@ -75,8 +73,7 @@ struct WorldSettings {
   bool is_board = false;
 };
 
-/// Fails  kInvalid: a camera shares too few markers with the others, or their layout is bad; see
-///        check_layout().
+/// Fails  kInvalid: a camera shares too few markers, or their layout is bad; see check_layout().
 Result<WorldFit> fit_world(std::span<const Observation> observations, const RigNames& names,
                            const WorldSettings& settings);
 

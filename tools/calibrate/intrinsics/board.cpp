@@ -44,8 +44,7 @@ double spacing(const std::vector<cv::Point2f>& corners, int columns) {
   return least;
 }
 
-// A chessboard looks the same after half a turn. This assumes that the board is upright and not
-// mirrored.
+// A chessboard looks the same after half a turn. So the board must be upright and not mirrored.
 void stand_upright(std::vector<cv::Point2f>& corners, int columns) {
   if (corners.front().y > corners.back().y) std::reverse(corners.begin(), corners.end());
   const cv::Point2f right = corners[static_cast<std::size_t>(columns) - 1] - corners[0],

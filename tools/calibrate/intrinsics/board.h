@@ -36,19 +36,16 @@ enum class CharucoLayout {
 /// Parses "9x6" into columns and rows, each from 3 to 40. Returns an error message, or nothing.
 std::string parse_board_size(const std::string& text, Board& board);
 
-/// Checks whether the board can exist. Returns an error message, or nothing. Requires a known
-/// dictionary.
+/// Returns an error message if the board cannot exist, or nothing. Requires a known dictionary.
 std::string problem_of(const Board& board);
 
-/// The corners of a board in one picture: positions on the board (metres, z = 0) and in the picture
-/// (pixels).
+/// A board's corners in one picture: positions on the board (metres) and in the picture (pixels).
 struct BoardView {
   std::string picture;  ///< The picture's name or number, for messages.
   std::vector<Eigen::Vector2d> on_board, pixels;
-  /// Variance of the Laplacian over the board, relative to its contrast. Blurred pictures have
-  /// small values.
+  /// Variance of the Laplacian over the board, relative to its contrast. Small when blurred.
   double sharpness = 0;
-  CharucoLayout layout = CharucoLayout::kBlackCorner;  ///< Layout of a ChArUco board.
+  CharucoLayout layout = CharucoLayout::kBlackCorner;
 };
 
 /// Finds the board in a scaled-down picture, then refines its corners in the full one. So a picture
@@ -71,8 +68,7 @@ inline constexpr double kSameView = 0.02;
 const BoardView* same_view(const BoardView& view, std::span<const BoardView> others, int width);
 
 /// Leaves out blurred views (sharpness below a third of the median) and repeated ones
-/// (same_view()). Keeps at most kMostViews, since the time of a fit grows with the cube of their
-/// number.
+/// (same_view()). Keeps at most kMostViews: a fit's time grows with the cube of their number.
 inline constexpr std::size_t kMostViews = 100;
 std::vector<BoardView> select_views(std::vector<BoardView> views, int width,
                                     std::vector<DroppedView>& dropped);

@@ -21,8 +21,7 @@ namespace {
 
 constexpr std::uintmax_t kMostBytes = 1 << 20;  // Largest file size; ROS writes less than 2000 bytes.
 
-// OpenCV's coefficients are k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty. The camera model has the
-// first eight.
+// OpenCV's coefficients are k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty. The camera model uses eight.
 constexpr std::size_t kMostCoefficients = 14;
 
 // Keys of ROS (first), OpenCV and Kalibr for the same value.
@@ -31,8 +30,7 @@ const RigNames kWidth{"image_width", "width"}, kHeight{"image_height", "height"}
     kMatrix{"camera_matrix", "K", "k", "cameraMatrix"},
     kCoefficients{"distortion_coefficients", "D", "d", "distCoeffs"}, kName{"camera_name"};
 
-// Keeps only letters and digits, in lower case, so that "Plumb Bob", "plumb_bob" and "plumb-bob"
-// are equal.
+// Keeps letters and digits in lower case: "Plumb Bob", "plumb_bob" and "plumb-bob" are equal.
 std::string plain(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -85,8 +83,7 @@ class Reader {
     return out;
   }
 
-  /// Reads `[..]`, as in ROS messages, or `{rows: .., cols: .., data: [..]}`, as in files of ROS
-  /// and OpenCV.
+  /// Reads `[..]` of ROS messages, or `{rows: .., cols: .., data: [..]}` of ROS and OpenCV files.
   std::vector<double> numbers(const YAML::Node& node, RigNames names) {
     const YAML::Node found = find(node, names);
     if (found.IsDefined() && found.IsMap()) return value<std::vector<double>>(found, {"data"});

@@ -91,8 +91,7 @@ class Mixture {
     return information.ldlt().solve(gradient);
   }
 
-  /// Assigns each view to the camera that fits it better until nothing changes. Returns the sum of
-  /// squared errors.
+  /// Assigns views to the better camera until nothing changes. Returns the sum of squared errors.
   double improve(Groups& groups) const {
     constexpr int kMostRounds = 30;
     double sum = 0;
@@ -199,7 +198,7 @@ std::optional<CameraSplit> find_two_cameras(std::span<const BoardView> views, co
   if (std::ssize(views) < 2 * kSmallestGroup) return std::nullopt;
   const Eigen::Index parameters = 4 + joint.distortion_terms;
   std::vector<ViewEquations> equations;
-  double numbers = 0;  // Number of measured coordinates.
+  double numbers = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     equations.push_back(linearize(views[i], joint.views[i], joint.model, parameters));
     numbers += 2 * static_cast<double>(views[i].pixels.size());

@@ -1,11 +1,9 @@
 #pragma once
 
 // Detects views of two cameras among views that should come from one. Thread: pure functions.
-//
 // The reprojection error does not reveal two cameras, because wrong distances of the boards
 // compensate for much of a wrong focal length. Views of fx 580 and fx 550 fit one camera to 0.17
-// px; views of a single camera fit to 0.14 px. But the views form two groups, and the views of each
-// group agree.
+// px; views of a single camera fit to 0.14 px. But the views form two groups that each agree.
 
 #include <functional>
 #include <optional>
@@ -34,8 +32,7 @@ struct CameraSplit {
 ///    board fails this test.
 ///
 /// joint      the fit of all `views` by one camera, in the same order.
-/// fit_group  fits a camera with the same distortion coefficients to some of the views, beginning
-///            with `start`.
+/// fit_group  fits a camera with the same distortion coefficients to some views, from `start`.
 using FitGroup = std::function<Result<IntrinsicsFit>(std::span<const BoardView>, const CameraModel& start)>;
 std::optional<CameraSplit> find_two_cameras(std::span<const BoardView> views, const IntrinsicsFit& joint,
                                             const FitGroup& fit_group);

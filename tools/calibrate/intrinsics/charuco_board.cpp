@@ -69,8 +69,7 @@ SeenMarkers find_markers(const Board& board, const cv::Mat& gray) {
 }
 
 // Mean distance of the markers' corners from the board's best homography, relative to the markers'
-// size. A wide lens's distortion causes 0.1, a wrong layout 1 or more. Returns nothing for too few
-// markers.
+// size. A wide lens's distortion causes 0.1, a wrong layout 1 or more. Empty for too few markers.
 std::optional<double> misfit(const MarkerCorners& markers, const SeenMarkers& seen) {
   std::vector<cv::Point2f> on_board, pixels;
   double sides = 0;

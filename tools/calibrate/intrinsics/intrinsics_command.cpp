@@ -40,11 +40,11 @@ struct Pictures {
   int width = 0, height = 0;
   std::vector<BoardView> views;
   BoardPictures shown;
-  bool keeps_shown = false;  ///< True if `shown` is filled.
+  bool keeps_shown = false;
   std::size_t searched = 0, different = 0;
   bool is_depths_own = true;  ///< True if colour is registered to depth, so both share intrinsics.
   std::string seen_instead;   ///< Result of describe_other_board() for the first pictures.
-  int descriptions = 0;       ///< Number of calls of describe_other_board().
+  int descriptions = 0;
 };
 
 // Number of pictures searched for foil markers. More pictures of a still scene add nothing.

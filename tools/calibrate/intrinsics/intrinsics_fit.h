@@ -23,13 +23,13 @@ struct ViewFit {
 
 struct IntrinsicsFit {
   CameraModel model;
-  std::string distortion;            ///< Names of the coefficients that were fitted; the others are 0.
-  int distortion_terms = 0;          ///< Number of coefficients that were fitted: 0, 4, 5 or 8.
-  double rms_px = 0;                 ///< Reprojection error over all views.
-  double focal_sigma_px = 0;         ///< OpenCV's standard deviation of fx or fy, whichever is larger.
-  double center_sigma_px = 0;        ///< Standard deviation of cx or cy, whichever is larger.
-  double covered = 0;                ///< Share of the picture's 8 x 6 cells with a corner.
-  std::vector<ViewFit> views;        ///< The views that were used.
+  std::string distortion;      ///< Names of the coefficients that were fitted; the others are 0.
+  int distortion_terms = 0;    ///< Number of coefficients that were fitted: 0, 4, 5 or 8.
+  double rms_px = 0;           ///< Reprojection error over all views.
+  double focal_sigma_px = 0;   ///< OpenCV's standard deviation of fx or fy, whichever is larger.
+  double center_sigma_px = 0;  ///< Standard deviation of cx or cy, whichever is larger.
+  double covered = 0;          ///< Share of the picture's 8 x 6 cells with a corner.
+  std::vector<ViewFit> views;
   std::vector<DroppedView> dropped;  ///< Unused views: their error is over three times the median.
 };
 

@@ -63,8 +63,7 @@ std::vector<Observation> observations_of(std::size_t camera, const StillBoard& b
   for (const Eigen::Vector2d& pixel : board.view.pixels) {
     extent_px = std::max(extent_px, (pixel - board.view.pixels[0]).norm());
   }
-  // The board's distance has the same relative error as its size in the picture. All corners share
-  // this error.
+  // The board's distance has the same relative error as its size in pixels, at all corners.
   const double relative =
       2 * kCornerPx / extent_px * std::sqrt(static_cast<double>(board.view.pixels.size()));
   std::vector<Observation> observations;

@@ -19,8 +19,7 @@ struct StillBoard {
   ViewFit pose;
 };
 
-/// Fails  kNotFound: no picture shows the whole board; kInvalid: it moved, or its pose cannot be
-///        found.
+/// Fails  kNotFound: no picture shows the whole board; kInvalid: it moved, or has no pose.
 Result<StillBoard> find_still_board(const Board& board, std::span<const ColorImage> pictures,
                                     const CameraModel& model);
 

@@ -1,7 +1,6 @@
 #pragma once
 
 // Lets a person click markers in a window, as in thesis 3.1. Reads and writes files of clicks.
-//
 // A file has one line per marker and camera: `camera marker x y`, in pixels. # begins a comment.
 
 #include <filesystem>
@@ -35,7 +34,6 @@ Result<void> save_clicks(const Clicks& clicks, const std::filesystem::path& file
 /// Fails  kUnavailable if no window can be opened; kRefused if the user closes it.
 Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const ColorImage& picture);
 
-/// The clicks of one window.
 class ClickList {
  public:
   void click(double x, double y);

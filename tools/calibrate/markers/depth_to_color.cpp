@@ -15,8 +15,8 @@
 namespace copresence::calibrate {
 namespace {
 
-constexpr std::size_t kDepth = 0, kColor = 1;  // Indices of the two cameras.
-constexpr double kRaggedPx = 0.7;              // Error of an outline found from missing depth, pixels.
+constexpr std::size_t kDepth = 0, kColor = 1;
+constexpr double kRaggedPx = 0.7;  // Error of an outline found from missing depth, pixels.
 
 // The colour camera measures only rays. Depth from the depth camera is the first guess.
 void add_color_observations(const FoundMarker& marker, const CameraModel& color,

@@ -94,8 +94,7 @@ std::optional<std::string> canonical_dictionary(const std::string& name) {
   return dictionaries().contains(text) ? std::optional(text) : std::nullopt;
 }
 
-// OpenCV 4.7 made dictionaries values instead of pointers, and renamed the functions that draw
-// markers.
+// OpenCV 4.7 made dictionaries values instead of pointers, and renamed its drawing functions.
 cv::Ptr<cv::aruco::Dictionary> make_dictionary(const std::string& name) {
   return cv::makePtr<cv::aruco::Dictionary>(cv::aruco::getPredefinedDictionary(dictionaries().at(name)));
 }

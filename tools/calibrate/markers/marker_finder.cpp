@@ -93,8 +93,7 @@ bool refine_outline(const Image<std::uint8_t>& picture, std::array<Eigen::Vector
       if (length < 6) return false;
       Eigen::Vector2d outward(along.y() / length, -along.x() / length);
       if (outward.dot(a - middle) < 0) outward = -outward;
-      // The search covers a bad first guess, but stays within the black border cell and the white
-      // rim.
+      // The search covers a bad first guess, within the black border cell and the white rim.
       const double reach = std::min(round == 0 ? 3.5 : 2.0, 0.9 * std::abs(outward.dot(a - middle)) / 3);
       std::vector<Eigen::Vector2d> points;
       const int samples = std::clamp(static_cast<int>(length), 8, 60);
@@ -169,8 +168,7 @@ void MarkerFinder::add_gray(const Image<std::uint8_t>& picture) {
   const auto dictionary = make_dictionary(dictionary_);
   const auto parameters = cv::makePtr<cv::aruco::DetectorParameters>();
   parameters->markerBorderBits = border_bits_;
-  // This is a perimeter of 13 pixels in a picture of width 640. Smaller markers have too little
-  // depth.
+  // A perimeter of 13 pixels in a picture of width 640. Smaller markers have too little depth.
   parameters->minMarkerPerimeterRate = 0.02;
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;

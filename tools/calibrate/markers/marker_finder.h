@@ -55,7 +55,7 @@ class MarkerFinder {
   std::string dictionary_;
   int border_bits_;
   int pictures_ = 0;
-  std::map<int, std::vector<Corners>> seen_;  // Corners by marker number.
+  std::map<int, std::vector<Corners>> seen_;
 };
 
 /// Refines the corners (pixels, in order) of a dark square on white to 0.1 to 0.2 pixels, also at

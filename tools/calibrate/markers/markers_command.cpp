@@ -34,7 +34,6 @@ struct MarkerSettings {
   Solver solver = Solver::kRigid;
 };
 
-// Measurements in one source.
 struct SourceMarkers {
   scene::Camera camera;
   std::vector<FoundMarker> markers;

@@ -12,11 +12,11 @@ namespace copresence::calibrate {
 namespace {
 
 // All lengths are in millimetres.
-constexpr double kMargin = 8;                   // Margin at the top and the sides; printers need 3 to 6.
-constexpr double kFooter = 20;                  // Space for ruler and text at the bottom.
-constexpr double kGap = 6;                      // Gap between board and rulers.
-constexpr double kSideRuler = 7;                // Width of the upright ruler.
-constexpr double kAcross = 100, kUpright = 50;  // Lengths of the rulers.
+constexpr double kMargin = 8;   // Margin at the top and the sides; printers need 3 to 6.
+constexpr double kFooter = 20;  // Space for ruler and text at the bottom.
+constexpr double kGap = 6;
+constexpr double kSideRuler = 7;
+constexpr double kAcross = 100, kUpright = 50;
 constexpr double kTextHeight = 3;
 
 // Adds two rulers, with a tick at every millimetre.

@@ -14,8 +14,8 @@
 namespace copresence::calibrate {
 
 struct Paper {
-  std::string name;                      ///< Name for messages.
-  double shorter_mm = 0, longer_mm = 0;  ///< Lengths of the sides.
+  std::string name;  ///< Name for messages.
+  double shorter_mm = 0, longer_mm = 0;
 };
 
 inline const Paper kA4{"A4", 210, 297}, kA3{"A3", 297, 420};
@@ -26,8 +26,8 @@ struct Rectangle {
 };
 
 struct Text {
-  double x, y;       ///< Left end of the base line.
-  double height_mm;  ///< Height of the font.
+  double x, y;  ///< Left end of the base line.
+  double height_mm;
   std::string text;  ///< Text in ASCII.
 };
 

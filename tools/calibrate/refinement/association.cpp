@@ -40,8 +40,7 @@ class Projector {
     return target;
   }
 
-  /// Sum of both normals in b's frame. Returns nothing if b has no surface there, or one of another
-  /// orientation.
+  /// Sum of both normals in b's frame. Returns nothing if b has no similar surface there.
   std::optional<Eigen::Vector3d> common_normal(int x, int y, const Target& target) const {
     if (b_.sigma(target.u, target.v) == 0) return std::nullopt;
     const Eigen::Vector3d normal_a = b_from_a_.rotation * a_.normal(x, y).cast<double>();

@@ -53,7 +53,7 @@ struct Agreement {
   /// Sum over inliers of 1 - (distance / 50 mm)^2, less the violations, as a share of both cameras'
   /// points. The better pose has the higher score.
   double score = 0;
-  int points = 0;  ///< Number of inliers.
+  int points = 0;
 };
 
 /// spacing  pixels between the points that are projected.
@@ -61,7 +61,7 @@ Agreement measure_agreement(const Surface& a, const Rigid3& world_from_a, const 
                             const Rigid3& world_from_b, int spacing = 2);
 
 enum class Association : std::uint8_t {
-  kNone,     ///< The pixel has no surface.
+  kNone,
   kNotSeen,  ///< The point is behind, outside or at a hole; see above.
   kInlier,
   kViolation,

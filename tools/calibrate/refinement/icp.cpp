@@ -24,7 +24,7 @@ struct PairMatches {
   std::size_t camera_a, camera_b;
   std::ptrdiff_t a, b;  // Indices among the moving cameras; -1 for a camera that does not move.
   std::vector<Match> matches;
-  std::vector<int> blocks;  // Blocks of each match.
+  std::vector<int> blocks;
 };
 
 // The blocks of one picture, numbered from `first` on.
@@ -44,8 +44,7 @@ struct BlockGrid {
   }
 };
 
-// Sums the gradient by block of every camera's picture. The covariance of these sums is the
-// scatter.
+// Sums the gradient by block of every camera's picture. Their covariance is the scatter.
 class Clusters {
  public:
   Clusters(std::span<const Surface> surfaces, Eigen::Index unknowns) : unknowns_(unknowns) {
@@ -79,7 +78,7 @@ class Clusters {
 
  private:
   Eigen::Index unknowns_;
-  std::vector<BlockGrid> grids_;  // Block grid of each camera.
+  std::vector<BlockGrid> grids_;
   Eigen::MatrixXd of_blocks_;
   std::map<std::pair<int, int>, Eigen::VectorXd> of_two_;
 };

@@ -2,7 +2,6 @@
 
 // Iterated closest points (ICP) for all cameras at once: moves cameras until their surfaces
 // coincide.
-//
 // It minimises the sum of w rho(n . (p_a - p_b)) over all matches, where p_a and p_b are the
 // matched points. The normal n is the mean of both points' normals, as in the symmetric
 // point-to-plane distance (Rusinkiewicz 2019). The weight w is weight_of() the expected error. The
@@ -23,12 +22,11 @@ namespace copresence::calibrate {
 struct IcpLevel {
   double reach_m;  ///< Largest distance of a match.
   int spacing;     ///< Pixels between points.
-  int iterations;  ///< Largest number of iterations.
+  int iterations;
 };
 
 /// Side of a square block of pixels with similar errors. Averaging does not remove a Kinect's
-/// systematic errors, which are similar in patches of this size. Matches in different blocks count
-/// as independent.
+/// systematic errors, which are similar in patches of this size. Blocks count as independent.
 inline constexpr int kBlock_px = 48;
 
 /// Selects blocks. White and black alternate like the squares of a chessboard, so that a fit to one
@@ -44,8 +42,8 @@ struct IcpProblem {
 };
 
 /// Parameters of small motions, six per moving camera: a rotation vector about `center`, then a
-/// translation, in world axes. All are in metres: a rotation counts as the motion of points at
-/// distance `radius_m`.
+/// translation, in world axes. All are in metres: a rotation counts as motion at distance
+/// `radius_m`.
 struct Motions {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double radius_m = 1;

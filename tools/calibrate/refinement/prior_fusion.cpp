@@ -66,8 +66,7 @@ std::optional<SurfaceEstimate> estimate_at(const IcpProblem& problem, const Fixe
 }
 
 // Estimates systematic errors, which residuals do not show, as half of the distance between ICP's
-// poses and those of highest score. Returns metres for each camera: the RMS over points in all
-// directions.
+// poses and those of highest score. Returns metres for each camera, RMS over all directions.
 std::vector<double> systematic_errors(const IcpProblem& problem, const FixedDirections& fixed,
                                       const Motions& motions, std::span<const Rigid3> found) {
   std::vector<Rigid3> raised(found.begin(), found.end());
@@ -105,7 +104,7 @@ class Prior {
   }
 
   struct Posterior {
-    std::vector<Rigid3> poses;   // Poses of all cameras.
+    std::vector<Rigid3> poses;
     Eigen::MatrixXd covariance;  // Covariance of the moving cameras' parameters.
   };
   Posterior posterior(const SurfaceEstimate& estimate, std::span<const Rigid3> found) const {

@@ -2,7 +2,6 @@
 
 // Combines poses found on surfaces with given poses of known error. The result is the most likely
 // pose if both errors are normally distributed.
-//
 // The error of the surfaces comes from their own residuals, by the sandwich estimator of Huber and
 // White with blocks of pixels as clusters. A pose of known error moves under two conditions: the
 // surfaces are more accurate than that error, and surfaces left out of the fit agree better at the

@@ -224,8 +224,7 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
         poses.assign(given.begin(), given.end());
       }
     }
-    // A significance test, because the choice between two nearly equal poses must not depend on the
-    // given pose.
+    // A significance test: a choice between nearly equal poses must not depend on the given pose.
     if (paired_t_score(all, poses, given) < kWorse) {
       poses.assign(given.begin(), given.end());
       for (const std::size_t camera : all.moving) outcomes[camera] = Outcome::kKept;

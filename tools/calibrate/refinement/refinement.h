@@ -2,7 +2,6 @@
 
 // Refines the poses of cameras on the surfaces that they see in common. The first camera does not
 // move.
-//
 // Cameras are placed one after the other, each beside those that it shares most with. Each camera
 // is first aligned coarsely, starting from its given pose and from poses around it. The results
 // with the highest scores (Agreement::score) are refined finely. Then all cameras move together.

@@ -1,7 +1,6 @@
 #pragma once
 
 // The surfaces that one camera sees, as points with normals: the input of refinement.
-//
 // A plane is fitted around each pixel, by linear least squares on 1/z. In a pinhole camera's
 // picture 1/z of a plane is linear, and the noise of a Kinect is uniform in 1/z. A second pass
 // leaves out outliers, and a third pass fits a curved surface. Thread: pure functions.

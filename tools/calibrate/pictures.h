@@ -70,7 +70,7 @@ inline constexpr double kFullColor_mm = 20;
 /// Shows comparisons, two per row, with a colour scale. Green: both cameras see the surface at the
 /// same position. Red: the other camera's surface is kFullColor_mm or more behind. Blue: the other
 /// camera's surface is in front. Pink: the other camera sees through the surface. Grey: the other
-/// camera does not see it.
+/// camera does not see the surface.
 Result<void> write_agreement_picture(std::span<const SurfaceComparison> all,
                                      const std::filesystem::path& file);
 

@@ -41,7 +41,7 @@ std::string to_text(const MarkerReport& report);
 /// "leave_one_out_mm","leave_one_out_worst_mm","expected_shift_mm","expected_turn_deg","world_from_camera",
 /// "depths":[{"marker","z_m","pixels","share","rms_steps"}]}],"markers":[{"name","cameras","world","rms_mm","worst_mm",
 /// "worst_camera"}],"pairs":[{"a","b","markers","in_tree","rigid_rms_mm","linear_rms_mm","linear_scale","no_linear"}],
-/// "unused":[{"camera","marker","why"}]}. Unknown values are null.
+/// "unused":[{"camera","marker","why"}]}; unknown values are null.
 nlohmann::json to_json(const MarkerReport& report);
 
 /// Such as `37 % overlap, median 6.6 mm (0.9 sigma), 95 % within 30.8 mm (2.1 sigma), 0.4 %

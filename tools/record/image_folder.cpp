@@ -23,7 +23,7 @@ using Listed = std::vector<ListedImage>;
 
 struct FoundImages {
   ListedStreams streams;
-  std::optional<TimeScale> depth_scale, color_scale;  // Set if the names determine them.
+  std::optional<TimeScale> depth_scale, color_scale;  // Time scales, if the names determine them.
 };
 
 std::string counted(const ImageGroup& group) {

@@ -51,7 +51,7 @@ std::vector<Sample> samples_in(const DepthAverage& depth, const CameraModel& mod
 // sum of their squared errors before the fit.
 int refit(std::span<const Sample> samples, Eigen::Vector3d& plane, double& squares) {
   PlaneLeastSquares<double> sums;
-  // Rays are relative to the first one. In a small outline all rays are nearly equal, so absolute
+  // Rays are relative to the first ray. In a small outline all rays are nearly equal, so absolute
   // rays would lose precision.
   const Eigen::Vector3d origin = samples.front().ray;
   squares = 0;

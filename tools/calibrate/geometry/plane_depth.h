@@ -104,7 +104,7 @@ class PlaneLeastSquares {
   Scalar n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0, v_ = 0, vx_ = 0, vy_ = 0;
 };
 
-/// A plane: 1/z = slope . (x, y) + offset, in 1/m, along the camera's ray (x, y, 1).
+/// A plane: 1/z = slope * (x, y) + offset, in 1/m, along the camera's ray (x, y, 1).
 struct PlaneFit {
   Eigen::Vector2d slope{0, 0};
   double offset = 0;
@@ -112,7 +112,8 @@ struct PlaneFit {
   double share = 0;      ///< Share of the outline's measured pixels that are on the plane, 0 to 1.
   double rms_steps = 0;  ///< RMS distance of those pixels from the plane, in disparity steps.
 
-  /// Depth of the plane along a ray, metres. The plane must lie in front of the camera there.
+  /// Depth of the plane along a ray, metres. The plane must lie in front of the camera along that
+  /// ray.
   double z_along(const Eigen::Vector2d& ray) const { return 1 / (slope.dot(ray) + offset); }
 };
 

@@ -27,9 +27,9 @@ struct Board {
 /// Positions of the markers on a ChArUco board. OpenCV 4.6 changed them for boards with an even
 /// number of rows.
 enum class CharucoLayout {
-  /// The top left square is black: OpenCV 4.6 and later, or an odd number of rows.
+  /// The top left square is black, as in OpenCV 4.6 and later, or for an odd number of rows.
   kBlackCorner,
-  /// The top left square has marker 0: older OpenCV, with an even number of rows.
+  /// The top left square has marker 0, as in older OpenCV for an even number of rows.
   kMarkerCorner,
 };
 

@@ -14,8 +14,8 @@ namespace copresence::calibrate {
 namespace {
 
 constexpr std::ptrdiff_t kSmallestGroup = 3;  // Fewest views in a group.
-// Two cameras differ if a focal length or principal point differs by more than both limits. One is
-// relative to the focal length, the other in standard deviations.
+// Two cameras differ if a focal length or principal point differs by more than this share of the
+// focal length and this number of standard deviations.
 constexpr double kLeastDifference = 0.012, kLeastSigmas = 5;
 // A group whose views scatter less than this, relative to the corners' noise, is one camera.
 constexpr double kTightScatter = 1.5;

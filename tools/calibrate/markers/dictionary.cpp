@@ -44,7 +44,7 @@ const std::map<std::string, int>& dictionaries() {
 struct Family {
   const char* prefix;        // Beginning of the names, before the number of markers.
   std::array<int, 4> sizes;  // Numbers of markers; 0 if the prefix is the whole name.
-  int fewest;                // Fewest found markers that cannot be chance.
+  int fewest;                // Number of found markers that rules out chance.
 };
 constexpr std::array<Family, 9> kFamilies{{{"4x4_", {50, 100, 250, 1000}, 2},
                                            {"5x5_", {50, 100, 250, 1000}, 2},

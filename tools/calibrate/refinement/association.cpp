@@ -92,7 +92,8 @@ struct Tally {
   int violations = 0, points = 0;
 };
 
-// Adds the comparisons of all points of a with b. Returns the number of inliers.
+// Compares all points of surface a with surface b and adds the results to `tally`. Returns the
+// number of inliers.
 int compare_all(const Surface& a, const Surface& b, const Rigid3& b_from_a, int spacing, Tally& tally) {
   const Projector projector(a, b, b_from_a);
   int inliers = 0;

@@ -1,9 +1,8 @@
 #pragma once
 
 // Iterated closest points (ICP) for all cameras at once: moves cameras until their surfaces
-// coincide.
-// It minimises the sum of w rho(n . (p_a - p_b)) over all matches, where p_a and p_b are the
-// matched points. The normal n is the mean of both points' normals, as in the symmetric
+// coincide. It minimises the sum of w rho(n * (p_a - p_b)) over all matches, where p_a and p_b are
+// the matched points. The normal n is the mean of both points' normals, as in the symmetric
 // point-to-plane distance (Rusinkiewicz 2019). The weight w is weight_of() the expected error. The
 // function rho is Tukey's kernel, which is constant beyond a limit. The limit shrinks from level to
 // level. Each iteration finds new matches and makes one Gauss-Newton step. Thread: pure functions.
@@ -42,7 +41,7 @@ struct IcpProblem {
 };
 
 /// Parameters of small motions, six per moving camera: a rotation vector about `center`, then a
-/// translation, in world axes. All are in metres: a rotation counts as motion at distance
+/// translation, in world axes. All are in metres: a rotation is the motion of a point at distance
 /// `radius_m`.
 struct Motions {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
@@ -91,7 +90,7 @@ struct FixedDirections {
 bool run_icp(const IcpProblem& problem, std::span<const IcpLevel> levels, const FixedDirections& fixed,
              std::vector<Rigid3>& poses);
 
-/// How well the matches determine each direction of motion.
+/// Tells how well the matches determine each direction of motion.
 struct Observability {
   Eigen::MatrixXd directions;  ///< Orthonormal columns: motions of all moving cameras.
   Eigen::VectorXd values;      ///< Observability of each column; see Direction in refinement.h.

@@ -15,7 +15,7 @@ namespace {
 constexpr IcpLevel kFusion{0.05, 4, 1};
 constexpr std::array<IcpLevel, 1> kHalf{{{0.05, 4, 15}}};
 constexpr double kSurprising = 22.5;  // Chi squared of six numbers; chance exceeds it once in 1000.
-constexpr double kWorthMoving = 0.7;  // A pose moves only below this share of its known error.
+constexpr double kWorthMoving = 0.7;  // A pose moves only if its new error is below this share of the old.
 constexpr double kConfirmed = 2;      // Least t score on the blocks that were left out.
 constexpr double kHardlyFixed = 0.1;  // Largest share of a camera's parameters that may be fixed.
 constexpr double kFirm_m = 1e-7;      // Error of a pose that must not move.
@@ -114,7 +114,8 @@ class Prior {
     }
     const Eigen::MatrixXd& F = estimate.free;
     const Eigen::MatrixXd before = F.transpose() * certainty.asDiagonal() * F;
-    // With C = estimate.covariance and P^-1 = before: (C^-1 + P^-1)^-1 = (1 + C P^-1)^-1 C.
+    // C is estimate.covariance, and P^-1 is `before`. The result is (C^-1 + P^-1)^-1 = (1 + C
+    // P^-1)^-1 C.
     const Eigen::MatrixXd system =
         Eigen::MatrixXd::Identity(before.rows(), before.cols()) + estimate.covariance * before;
     const Eigen::MatrixXd together = system.partialPivLu().solve(estimate.covariance);

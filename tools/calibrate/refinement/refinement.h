@@ -25,7 +25,7 @@ inline constexpr double kLeastObservability = 0.01;  ///< Least value of Directi
 
 /// A motion of one camera that the surfaces do not determine, of length 1.
 struct Direction {
-  Eigen::Vector3d turn;   ///< Rotation vector, world frame; in metres at the overlap's radius.
+  Eigen::Vector3d turn;   ///< Rotation vector in the world frame, as metres at the overlap's radius.
   Eigen::Vector3d shift;  ///< Translation, world frame.
   /// Mean over the matches of the squared normal component of the motion, corrected for noise of
   /// the normals. It is 1/3 in the corner of a room and 0 along a wall.

@@ -46,8 +46,8 @@ bool fit(const std::vector<Sample>& samples, Expected&& expected, Tolerance&& to
   return true;
 }
 
-// Fits a quadratic surface to the samples near a plane. Takes its height and slope at the window's
-// centre. A plane through a round object lies inside of it, so two cameras would disagree.
+// Fits a quadratic surface to the samples near a plane. Uses the surface's height and slope at the
+// window's centre. A plane through a round object lies inside of it, so two cameras would disagree.
 class Bowl {
  public:
   void fit(const std::vector<Sample>& samples, Plane& plane) const {
@@ -79,7 +79,7 @@ class Bowl {
   static Vector6 terms(const Sample& s) {
     return Vector6(1, s.dx, s.dy, s.dx * s.dx, s.dx * s.dy, s.dy * s.dy);
   }
-  // Prior on the curvature: about two steps over the window. Windows with samples on one side only
+  // Prior on the curvature: about two steps over the window. Windows whose samples lie on one side
   // need this prior.
   static Matrix6 stiffness() { return Vector6(0, 0, 0, 50, 50, 50).asDiagonal(); }
   static Matrix6 invert_whole_window() {

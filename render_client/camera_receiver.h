@@ -1,9 +1,9 @@
 #pragma once
 
-// The thread of one camera: receives its frames, decodes and conditions them, and puts them into
-// the camera's mailbox.
+// Receives the frames of one camera, decodes, filters and clips them, and puts them into the
+// camera's mailbox.
 //
-// Thread: run() on a thread of its own. Mailboxes, states and statistics are safe to share.
+// Thread: call run() on a thread of its own. Mailboxes, states and statistics may be shared.
 
 #include <memory>
 #include <optional>
@@ -26,17 +26,17 @@ namespace copresence::client {
 
 class CameraReceiver {
  public:
-  /// `address` is HOST:PORT; `slot` is the camera's number in `mailboxes` and `states`. `scene` may
-  /// be null. All references must outlive this.
+  /// `address` is HOST:PORT. `slot` is the camera's number in `mailboxes` and `states`. `scene` may
+  /// be null. All referenced objects must outlive the receiver.
   CameraReceiver(const std::string& address, std::size_t slot, const scene::Scene* scene,
                  flow::Mailboxes<CameraFrame>& mailboxes, statistics::CameraStatistics& statistics,
                  stream::CameraStates& states);
 
-  /// Returns when a stop is requested, or when the server has refused this release for good.
+  /// Runs until a stop is requested, or until the server refuses the protocol version of this
+  /// program.
   void run(const std::stop_token& stop);
 
  private:
-  /// ReconnectingSource::Begin.
   Result<std::string> begin(const StreamDescription& description);
   void take(const wire::ReceivedFrame& received);
 
@@ -48,7 +48,7 @@ class CameraReceiver {
   stream::LimitedLog log_;
   stream::ReconnectingSource source_;
 
-  // Of the current connection.
+  // Description and setup of the current connection.
   std::shared_ptr<const StreamDescription> description_;
   std::shared_ptr<const CameraSetup> setup_;
   std::optional<decoding::FrameDecoding> decoding_;

@@ -1,5 +1,4 @@
-// render_client: shows the scene that capture_servers stream. See settings.cpp for its command
-// line.
+// render_client shows the scene that capture_servers stream. settings.cpp has its command line.
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>

@@ -33,7 +33,7 @@ using std::chrono::steady_clock;
 constexpr const char* kTitle = "Copresence";
 constexpr milliseconds kTitleEvery{250};
 constexpr milliseconds kLogSkewEvery{10'000};
-/// Priority of matching colours below rendering, as a nice value.
+/// Nice value of the thread that matches colours. Rendering has a higher priority.
 constexpr int kColorsNice = 10;
 
 Result<std::vector<std::string>> addresses(const ClientSettings& settings, const scene::Scene* scene) {
@@ -68,7 +68,7 @@ Result<std::unique_ptr<display::Display>> open_display(const ClientSettings& set
                                                               : HeadlessGl::kNo);
 }
 
-/// `context` may be null: then there is no OpenGL to draw with.
+/// Makes the renderer that --renderer names. `context` is null if there is no OpenGL.
 Result<std::unique_ptr<renderer::Renderer>> make_renderer(const std::string& choice, gl::Context* context,
                                                           Executor& workers) {
   const bool use_gl = context && (choice == "gl" || (choice == "auto" && !context->is_software()));
@@ -124,14 +124,14 @@ class Pipeline {
         .run(stop_.get_token());
   }
 
-  /// Draws views when the display takes them. Headless it ends, too, once every camera has ended
-  /// and its last frame is shown.
+  /// Draws views when they are due. A headless client ends once every camera has ended and its last
+  /// frame is shown.
   Result<void> render_views() {
-    std::optional<Instant> wanted;  // when the cameras' frames ask for a view
+    std::optional<Instant> wanted;  // Time of the next view according to the RenderPacer.
     while (!finished() && !display_->is_closed()) {
       const auto next =
           display_->wait_for_next(wanted, [&](Instant until) { prepare_or_wait(wanted.has_value(), until); });
-      // Asked before frames are taken: those that came before the end are then shown.
+      // This is checked before frames are taken, so that the last frames are still shown.
       const bool have_ended = settings_.headless && states_.all_over();
       take_frames();
       log_news();
@@ -149,7 +149,7 @@ class Pipeline {
     return stop_.stop_requested() || (settings_.frames && view_statistics_.frames() >= *settings_.frames);
   }
 
-  /// Prepares the new frames for rendering if a view will be due. Else waits for frames.
+  /// Prepares the new frames for rendering if a view will be due. Otherwise waits for frames.
   void prepare_or_wait(bool is_due, Instant until) {
     if (is_due && !std::exchange(is_prepared_, true)) {
       renderer_->prepare(cameras_.views(steady_clock::now()));
@@ -166,7 +166,7 @@ class Pipeline {
     }
   }
 
-  /// Draws a view, or shows the last one again if neither cameras nor eyes have changed.
+  /// Draws a view, or shows the last view again if neither cameras nor eyes have changed.
   Result<void> draw(const display::NextView& next) {
     for (const viewpoint::Gesture& gesture : next.gestures) viewer_.apply(gesture);
     show_title();
@@ -188,7 +188,7 @@ class Pipeline {
   /// Renders a picture for each of `poses_`.
   Result<void> render(Instant begin) {
     const auto views = cameras_.views(begin);
-    // The pictures of the GL renderer stay on the graphics card.
+    // The pictures of the GL renderer are not copied from the graphics card.
     const renderer::HostPixels wanted{.color = renderer_->name() == "cpu"};
     pictures_.resize(poses_.size());
     for (std::size_t eye = 0; eye < poses_.size(); ++eye) {
@@ -253,7 +253,7 @@ class Pipeline {
     return {};
   }
 
-  /// Draws the last view once more, as host pixels, with the opacities that it had.
+  /// Draws the last view again as host pixels, with unchanged opacities.
   Result<void> write_screenshot() {
     const Instant now = steady_clock::now();
     if (poses_.empty()) poses_ = viewer_.at(0, now, std::vector<Rigid3>(1));
@@ -282,20 +282,20 @@ class Pipeline {
   const scene::Scene* scene_;
   std::vector<std::string> servers_;
   std::unique_ptr<display::Display> display_;
-  std::unique_ptr<renderer::Renderer> renderer_;  // may use the display's context
+  std::unique_ptr<renderer::Renderer> renderer_;  // It may use the display's context.
   viewpoint::Viewer viewer_;
   std::stop_source stop_;
   flow::Mailboxes<CameraFrame> mailboxes_;
   stream::CameraStates states_;
-  std::deque<statistics::CameraStatistics> statistics_;  // a deque, since they cannot move
+  std::deque<statistics::CameraStatistics> statistics_;  // A deque, since the elements cannot move.
   color_matching::LiveColorMatching colors_;
   ShownCameras cameras_;
   pacing::RenderPacer pacer_;
-  bool is_prepared_ = false;                    // the renderer has prepared all frames that have been taken
-  std::vector<viewpoint::ViewPose> poses_;      // by eye, of the last view
-  std::vector<renderer::MergedView> pictures_;  // by eye, of the last view
+  bool is_prepared_ = false;                    // Whether all taken frames are prepared.
+  std::vector<viewpoint::ViewPose> poses_;      // Poses of the last view, by eye.
+  std::vector<renderer::MergedView> pictures_;  // Pictures of the last view, by eye.
   statistics::ViewStatistics view_statistics_;
-  std::uint64_t views_drawn_ = 0;  // complete or not
+  std::uint64_t views_drawn_ = 0;  // Complete and incomplete views.
   std::uint64_t view_index_ = 0;
   Instant log_skew_at_{};
   Instant title_due_at_{};

@@ -1,7 +1,7 @@
 #pragma once
 
-// The running client: one thread for each camera, one for matching colours, one that renders. See
-// docs/internals/architecture.md.
+// Runs the client. It uses one thread for each camera, one for matching colours and one for
+// rendering. See docs/internals/architecture.md.
 
 #include <stop_token>
 
@@ -11,9 +11,9 @@
 namespace copresence::client {
 
 /// Shows the cameras until a stop is requested, the window is closed, or `settings.frames` views
-/// are drawn; all of these are success. Headless it also ends once every camera has ended. Writes
-/// statistics and screenshot at the end, also after a failure. Blocks, and makes its own threads. A
-/// window requires the main thread.
+/// are drawn. A headless client also ends once every camera has ended. All of these are success. At
+/// the end, even after a failure, it writes statistics and screenshot. The function blocks, and
+/// makes its own threads. A window requires the main thread.
 Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop);
 
 }  // namespace copresence::client

@@ -1,7 +1,6 @@
 #pragma once
 
-// The command line of render_client as a checked, plain struct.
-// Thread: values.
+// The command line of render_client as a plain struct with checked values.
 
 #include <cstdint>
 #include <optional>
@@ -15,27 +14,26 @@
 namespace copresence::client {
 
 struct ClientSettings {
-  std::vector<std::string> servers;  ///< HOST:PORT each
-  std::string scene;                 ///< scene file; empty for none
+  std::vector<std::string> servers;  ///< Addresses, HOST:PORT.
+  std::string scene;                 ///< Path of the scene file, or empty.
   bool headless = false;
-  std::string renderer = "auto";   ///< auto, gl, cpu
-  int width = 1280, height = 720;  ///< of the view; even
-  double fps = 30;                 ///< greatest number of views per second, headless
-  /// Vertical field of view. Without it, it is viewpoint::kFovDegrees, or less if the view begins at a
-  /// camera whose picture would not fill it.
+  std::string renderer = "auto";   ///< auto, gl or cpu.
+  int width = 1280, height = 720;  ///< Size of the view; even numbers of pixels.
+  double fps = 30;                 ///< Greatest number of views per second without a window.
+  /// Vertical field of view, as in viewpoint::ViewFormat.
   std::optional<double> fov_degrees;
   viewpoint::ViewChoice view;
   renderer::UnseenStyle unseen{.show = renderer::UnseenStyle::Show::kExtend};
-  bool match_colors = true;  ///< live colour matching
+  bool match_colors = true;
   std::optional<std::uint64_t> frames;
-  double stale_s = 3;      ///< seconds without a new frame after which a camera has faded from the view
-  bool sync = false;       ///< views show frames of nearly one instant
-  std::string screenshot;  ///< PNG file for the last view; empty for none
-  std::string stats;       ///< JSON file; empty for none
+  double stale_s = 3;      ///< A camera disappears after this many seconds without a new frame.
+  bool sync = false;       ///< Whether a view shows frames of nearly the same instant.
+  std::string screenshot;  ///< Path of the PNG file for the last view, or empty.
+  std::string stats;       ///< Path of the JSON file for statistics, or empty.
 };
 
-/// Parses the command line. Fails with the exit code after --help, --version (0) or a mistake (2);
-/// the terminal has the explanation already.
+/// Parses the command line. After --help and --version it fails with the exit code 0, and after a
+/// mistake with 2. It has then printed the help or an error message.
 tl::expected<ClientSettings, int> read_command_line(int argc, const char* const* argv);
 
 }  // namespace copresence::client

@@ -9,9 +9,9 @@
 namespace copresence::client {
 namespace {
 
-/// The longest time that views wait for the first match of colours, once every camera is there.
+/// Once every camera has sent a frame, views wait at most this long for the first match of colours.
 constexpr std::chrono::milliseconds kLongestColorWait{10'000};
-/// A camera whose newest frame is older than this has stopped; it does not count for the skew.
+/// A camera whose newest frame is older than this is ignored in the skew.
 constexpr std::chrono::milliseconds kStopped{500};
 
 Duration seconds(double value) {
@@ -97,7 +97,7 @@ void ShownCameras::note_stale_cameras(Instant now) {
     const bool is_stale = change == pacing::StaleCameras::Change::kStale;
     if (is_stale) {
       statistics_[camera].stale();
-      colors_.forget(camera);  // the light may have changed since its last frame
+      colors_.forget(camera);  // The light may have changed since its last frame.
     }
     if (!worth_saying || !states_.left_out(camera).empty()) continue;
     const std::string name = states_.name(camera);

@@ -1,10 +1,9 @@
 #pragma once
 
-// The intrinsics, pose and colour correction that the client uses for a camera, and the frames of
-// that camera.
+// The intrinsics, pose and colour correction that the client uses for a camera.
 //
-// Both the stream and the scene file may give these values. They are resolved once per connection,
-// so that clipping, colour matching and rendering use the same ones. The scene file wins.
+// Both the stream and the scene file may state these values. The scene file has priority. The
+// values are determined once per connection, so that all parts of the client use the same values.
 //
 // Thread: pure functions and values.
 
@@ -22,36 +21,37 @@
 namespace copresence::client {
 
 struct CameraSetup {
-  CameraModel model;  ///< same size as the stream's pictures
+  CameraModel model;  ///< It has the size of the stream's pictures.
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthNoise noise;
-  bool has_pose = false;             ///< the stream or the scene file gives one
-  std::optional<Rigid3> fixed_pose;  ///< from the scene file; replaces the poses in the frames
-  /// From the scene file; replaces the correction that live matching finds. RGB, 0 to 1.
+  bool has_pose = false;             ///< Whether the stream or the scene file states a pose.
+  std::optional<Rigid3> fixed_pose;  ///< From the scene file. It replaces the poses in the frames.
+  /// From the scene file, for RGB from 0 to 1. It replaces the correction that live matching finds.
   std::optional<Eigen::Matrix<float, 3, 4>> color_correction;
   double calibration_error_m = 0.005;
-  /// A sentence for the log if the scene file's intrinsics cannot be used; else empty.
+  /// A sentence for the log if the scene file's intrinsics cannot be used, else empty.
   std::string remark;
 
-  /// World from camera for a frame of this stream, metres.
+  /// Returns world from camera for a frame of this stream, in metres.
   const Rigid3& pose(const FrameMetadata& metadata) const {
     return fixed_pose ? *fixed_pose : metadata.world_from_camera;
   }
 };
 
-/// `scene` may be null. If the scene file's intrinsics are for another picture size, the stream's
-/// are used and `remark` says so.
+/// Determines the setup. `scene` may be null. If the scene file's intrinsics are for another
+/// picture size, the stream's are used and `remark` says so.
 CameraSetup resolve_setup(const StreamDescription& stream, const scene::Scene* scene);
 
-/// A decoded frame that is ready to be displayed, with all that is known of its camera.
+/// A decoded frame that is ready to be displayed, with the setup of its camera.
 struct CameraFrame {
   RgbdFrame frame;
-  /// On this process's clock. The time of arrival if the server's times are implausible.
+  /// Capture time on this process's clock, or the arrival time if the server's times are
+  /// implausible.
   Instant captured_at;
-  Instant arrived_at;                               ///< when the frame became ready to be displayed
-  std::shared_ptr<const StreamDescription> stream;  ///< changes with every new connection
-  std::shared_ptr<const CameraSetup> setup;         ///< of this stream
-  bool times_believed = true;  ///< `captured_at` comes from the server, so it gives the latency
+  Instant arrived_at;                               ///< Time when the frame was ready for display.
+  std::shared_ptr<const StreamDescription> stream;  ///< Changes with every new connection.
+  std::shared_ptr<const CameraSetup> setup;         ///< The setup for this stream.
+  bool times_believed = true;                       ///< Whether the server's times are plausible.
 
   const Rigid3& pose() const { return setup->pose(frame.metadata); }
 };

@@ -9,14 +9,16 @@ namespace copresence::color_matching {
 namespace {
 
 constexpr int kGuesses = 400;
-constexpr std::size_t kMostTested = 1000;  // pairs that each guess is tested on
-constexpr float kCoarse = 18.0F / 255;     // error of a correction that has gains and offsets only
-constexpr float kFine = 9.0F / 255;  // sensor noise, vignetting, and a gamma that a line only approximates
+constexpr std::size_t kMostTested = 1000;  // Each guess is tested on at most this many pairs.
+// A pair agrees with a correction if its error is at most this. The coarse limit is for corrections
+// that have gains and offsets only. The fine limit allows for noise, vignetting and gamma.
+constexpr float kCoarse = 18.0F / 255;
+constexpr float kFine = 9.0F / 255;
 constexpr float kLeastGain = 0.4F, kMostGain = 2.5F, kMostOffset = 0.25F;
-constexpr float kApart = 0.12F;  // least difference of two values of a channel that give a gain
-constexpr double kHold = 3e-4;   // weight of `near`, relative to the number of pairs
+constexpr float kApart = 0.12F;  // A gain needs two values that differ by at least this.
+constexpr double kHold = 3e-4;   // Weight of `near`, relative to the number of pairs.
 
-// A random generator that gives the same numbers, and so the same correction, on every machine.
+// A random generator that gives the same numbers, and thus the same correction, on every machine.
 class RandomGenerator {
  public:
   std::size_t below(std::size_t bound) {
@@ -32,8 +34,8 @@ float error(const ColorCorrection& correction, const ColorPair& pair) {
   return (apply(correction, pair.from) - pair.to).cwiseAbs().maxCoeff();
 }
 
-// Gain and offset of each channel from two pairs. A channel in which they hardly differ gets only a
-// gain.
+// Computes gain and offset of each channel from two pairs. A channel in which the pairs hardly
+// differ gets a gain and no offset.
 std::optional<ColorCorrection> guess(const ColorPair& a, const ColorPair& b) {
   ColorCorrection correction = ColorCorrection::Zero();
   for (int c = 0; c < 3; ++c) {

@@ -4,7 +4,7 @@
 // offset of each channel (Fischler and Bolles 1981). Least squares over the pairs that agree then
 // finds all twelve numbers (thesis 2.6.2).
 //
-// Thread: pure. The same pairs give the same correction.
+// Thread: pure functions. The same pairs give the same correction.
 
 #include <Eigen/Core>
 #include <optional>
@@ -21,7 +21,7 @@ inline Eigen::Vector3f apply(const ColorCorrection& correction, const Eigen::Vec
   return correction.leftCols<3>() * color + correction.col(3);
 }
 
-/// The correction that applies `second` and then `first`.
+/// Returns the correction that applies `second` and then `first`.
 inline ColorCorrection chain(const ColorCorrection& first, const ColorCorrection& second) {
   ColorCorrection result;
   result.leftCols<3>() = first.leftCols<3>() * second.leftCols<3>();
@@ -34,14 +34,14 @@ struct ColorPair {
   Eigen::Vector3f from, to;
 };
 
-/// Fewer pairs than this are not enough for a fit.
+/// A fit needs at least this many pairs.
 inline constexpr std::size_t kFewestPairs = 60;
 
 struct ColorFit {
   ColorCorrection correction;
-  std::vector<ColorPair> inliers;  ///< pairs that agree, at most kMostInliers, evenly chosen
-  std::size_t agreeing = 0;        ///< number of pairs that agree
-  double rms = 0;                  ///< error of their channels, 0 to 1
+  std::vector<ColorPair> inliers;  ///< At most kMostInliers pairs that agree with the fit.
+  std::size_t agreeing = 0;        ///< Number of all pairs that agree with the fit.
+  double rms = 0;                  ///< RMS error of their channels, 0 to 1.
 };
 inline constexpr std::size_t kMostInliers = 1500;
 
@@ -49,9 +49,9 @@ inline constexpr std::size_t kMostInliers = 1500;
 /// correction with gains between 0.4 and 2.5.
 std::optional<ColorFit> fit_color_correction(std::span<const ColorPair> pairs);
 
-/// Least squares over all twelve numbers, regularised towards `near`. Colours that the scene does
-/// not contain are then corrected as by `near`: the reds of a grey room, for example. Requires at
-/// least one pair.
+/// Fits all twelve numbers by least squares, regularised towards `near`. So `near` decides for
+/// colours that the scene does not contain, for example for red in a grey room. Requires at least
+/// one pair.
 ColorCorrection refine_color_correction(std::span<const ColorPair> pairs, const ColorCorrection& near);
 
 }  // namespace copresence::color_matching

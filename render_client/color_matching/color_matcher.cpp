@@ -10,10 +10,11 @@ namespace copresence::color_matching {
 namespace {
 
 constexpr int kSpacingPx = 6;
-constexpr double kHold = 1e-3;  // weight of the chained correction in the joint fit, relative to the pairs
-constexpr double kEaseSeconds = 2;  // time constant for following a new match
+// Weight of the chained correction in the joint fit, relative to the number of pairs.
+constexpr double kHold = 1e-3;
+constexpr double kEaseSeconds = 2;  // Time constant of SteadyCorrections.
 
-/// The overlap of two cameras. `fit` takes the colours of `from` to those of `to`.
+/// The overlap of two cameras. `fit` maps the colours of `from` to those of `to`.
 struct Overlap {
   std::size_t from, to;
   ColorFit fit;
@@ -30,13 +31,13 @@ std::vector<Overlap> find_overlaps(std::span<const PosedFrame> frames) {
       }
     }
   }
-  // The best overlaps first, since chains are made of them.
+  // The best overlaps come first, since chains are made of them.
   std::sort(overlaps.begin(), overlaps.end(),
             [](const Overlap& a, const Overlap& b) { return a.fit.agreeing > b.fit.agreeing; });
   return overlaps;
 }
 
-// The correction in the opposite direction.
+// Returns the correction in the opposite direction.
 ColorCorrection inverse(const Overlap& overlap) {
   std::vector<ColorPair> back;
   for (const ColorPair& pair : overlap.fit.inliers) back.push_back({pair.to, pair.from});
@@ -63,15 +64,15 @@ std::vector<std::optional<ColorCorrection>> chain_to_reference(const std::vector
         to = chain(*from, inverse(overlap));
       }
       grown = true;
-      break;  // start again at the best overlap
+      break;  // The search starts again at the best overlap.
     }
   }
   return corrections;
 }
 
-// Fits all corrections together. Minimises the squared differences between the corrected colours of
-// both cameras over the inliers of all overlaps. Each correction is pulled a little towards its
-// chained one.
+// Fits all corrections together, by least squares over the inliers of all overlaps. An inlier's
+// error is the difference between the corrected colours of both cameras. Each correction is
+// regularised towards its chained correction.
 void fit_jointly(const std::vector<Overlap>& overlaps,
                  std::vector<std::optional<ColorCorrection>>& corrections) {
   std::vector<int> unknown(corrections.size(), -1);
@@ -79,7 +80,7 @@ void fit_jointly(const std::vector<Overlap>& overlaps,
   for (std::size_t i = 1; i < corrections.size(); ++i) {
     if (corrections[i]) unknown[i] = count++;
   }
-  if (count < 2) return;  // a single correction is fitted already
+  if (count < 2) return;  // A single correction is fitted already.
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(4 * count, 4 * count);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(4 * count, 3);
   for (const Overlap& overlap : overlaps) {

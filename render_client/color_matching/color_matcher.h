@@ -1,12 +1,12 @@
 #pragma once
 
-// Finds the colour correction of every camera towards the reference camera, and keeps it steady
-// over time. First each pair of overlapping cameras is fitted. Then the best overlaps chain every
+// Finds the correction from every camera's colours to those of the reference camera. First a
+// correction is fitted to each pair of overlapping cameras. Then the best overlaps chain every
 // camera to the reference. Joint least squares over all pairs distributes the remaining error.
 // Thesis 2.6.2 does this for two cameras.
 //
-// Thread: one thread at a time. Matching two cameras takes a few milliseconds, so do not call it on
-// the render thread.
+// Thread: one thread at a time per object. Matching two cameras takes a few milliseconds, so do not
+// call match_colors() on the render thread.
 
 #include <optional>
 #include <span>
@@ -18,23 +18,24 @@
 
 namespace copresence::color_matching {
 
-/// The corrections of `frames`, the first of which is the reference. Nothing for a camera that no
-/// chain of overlaps leads to. A null frame or one without colour takes no part.
+/// Returns the corrections of the cameras of `frames`; the first camera is the reference. A camera
+/// that no chain of overlaps connects to the reference gets nothing. Null frames and frames without
+/// colour are ignored.
 std::vector<std::optional<ColorCorrection>> match_colors(std::span<const PosedFrame> frames);
 
-/// Corrections filtered over time. The first one is used at once. Later ones are eased in: exposure
-/// changes over seconds, and the noise of a fit must not become flicker. Without overlap the last
-/// correction stays.
+/// Filters the corrections over time, so that the noise of a fit does not become flicker. The first
+/// correction of a camera is used at once. Later corrections are approached within seconds. Without
+/// overlap, the last correction stays.
 class SteadyCorrections {
  public:
   explicit SteadyCorrections(std::size_t cameras) : corrections_(cameras) {}
 
-  /// Adds the result of a match, `elapsed` after the one before.
+  /// Adds the result of match_colors(), `elapsed` after the previous result.
   void follow(std::span<const std::optional<ColorCorrection>> found, Duration elapsed);
 
   bool is_known(std::size_t camera) const { return corrections_[camera].has_value(); }
 
-  /// Identity if nothing is known.
+  /// Returns the identity if no correction is known.
   ColorCorrection correction(std::size_t camera) const {
     return corrections_[camera].value_or(ColorCorrection::Identity());
   }

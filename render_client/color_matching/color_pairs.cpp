@@ -8,12 +8,12 @@
 namespace copresence::color_matching {
 namespace {
 
-constexpr int kDarkest = 8, kBrightest = 247;  // outside, a channel is clipped or noise
-constexpr int kMostContrast = 40;              // of each channel within 3 x 3 pixels
+constexpr int kDarkest = 8, kBrightest = 247;  // Values outside this range are clipped or noise.
+constexpr int kMostContrast = 40;              // Greatest range of a channel within 3 x 3 pixels.
 constexpr double kSigmas = 3;
 
-// Mean of 3 x 3 pixels. Nothing if one lacks measured depth or is clipped, or if they differ too
-// much.
+// Returns the mean colour of 3 x 3 pixels. Returns nothing if a pixel lacks measured depth or is
+// clipped, or if the pixels differ too much.
 std::optional<Eigen::Vector3f> even_color(const RgbdFrame& frame, int x, int y) {
   if (x < 1 || y < 1 || x > frame.depth.width() - 2 || y > frame.depth.height() - 2) return std::nullopt;
   Eigen::Array3i sum = Eigen::Array3i::Zero(), least = Eigen::Array3i::Constant(255),

@@ -1,10 +1,10 @@
 #pragma once
 
-// Finds points that two cameras see, and their colours in both. The measured surface of one camera
-// is projected into the image of the other. These are the overlapping fragments of thesis 2.6.1 and
-// 2.6.2, found without drawing a view.
+// Finds points that two cameras see, and their colours in both images. The measured surface of one
+// camera is projected into the image of the other camera. Thesis 2.6.1 and 2.6.2 find such points
+// by drawing a view.
 //
-// Thread: pure.
+// Thread: pure functions.
 
 #include <vector>
 
@@ -22,16 +22,14 @@ struct PosedFrame {
   DepthUnit unit = DepthUnit::kMillimetre;
   DepthNoise noise;
   Rigid3 world_from_camera;
-  double calibration_error_m = 0.005;  ///< added to the tolerance for equal depth
+  double calibration_error_m = 0.005;  ///< It widens the tolerance for equal depth.
 };
 
-/// Pairs from every `spacing_px`-th pixel of `from` (>= 1). Each colour is the mean over 3 x 3
-/// pixels with measured depth. Three kinds of pairs are left out:
-/// - Colours near black or white, because they may be clipped.
-/// - Colours that change within the 3 x 3 pixels, because a misalignment of one pixel would change
-///   them.
-/// - Points whose depth differs in `to` by more than 3 sigma of both sensors plus both calibration
-///   errors.
+/// Returns pairs from every `spacing_px`-th pixel of `from` (>= 1). Each colour is the mean over 3
+/// x 3 pixels with measured depth. Colours near black or white are skipped, because they may be
+/// clipped. Colours that vary within the 3 x 3 pixels are skipped, because a misalignment would
+/// change them. Points are skipped if their depth in both images differs by more than 3 sigma of
+/// both sensors plus both calibration errors.
 std::vector<ColorPair> find_color_pairs(const PosedFrame& from, const PosedFrame& to, int spacing_px);
 
 }  // namespace copresence::color_matching

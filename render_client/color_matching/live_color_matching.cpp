@@ -9,9 +9,10 @@
 namespace copresence::color_matching {
 namespace {
 
-// Exposure changes over seconds. A round costs a few milliseconds of one core.
+// Time between comparisons. Exposure changes over seconds, and a comparison costs a few
+// milliseconds.
 constexpr std::chrono::milliseconds kPeriod{500};
-// While a camera waits for its first round.
+// Time between comparisons while a camera has taken part in none.
 constexpr std::chrono::milliseconds kFirstPeriod{50};
 
 }  // namespace

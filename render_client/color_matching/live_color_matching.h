@@ -1,12 +1,12 @@
 #pragma once
 
-// Keeps the colours of every camera matched to those of the first one while frames come in (thesis
-// 2.6.2). The newest frames are compared twice a second on a thread of their own.
+// Matches the colours of every camera to those of the first camera while frames arrive (thesis
+// 2.6.2). The newest frames are compared twice a second on a separate thread.
 //
-// Only cameras with a known pose take part. A correction from the scene file is used instead of the
-// one found here.
+// Only cameras with a known pose take part. A correction in the scene file replaces the correction
+// that is found here.
 //
-// Thread: run() on one thread, everything else on another.
+// Thread: call run() on one thread, and all other functions on another thread.
 
 #include <cstddef>
 #include <memory>
@@ -20,30 +20,31 @@
 
 namespace copresence::color_matching {
 
-/// A camera's frame as matching takes it. It points into `frame`.
+/// Makes the input of colour matching from a frame. `frame` must outlive the result.
 PosedFrame posed_frame(const client::CameraFrame& frame);
 
 class LiveColorMatching {
  public:
   explicit LiveColorMatching(std::size_t cameras);
 
-  /// Gives the camera's newest frame, which is kept until the next one.
+  /// Sets the camera's newest frame. It is kept until the next call.
   void show(std::size_t camera, std::shared_ptr<const client::CameraFrame> frame);
 
-  /// The camera takes no part until its next show(). Its correction stays.
+  /// Excludes the camera until its next show(). Its correction stays.
   void forget(std::size_t camera);
 
   enum class FirstMatch { kAwaited, kFound, kGivenUp };
-  /// Progress of the first match of these cameras. kFound once each has a correction. kGivenUp if
-  /// some have none after each took part in kRoundsToGiveUp comparisons.
+  /// Returns the progress of the first match of these cameras: kFound once all have a correction.
+  /// kGivenUp means that each took part in kRoundsToGiveUp comparisons and some have no correction.
   FirstMatch first_match(std::span<const std::size_t> cameras) const;
   static constexpr int kRoundsToGiveUp = 3;
   bool is_matched(std::size_t camera) const;
 
-  /// From this camera's colours to those of the first one; identity while nothing is known.
+  /// Returns the correction from this camera's colours to those of the first camera. It is the
+  /// identity as long as no correction is known.
   ColorCorrection correction(std::size_t camera) const;
 
-  /// Compares frames until asked to stop.
+  /// Compares frames until a stop is requested.
   void run(std::stop_token stop);
 
  private:
@@ -52,9 +53,9 @@ class LiveColorMatching {
   Duration until_next_round() const;
 
   mutable std::mutex mutex_;
-  // Guarded by mutex_.
-  Frames newest_;            // by camera; null: takes no part
-  std::vector<int> rounds_;  // comparisons that each camera has taken part in
+  // The following members are guarded by mutex_.
+  Frames newest_;            // By camera. Null if the camera takes no part.
+  std::vector<int> rounds_;  // Number of comparisons by camera.
   SteadyCorrections steady_;
 };
 

@@ -1,8 +1,9 @@
 #pragma once
 
-// Where views are shown, and when the next one is due. Headless and a window today.
+// Shows views and decides when the next view is due. There are two displays: a window, and a
+// headless display that shows nothing.
 //
-// Thread: one thread; for a window the main thread.
+// Thread: one thread; for a window, the main thread.
 
 #include <functional>
 #include <memory>
@@ -22,49 +23,49 @@ namespace copresence::display {
 
 /// The next view to draw.
 struct NextView {
-  Instant display_time;                      ///< when the view will be visible
-  std::vector<Rigid3> head_from_eyes;        ///< one picture is drawn for each eye; metres
-  std::vector<viewpoint::Gesture> gestures;  ///< of the person, since the last view
+  Instant display_time;                      ///< Time at which the view will be visible.
+  std::vector<Rigid3> head_from_eyes;        ///< Pose of each eye, metres. Each eye gets a picture.
+  std::vector<viewpoint::Gesture> gestures;  ///< The user's gestures since the last view.
 };
 
 class Display {
  public:
   virtual ~Display() = default;
 
-  /// The context that views are drawn in. Null if they are host pixels and the display has no
-  /// OpenGL.
+  /// Returns the context for drawing views, or null if the display has no OpenGL.
   virtual gl::Context* context() = 0;
 
-  /// Waits until a view is due. Returns nothing if none is due yet: call it again after looking for
-  /// new frames. A window wants a view at every refresh. Headless, a view is due at `wanted`, the
-  /// time at which the cameras' frames ask for one. `wait` waits for new frames until an instant at
-  /// most.
+  /// Waits until a view is due. If it returns nothing, no view is due yet: check for new frames and
+  /// call it again. In a window, a view is due at every refresh of the screen. Without a window, a
+  /// view is due at `wanted`, a time that follows from the cameras' frames. `wait` is a function
+  /// that waits for new frames until the given instant.
   virtual std::optional<NextView> wait_for_next(std::optional<Instant> wanted,
                                                 const std::function<void(Instant)>& wait) = 0;
 
-  /// Shows the pictures of all eyes: textures of context(), or host pixels where a picture has no
-  /// texture.
+  /// Shows the pictures of all eyes. A picture is a texture of context(), or host pixels if it has
+  /// no texture.
   virtual void show(std::span<const renderer::MergedView> eyes) = 0;
 
   /// Shows the last view again. Requires that its textures still exist.
   virtual void show_again() = 0;
 
-  /// Whether the person has closed it.
+  /// Returns whether the user has closed the window.
   virtual bool is_closed() const = 0;
 
   virtual void set_title(const std::string& title) = 0;
 };
 
-/// Fails with kUnavailable without a display, and with kUnsupported without OpenGL 4.5.
+/// Opens a window. Fails with kUnavailable without a screen, and with kUnsupported without OpenGL
+/// 4.5.
 Result<std::unique_ptr<Display>> open_window(const std::string& title, int width, int height);
 
-/// Whether a headless display has an OpenGL context.
+/// Selects whether a headless display has an OpenGL context.
 enum class HeadlessGl {
   kNo,
-  kOnGraphicsCard,  ///< only if a graphics card draws
+  kOnGraphicsCard,  ///< Only if OpenGL runs on a graphics card.
   kYes,
 };
-/// Fails only for kYes, if there is no OpenGL.
+/// Makes a headless display. Fails only for kYes, if OpenGL is missing.
 Result<std::unique_ptr<Display>> open_headless(HeadlessGl gl);
 
 }  // namespace copresence::display

@@ -5,7 +5,7 @@
 namespace copresence::display {
 namespace {
 
-/// The longest wait for frames. The caller has other work to do as well, which it must not miss.
+/// The longest wait for frames. It is short, because the caller has other work to do as well.
 constexpr std::chrono::milliseconds kLongestWait{100};
 
 class HeadlessDisplay final : public Display {

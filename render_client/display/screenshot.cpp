@@ -9,7 +9,6 @@
 namespace copresence::display {
 
 Result<void> write_png(const std::string& path, const Image<Rgba8>& image) {
-  // Without alpha, since the view is opaque.
   std::vector<std::uint8_t> rgb;
   rgb.reserve(3 * image.pixels().size());
   for (const Rgba8& pixel : image.pixels()) rgb.insert(rgb.end(), {pixel.r, pixel.g, pixel.b});
@@ -18,7 +17,7 @@ Result<void> write_png(const std::string& path, const Image<Rgba8>& image) {
   header.width = static_cast<png_uint_32>(image.width());
   header.height = static_cast<png_uint_32>(image.height());
   header.format = PNG_FORMAT_RGB;
-  header.flags = PNG_IMAGE_FLAG_FAST;  // compress fast, since a person waits for the file
+  header.flags = PNG_IMAGE_FLAG_FAST;  // Fast compression, since the user waits for the file.
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<char> png(size);
   if (!png_image_write_to_memory(&header, png.data(), &size, 0, rgb.data(), 0, nullptr))

@@ -2,7 +2,7 @@
 
 // Writes a view to a PNG file.
 //
-// Thread: pure.
+// Thread: pure functions.
 
 #include <string>
 
@@ -11,7 +11,7 @@
 
 namespace copresence::display {
 
-/// Fails with a message that names the file. Alpha is dropped: all pixels are opaque.
+/// Writes opaque pixels, without alpha. Fails with a message that names the file.
 Result<void> write_png(const std::string& path, const Image<Rgba8>& image);
 
 }  // namespace copresence::display

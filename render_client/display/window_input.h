@@ -1,8 +1,8 @@
 #pragma once
 
-// Translates what a person does in a window into gestures.
+// Translates mouse and key events of a window into gestures.
 //
-// Thread: one at a time.
+// Thread: one thread at a time per object.
 
 #include <optional>
 #include <vector>
@@ -14,8 +14,8 @@ namespace copresence::display {
 
 class WindowInput {
  public:
-  /// Dragging with the left button orbits, with the right or middle button it pans. The wheel
-  /// zooms. R and Home reset the pose. `picture_height` of the window, pixels.
+  /// Dragging with the left button orbits. Dragging with the right or middle button pans. The wheel
+  /// zooms. The keys R and Home reset the pose. `picture_height` is the window's height in pixels.
   std::vector<viewpoint::Gesture> translate(const std::vector<window::Event>& events, int picture_height);
 
  private:

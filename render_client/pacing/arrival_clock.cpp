@@ -10,14 +10,15 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// An alpha-beta filter. It averages from the first arrival on, and later forgets over about twenty
-// frames. This follows the drift between two cameras (0.1 %). Of a jitter of 3 ms, 1 ms remains in
-// the phase.
+// Gains of an alpha-beta filter. At first the filter is a mean over all arrivals. Later it forgets
+// old arrivals over about twenty frames, and thus follows the drift between two cameras (0.1 %). It
+// reduces a jitter of 3 ms to 1 ms.
 constexpr double kSettledPhaseGain = 0.1;
 constexpr double kSettledPeriodGain = 0.005;
 constexpr double kJitterGain = 0.05;
 constexpr int kSettledCount = 40;
-constexpr int kSkipsBeforeRestart = 4;  // this many lost frames in a row mean a slower camera
+// After this many consecutive lost frames, the camera is assumed to have become slower.
+constexpr int kSkipsBeforeRestart = 4;
 constexpr Duration kShortestPeriod = milliseconds(4);
 constexpr Duration kLeastPatience = milliseconds(2), kMostPatience = milliseconds(8);
 constexpr Duration kPause = milliseconds(150);
@@ -72,7 +73,8 @@ bool ArrivalClock::is_running(Instant now) const {
 }
 
 Duration ArrivalClock::patience() const {
-  constexpr double kDeviationsPerMean = 1.25;  // of a normal distribution
+  // The standard deviation over the mean absolute error, for a normal distribution.
+  constexpr double kDeviationsPerMean = 1.25;
   return std::clamp(scaled(jitter_, 3 * kDeviationsPerMean), kLeastPatience, kMostPatience);
 }
 

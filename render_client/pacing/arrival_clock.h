@@ -1,9 +1,9 @@
 #pragma once
 
-// Predicts when a camera's next frame will arrive. It estimates period and phase from arrivals that
-// jitter, pause and drift.
+// Predicts when a camera's next frame will arrive. It estimates period and phase of the arrivals
+// despite jitter, pauses and drift.
 //
-// Thread: a value.
+// Thread: different objects may be used at the same time.
 
 #include "common/frame/rgbd_frame.h"
 
@@ -13,25 +13,25 @@ class ArrivalClock {
  public:
   void arrived(Instant now);
 
-  /// Whether the camera delivers frames: at least two have come, the last one recently.
+  /// Returns whether the camera delivers frames: at least two have arrived, the last one recently.
   bool is_running(Instant now) const;
 
   /// Requires at least two arrivals.
   Duration period() const { return period_; }
-  Instant expected() const { return phase_ + period_; }  ///< predicted arrival of the next frame
+  Instant expected() const { return phase_ + period_; }  ///< Predicted arrival of the next frame.
 
-  /// How long a late frame is waited for: about three standard deviations of the jitter.
+  /// Returns how long to wait for a late frame: about three standard deviations of the jitter.
   Duration patience() const;
 
  private:
   void restart(Instant now);
 
-  int count_ = 0;    // arrivals since the estimate began; stops at kSettledCount
-  int skipped_ = 0;  // consecutive intervals of more than one period
-  Instant last_{};   // the last arrival
-  Instant phase_{};  // the last arrival without its jitter
+  int count_ = 0;    // Arrivals since the estimate began, at most kSettledCount.
+  int skipped_ = 0;  // Consecutive intervals of more than one period.
+  Instant last_{};   // The last arrival.
+  Instant phase_{};  // The last arrival without its jitter.
   Duration period_{};
-  Duration jitter_{};  // mean distance of arrivals from their predictions
+  Duration jitter_{};  // Mean absolute error of the predicted arrivals.
 };
 
 }  // namespace copresence::pacing

@@ -5,18 +5,16 @@
 namespace copresence::pacing {
 namespace {
 
-// Frames of one camera that wait for other cameras. More come only while the render thread is far
-// too slow.
+// At most this many frames of a camera wait. More arrive only if the render thread is far too slow.
 constexpr std::size_t kMostWaiting = 8;
-// Periods without a frame after which a camera counts as stopped. The others no longer wait for it.
+// After this many periods without a frame, a camera counts as stopped and no camera waits for it.
 constexpr int kStoppedAfter = 3;
-// Cameras do not wait for a camera with a longer period: half of its period would be a visible
-// delay.
+// No camera waits for a camera with a longer period, since half of that would be a visible delay.
 constexpr Duration kLongestPeriod = std::chrono::milliseconds(250);
 constexpr Duration kShortestPeriod = std::chrono::milliseconds(1);
-// A camera's period is the second longest of this many newest gaps between its frames. The
-// announced rate is not enough, since frames may come at half of it. A single lost frame does not
-// change the result.
+// A camera's period is the second longest of this many newest times between its frames, so that a
+// single lost frame does not matter. The announced rate is not used, since the real rate may be
+// half.
 constexpr std::size_t kGaps = 5;
 
 Duration announced_period(const StreamDescription& stream) {
@@ -44,8 +42,8 @@ void FrameSync::add(std::size_t index, client::CameraFrame received) {
   camera.announced = announced_period(*received.stream);
   camera.last_arrival = received.arrived_at;
   Instant instant = received.captured_at;
-  // A new estimate of the clock offset may set time back a little: the order of frames is kept. A
-  // restarted server may set it back far: then the history is cleared.
+  // A new estimate of the clock offset may set times back a little. The order of frames is kept
+  // then. A restarted server may set them back far. Then the history is cleared.
   if (camera.newest && *camera.newest - instant > kStoppedAfter * period(camera)) {
     camera.newest.reset();
     camera.gaps.clear();
@@ -97,7 +95,7 @@ void FrameSync::choose(Instant now) {
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     Camera& camera = cameras_[i];
     if (!choice.frames[i]) continue;
-    std::size_t steps = *choice.frames[i] + (camera.on_view ? 0 : 1);  // frames to take from `fresh`
+    std::size_t steps = *choice.frames[i] + (camera.on_view ? 0 : 1);
     for (; steps > 0; --steps) {
       if (camera.chosen) passed_over_(i);
       camera.on_view = camera.instants.front();

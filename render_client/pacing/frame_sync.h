@@ -1,10 +1,10 @@
 #pragma once
 
-// Takes frames from the cameras' mailboxes and decides which of them the next view shows. With
-// --sync these are frames of nearly one instant (nearest_instants.h), so that all cameras show a
-// moving object at one place.
+// Takes frames from the cameras' mailboxes and selects the frames of the next view. With --sync,
+// the frames of a view are of nearly the same instant (nearest_instants.h), so that all cameras
+// show a moving object at the same position.
 //
-// Thread: one at a time.
+// Thread: one thread at a time per object.
 
 #include <deque>
 #include <functional>
@@ -19,7 +19,7 @@ namespace copresence::pacing {
 
 class FrameSync {
  public:
-  /// Without `sync` every frame is passed on at once. `passed_over` is called with the camera's
+  /// Without `sync`, every frame is selected at once. `passed_over` is called with the camera's
   /// index for every frame that no view will show.
   FrameSync(std::size_t cameras, bool sync, std::function<void(std::size_t)> passed_over)
       : sync_(sync), cameras_(cameras), passed_over_(std::move(passed_over)) {}
@@ -27,27 +27,27 @@ class FrameSync {
   /// Takes the frames that have arrived.
   void gather(flow::Mailboxes<client::CameraFrame>& mailboxes, Instant now);
 
-  /// The camera's frame for the next view, if it differs from that of the last view. Call it after
-  /// each gather(). Its `arrived_at` is the time from which it may be shown.
+  /// Returns the camera's frame for the next view if it differs from that of the last view. Its
+  /// `arrived_at` is the time at which it was selected. Call it after each gather().
   std::optional<client::CameraFrame> take(std::size_t camera);
 
-  /// Whether frames are held back for frames of other cameras.
+  /// Returns whether frames are waiting for frames of other cameras.
   bool has_waiting() const;
 
-  /// The earlier of `deadline` and the time at which a waiting frame must be shown; call gather()
-  /// then.
+  /// Returns when to call gather() next: at `deadline`, or earlier if a waiting frame must be
+  /// shown.
   Instant wake_by(Instant deadline) const;
 
  private:
   struct Camera {
-    std::deque<client::CameraFrame> fresh;  ///< not yet shown, by rising instant
-    std::deque<Instant> instants;           ///< of `fresh`
-    std::optional<Instant> on_view;         ///< instant of the frame passed on last
+    std::deque<client::CameraFrame> fresh;  ///< Frames that are not yet selected, oldest first.
+    std::deque<Instant> instants;           ///< Capture times of `fresh`.
+    std::optional<Instant> on_view;         ///< Capture time of the frame selected last.
     std::optional<Instant> last_arrival;
-    Instant fresh_since{};          ///< arrival of the oldest frame not yet shown, also if it was dropped
-    std::deque<Duration> gaps;      ///< between the instants of the newest frames
-    std::optional<Instant> newest;  ///< instant of the newest frame
-    Duration announced{};           ///< the stream's nominal period
+    Instant fresh_since{};          ///< Arrival of the oldest unselected or dropped frame.
+    std::deque<Duration> gaps;      ///< Times between the captures of the newest frames.
+    std::optional<Instant> newest;  ///< Capture time of the newest frame.
+    Duration announced{};           ///< The stream's nominal period.
     std::optional<client::CameraFrame> chosen;
   };
 

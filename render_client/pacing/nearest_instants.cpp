@@ -6,12 +6,11 @@
 namespace copresence::pacing {
 namespace {
 
-// Choices whose spans differ from the narrowest only by jitter count as equal; the newest of them
-// wins.
-constexpr int kJitterShare = 8;  // of a period
+// Choices whose spans differ by less than 1 / kJitterShare of a period count as equally good.
+constexpr int kJitterShare = 8;
 
-/// The newest frames of all delivering cameras up to `end`. This is the narrowest choice that ends
-/// there.
+/// The newest frames of all delivering cameras up to `end`. Of all choices that end there, this one
+/// has the smallest span.
 struct Candidate {
   Instant end;
   Duration span{};
@@ -58,7 +57,7 @@ FrameChoice nearest_instants(std::span<const CameraOffer> offers, Duration perio
   FrameChoice choice;
   choice.frames.resize(offers.size());
 
-  // A frame that has waited for half a period must be shown: the choice must end at or after it.
+  // A frame that has waited for half a period must be shown, so the choice must not end before it.
   Instant reach = Instant::min();
   for (const CameraOffer& offer : offers) {
     if (!offer.has_fresh()) continue;

@@ -1,19 +1,18 @@
 #pragma once
 
-// Chooses which frames of several cameras make one view, so that they are of nearly one instant
-// (--sync).
+// Chooses one frame of each camera for a view, so that all are of nearly the same instant (--sync).
 //
-// Every camera delivers at its own phase. For two cameras of one rate, each frame has a frame of
-// the other camera within half a period. For more cameras, the narrowest choice spans less than a
-// period. The rule is: take the newest choice that spans at most half a period. If there is none,
-// take the newest of the narrowest choices.
+// The cameras have different phases. For each frame of one camera, a second camera of the same rate
+// has a frame within half a period. With more cameras, the choice with the smallest span spans less
+// than a period. The rule is to take the newest choice that spans at most half a period. If there
+// is none, the newest of the choices with the smallest span is taken.
 //
-// So a frame whose neighbour is still on its way waits for it, but never longer than half a period.
-// Then it is shown with the nearest frames there are, and a stopped camera delays no other. If
-// rates differ, the period is the longest one. Between two frames of the slowest camera, the frames
-// of the others are shown while they lie within half of that period.
+// So a frame waits for frames of other cameras, but never longer than half a period. Then it is
+// shown with the nearest frames that exist, so that a stopped camera delays no other. If the
+// cameras' rates differ, the longest period counts. Between two frames of the slowest camera,
+// frames of the others are shown while they lie within half of that period.
 //
-// Time comes in as an argument. Thread: pure.
+// Thread: pure functions.
 
 #include <cstddef>
 #include <optional>
@@ -26,25 +25,26 @@ namespace copresence::pacing {
 
 /// The frames that one camera can show.
 struct CameraOffer {
-  /// On one clock, rising: the frame on view, if any, and the frames after it.
+  /// Rising capture times of the frame in the last view, if any, and of the frames after it. The
+  /// times of all cameras are on the same clock.
   std::vector<Instant> captured;
-  bool first_is_on_view = false;  ///< `captured.front()` is on view
-  Instant fresh_since{};          ///< arrival of the oldest frame not yet shown; meaningless if there is none
-  bool delivers = true;           ///< false: the camera has stopped, and its frame stays on view
+  bool first_is_on_view = false;  ///< Whether captured.front() is in the last view.
+  Instant fresh_since{};          ///< Arrival of the oldest frame not yet shown.
+  bool delivers = true;           ///< If false, the camera has stopped.
 
   bool has_fresh() const { return captured.size() > (first_is_on_view ? 1u : 0u); }
 };
 
 struct FrameChoice {
-  /// For each camera an index into `captured`; nothing if that is empty.
+  /// Indices into `captured` by camera; nothing where `captured` is empty.
   std::vector<std::optional<std::size_t>> frames;
-  bool is_new = false;  ///< differs from the frames on view, so it is to be shown now
-  Duration skew{};      ///< between the latest and the earliest frame of the cameras that deliver
-  std::optional<Instant>
-      at_latest;  ///< choose again at this time if nothing arrives before; nothing if no frame waits
+  bool is_new = false;  ///< Whether the choice differs from the frames in the last view.
+  Duration skew{};      ///< From the earliest to the latest frame of the cameras that deliver.
+  /// Time of the next choice if no frame arrives earlier. Nothing if no frame is waiting.
+  std::optional<Instant> at_latest;
 };
 
-/// `period` > 0 is the frame period of the cameras; if they differ, the longest.
+/// Chooses the frames. `period` > 0 is the longest frame period of the cameras.
 FrameChoice nearest_instants(std::span<const CameraOffer> offers, Duration period, Instant now);
 
 }  // namespace copresence::pacing

@@ -8,16 +8,15 @@
 namespace copresence::pacing {
 namespace {
 
-/// Real cameras are a little faster or slower than nominal. Each of their frames should get a view.
+/// Real cameras are slightly faster or slower than nominal. Each of their frames should get a view.
 constexpr double kRateTolerance = 1.01;
-/// Greatest time by which a view may be early after others were late, as a fraction of the view
-/// interval.
+/// A view may be early by at most this fraction of the view interval, after other views were late.
 constexpr double kEarly = 1.0;
-/// If a view's token comes later than this, its frames wait for the next view. Else the delay would
-/// stay.
+/// A view waits at most this long for its token. Otherwise its frames wait for the next view, since
+/// the delay would persist.
 constexpr Duration kMostDelay = std::chrono::milliseconds(4);
-/// How much longer another gap must be to change the leader, as a fraction of a period. Every
-/// change costs up to half a view.
+/// The leader changes only if another gap is longer by this fraction of a period. Each change can
+/// delay a view by half an interval.
 constexpr double kHysteresis = 0.1;
 
 Duration seconds(double value) {
@@ -77,7 +76,7 @@ void RenderPacer::choose_leaders(Instant now) {
   };
   std::sort(round_.begin(), round_.end(), [&](int a, int b) { return phase(a) < phase(b); });
 
-  // The gap after each camera; that of a leader counts for more, by the hysteresis.
+  // Computes the gap after each camera. The hysteresis is added to the gap of a leader.
   const std::size_t count = round_.size();
   std::vector<std::pair<Duration, std::size_t>> gaps;
   for (std::size_t place = 0; place < count; ++place) {
@@ -85,7 +84,7 @@ void RenderPacer::choose_leaders(Instant now) {
     if (place + 1 == count) gap += period;
     if (camera_at(place).leader) gap += std::chrono::duration_cast<Duration>(kHysteresis * period);
     if (camera_at(place).clock.period() > period + period / 2)
-      gap = -period;  // too slow to be waited for each time
+      gap = -period;  // A much slower camera never leads.
     gaps.emplace_back(gap, place);
   }
   std::sort(gaps.begin(), gaps.end(), std::greater<>());
@@ -99,9 +98,9 @@ void RenderPacer::choose_leaders(Instant now) {
 }
 
 RenderPacer::Turn RenderPacer::next_turn(Instant now) {
-  // In the order of phases, each leader closes the group of cameras since the leader before it. A
-  // group with a new frame waits for its members that are due, for their patience at most. The
-  // group that is complete first wins.
+  // Each leader and the cameras since the previous leader form a group. A group with a new frame
+  // waits for its members that are due, but not longer than their patience(). The group that is
+  // complete first gets the view.
   Turn best{Instant::max(), now};
   for (std::size_t first = 0, last = 0; first < round_.size(); first = ++last) {
     while (!camera_at(last).leader) ++last;
@@ -114,7 +113,7 @@ RenderPacer::Turn RenderPacer::next_turn(Instant now) {
     for (std::size_t place = first; place <= last; ++place) {
       const Camera& camera = camera_at(place);
       any_fresh = any_fresh || camera.fresh;
-      // A member that is expected long after its leader has been shown already, so it is not due.
+      // A member that is expected long after its leader has been shown already, and is not due.
       const bool awaited = !camera.fresh || camera.passed;
       const bool due = awaited && camera.clock.expected() <= leaders_turn + leader.clock.patience();
       if (due) until = std::max(until, camera.clock.expected() + camera.clock.patience());
@@ -122,7 +121,8 @@ RenderPacer::Turn RenderPacer::next_turn(Instant now) {
     if (any_fresh && until < best.at)
       best = {until, leader.clock.expected() + leader.clock.patience(), &leader};
   }
-  if (best.at == Instant::max()) best.at = now;  // only cameras that have just started have a new frame
+  // If only cameras that have just started have a new frame, the view is due at once.
+  if (best.at == Instant::max()) best.at = now;
   return best;
 }
 

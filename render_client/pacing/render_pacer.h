@@ -1,19 +1,19 @@
 #pragma once
 
-// Decides when the client renders, so that frames of several cameras wait for a view as short a
-// time as possible.
+// Decides when the client renders, so that frames of several cameras wait for a view as briefly as
+// possible.
 //
-// Cameras deliver at the same rate but at different phases, and a view shows the frames that are
-// there. Suppose there are as many views as frames of one camera. A view right after one camera's
-// frame makes the frames of the others wait. The longest wait is shortest if views follow the frame
-// before the longest gap between frames. The camera of that frame is the phase leader, and the
-// others follow. If several views are allowed in a camera's period, there are as many leaders.
+// The cameras have the same frame rate but different phases. If the view rate equals the frame
+// rate, each view shows one frame of every camera, and most frames have to wait for it. The longest
+// wait is shortest if the view follows the frame before the longest gap in the cycle of frames. The
+// camera of that frame is called the phase leader, and the other cameras are followers. If n views
+// are allowed per period, there are n leaders.
 //
-// A view waits a short time for a late leader or follower. A camera that has stopped is forgotten
-// after some frames. Views may come early as long as their mean rate stays the same (a token
-// bucket), so that jitter does not add up to lag.
+// A view waits a short time for a late leader or follower. A camera that has stopped is ignored
+// after some frames. A token bucket limits the mean rate of views. Single views may be early, so
+// that jitter does not accumulate as delay.
 //
-// Time comes in as an argument. Thread: one at a time.
+// Thread: one thread at a time per object.
 
 #include <optional>
 #include <vector>
@@ -25,29 +25,29 @@ namespace copresence::pacing {
 
 class RenderPacer {
  public:
-  /// At most `views_per_second` on average, and 1 % more for cameras that are faster than their
-  /// nominal rate. Requires cameras >= 1, views_per_second > 0.
+  /// Allows `views_per_second` on average, and 1 % more for cameras that are faster than their
+  /// nominal rate. Requires cameras >= 1 and views_per_second > 0.
   RenderPacer(int cameras, double views_per_second);
 
-  /// A camera's newest frame can be shown from now on. Requires 0 <= camera < cameras.
+  /// Call it when a camera's newest frame can be shown. Requires 0 <= camera < cameras.
   void frame_arrived(int camera, Instant now);
 
-  /// When to render next, as far as is known; `now` or earlier means at once. Nothing if there is
-  /// no new frame. Ask again after every frame_arrived() and rendered().
+  /// Returns when to render next, or nothing if there is no new frame. `now` or earlier means at
+  /// once. The result is valid until the next frame_arrived() or rendered().
   std::optional<Instant> next_render_at(Instant now);
 
-  /// A view has begun with all frames that have arrived.
+  /// Call it when a view has begun with all frames that have arrived.
   void rendered(Instant start);
 
  private:
   struct Camera {
     ArrivalClock clock;
-    bool fresh = false;   // no view has shown its newest frame
-    bool passed = false;  // it led and had no token, so the view waits for its next frame
+    bool fresh = false;   // Whether no view has shown its newest frame.
+    bool passed = false;  // Whether it led without a token. Then the view waits for its next frame.
     bool leader = false;
   };
 
-  /// When a group of cameras is complete, and when it will be complete the next time.
+  /// The time at which a group of cameras is complete, and the next such time.
   struct Turn {
     Instant at;
     Instant next;
@@ -62,9 +62,9 @@ class RenderPacer {
   Turn next_turn(Instant now);
 
   std::vector<Camera> cameras_;
-  std::vector<int> round_;  // running cameras by phase; a leader is the last
+  std::vector<int> round_;  // The running cameras, ordered by phase. The last one is a leader.
   double views_per_second_;
-  Instant next_token_{};  // a view may begin at this time; up to kEarly later tokens are kept
+  Instant next_token_{};  // Time from which the token for the next view is available.
 };
 
 }  // namespace copresence::pacing

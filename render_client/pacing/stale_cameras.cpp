@@ -6,9 +6,9 @@
 namespace copresence::pacing {
 namespace {
 
-constexpr int kFadeShare = 3;  // the fade begins after this fraction of the whole time, 1 / kFadeShare
+constexpr int kFadeShare = 3;  // Fading begins after 1 / kFadeShare of the time of --stale.
 constexpr int kPeriodsBeforeFading = 2, kPeriodsBeforeGone = 3;
-/// Time between views while cameras fade and no frame comes.
+/// Time between views while cameras fade and no frames arrive.
 constexpr std::chrono::milliseconds kFadeStep{100};
 /// Least time between two log lines about a camera that comes and goes.
 constexpr std::chrono::seconds kSayEvery{10};

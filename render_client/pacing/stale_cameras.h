@@ -1,14 +1,14 @@
 #pragma once
 
-// Fades a camera from the view while no new frame of it comes, so that an old picture does not look
-// live.
+// Fades a camera that sends no new frames, so that an old picture does not look live.
 //
-// A camera is stale once its newest frame is older than a third of the time of --stale: by default
-// after 1 s. Its opacity then falls linearly, and is 0 after the whole time: by default after 3 s.
-// Age counts from the frame's arrival, so that a slow but steady connection is not stale. A camera
-// with few frames does not fade before two of its frame periods, and is not gone before three.
+// A camera is stale if its newest frame arrived longer ago than a third of the time of --stale, by
+// default 1 s. Then its opacity falls linearly. It is 0 after the time of --stale, by default 3 s.
+// A slow but steady connection is not stale, since the arrival time counts and not the capture
+// time. A camera with a low frame rate starts to fade after two frame periods and is gone after
+// three.
 //
-// Time comes in as an argument. Thread: one at a time.
+// Thread: one thread at a time per object.
 
 #include <cstddef>
 #include <optional>
@@ -23,23 +23,24 @@ class StaleCameras {
   /// Requires gone_after > 0.
   StaleCameras(std::size_t cameras, Duration gone_after) : gone_after_(gone_after), cameras_(cameras) {}
 
-  /// A new frame of the camera has arrived. `period` is the nominal time between its frames.
+  /// Call it when a frame of the camera has arrived. `period` is the nominal time between its
+  /// frames.
   void frame_arrived(std::size_t camera, Duration period, Instant now);
 
-  /// Opacity of the camera: 1 is opaque, 0 is not drawn. 1 before its first frame.
+  /// Returns the opacity of the camera, from 0 to 1. It is 1 before the camera's first frame.
   float opacity(std::size_t camera, Instant now) const;
 
-  /// When a view drawn at `drawn_at` is out of date because cameras fade. Nothing if none will
-  /// fade.
+  /// Returns when a view that was drawn at `drawn_at` must be redrawn because cameras fade. Returns
+  /// nothing if no camera will fade.
   std::optional<Instant> next_view(Instant drawn_at) const;
 
   enum class Change { kStale, kBack };
   struct Event {
     std::size_t camera;
     Change change;
-    bool worth_saying;  ///< false: it was logged a short time ago
+    bool worth_saying;  ///< False if a change of the camera was logged a short time ago.
   };
-  /// The cameras that have become stale or have come back since the last call.
+  /// Returns the cameras that have become stale or have come back since the last call.
   std::vector<Event> changes(Instant now);
 
  private:
@@ -47,7 +48,7 @@ class StaleCameras {
     std::optional<Instant> newest;
     Duration period{};
     bool is_stale = false;
-    bool is_said = false;  // it was logged that the camera is stale
+    bool is_said = false;  // Whether the log says that the camera is stale.
     std::optional<Instant> said_at;
   };
   Instant fades_from(const Camera& camera) const;

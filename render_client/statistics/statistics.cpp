@@ -29,10 +29,10 @@ constexpr auto kCounters = {&wire::FrameCounters::captured,
                             &wire::FrameCounters::late,
                             &wire::FrameCounters::dark};
 
-/// Whether the totals of an honest server can grow from `before` to `totals` in this time.
+/// Returns whether the totals of a correct server can grow from `before` to `totals` in this time.
 bool can_follow(const wire::FrameCounters& totals, const wire::FrameCounters& before, Duration elapsed) {
-  // Twice the rate of the fastest camera, because a frame has two pictures. Plus the frames that a
-  // server may hold back while it is stopped.
+  // The limits are twice the rate of the fastest camera, because a frame has two pictures, and the
+  // pictures that a server may hold back while it is stopped.
   constexpr double kPicturesPerSecond = 2000, kHeldBack = 2000;
   const double most = kHeldBack + kPicturesPerSecond * std::chrono::duration<double>(elapsed).count();
   const bool plausible = std::all_of(kCounters.begin(), kCounters.end(), [&](const auto counter) {
@@ -101,7 +101,7 @@ void CameraStatistics::received(const wire::FrameCounters& totals, std::size_t b
   if (!first_) {
     first_ = now;
   } else {
-    bytes_ += bytes;  // without the first frame: it only begins the interval of the rate
+    bytes_ += bytes;  // The first frame is not counted, since it begins the measured interval.
   }
   newest_ = now;
 }
@@ -242,7 +242,7 @@ Result<void> write_statistics(const std::string& path, const std::vector<CameraR
                      {"uncertainty_us", microseconds(least_sure->statistics.clock_uncertainty)}};
   }
   std::ofstream file(path);
-  // Names and addresses may contain any bytes, but JSON is UTF-8.
+  // Names and addresses may contain bytes that are not UTF-8, as JSON requires.
   file << root.dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
   file.flush();
   if (!file)

@@ -1,10 +1,11 @@
 #pragma once
 
-// Counts and measures frames and views, and writes them as the JSON of --stats: for each camera the
-// frames that came, were lost, and were displayed, and their latency; for the views their rate and
-// rendering time.
+// Counts and measures frames and views, and writes the JSON of --stats. For each camera, it counts
+// the frames that were received, lost and displayed, and measures their latency. For the views, it
+// measures rate and rendering time.
 //
-// Thread: CameraStatistics may be used by several threads at once, ViewStatistics by one.
+// Thread: several threads may use a CameraStatistics at the same time, but only one a
+// ViewStatistics.
 
 #include <array>
 #include <cstdint>
@@ -23,42 +24,41 @@
 
 namespace copresence::statistics {
 
-/// The stages that a frame passes, in order; kStageNames are their names in the JSON.
+/// The stages that a frame passes, in order. kStageNames are their names in the JSON.
 enum class Stage { kCapture, kFill, kDepthEncode, kVideoEncode, kWire, kVideoDecode, kDepthDecode };
 inline constexpr std::array<const char*, 7> kStageNames{
     "capture", "fill", "depth_encode", "video_encode", "wire", "video_decode", "depth_decode"};
 
 class CameraStatistics {
  public:
-  /// A connection to the camera's server begins. The server's totals are compared within one
-  /// connection only: frames that it captured before or between connections are not counted.
+  /// Call it when a connection begins. The server's totals are compared within one connection only:
+  /// frames that were captured before or between connections are not counted.
   void connected();
-  /// A frame came. `totals` are the server's running totals that came with it. Impossible totals
-  /// (they fall, or grow faster than any camera delivers) are not added; counting goes on from
-  /// them.
+  /// Call it for every frame received. `totals` are the server's running totals that came with the
+  /// frame. Impossible totals, which fall or grow faster than any camera delivers, are not added.
   void received(const wire::FrameCounters& totals, std::size_t bytes, Instant now);
   void decoded();
-  void not_decoded();     ///< received, but damaged, or a frame that it depends on is missing
-  void color_repeated();  ///< decoded without colour; an earlier frame's colour is displayed
-  void not_displayed();   ///< decoded, but replaced by a newer frame before any view
-  /// A view shows the frame. No `latency` if the frame's times are implausible.
+  void not_decoded();     ///< The frame was damaged, or a frame that it depends on is missing.
+  void color_repeated();  ///< The frame had no colour, so an earlier frame's colour is displayed.
+  void not_displayed();   ///< A newer frame replaced the frame before any view showed it.
+  /// Call it when a view shows the frame, without `latency` if the frame's times are implausible.
   void displayed(std::uint64_t sequence, std::optional<Duration> latency);
-  /// Durations of the server's stages and of the transport. Implausible stages are left out. No
-  /// `wire` means that the frame's times are implausible; such frames are counted.
+  /// Adds the durations of the server's stages and of the transport. Implausible stages are
+  /// ignored. Without `wire`, the frame is counted as one with implausible times.
   void timed(std::optional<Duration> wire, const StageDurations& durations);
   void stage(Stage stage, Duration duration);
   void clock(Duration offset, Duration uncertainty);
-  void stale();  ///< the camera begins to fade, because no frame has come for a while
+  void stale();  ///< The camera begins to fade, because it has sent no frame for a while.
 
   struct Snapshot {
     std::uint64_t connections = 0;
-    /// Growth since the first frame of each connection, summed. `captured` includes that first
-    /// frame.
+    /// The server's totals since the first frame of each connection, summed over all connections.
+    /// `captured` includes that first frame.
     wire::FrameCounters totals;
     std::uint64_t received = 0, decoded = 0, displayed = 0, not_displayed = 0, last_displayed_sequence = 0;
     std::uint64_t color_repeated = 0, times_stale = 0;
-    std::uint64_t times_not_believed = 0;        ///< number of decoded frames
-    std::map<std::string, std::uint64_t> drops;  ///< by cause; contains every cause, also with 0
+    std::uint64_t times_not_believed = 0;        ///< Decoded frames with implausible times.
+    std::map<std::string, std::uint64_t> drops;  ///< By cause, including causes with 0.
     std::uint64_t dropped = 0;
     double mbps = 0;
     flow::LatencyHistogram latency;
@@ -69,8 +69,8 @@ class CameraStatistics {
 
  private:
   mutable std::mutex mutex_;
-  std::optional<wire::FrameCounters> last_;  // of this connection
-  Instant last_at_{};                        // when `last_` came
+  std::optional<wire::FrameCounters> last_;  // The last totals of this connection.
+  Instant last_at_{};                        // Arrival time of `last_`.
   std::uint64_t not_decoded_ = 0, bytes_ = 0;
   std::optional<Instant> first_, newest_;
   Snapshot sums_;
@@ -78,39 +78,38 @@ class CameraStatistics {
 
 class ViewStatistics {
  public:
-  /// A view was drawn. `complete` if it shows every listed camera. Views are counted from the first
-  /// complete one.
+  /// Call it when a view was drawn. A `complete` view shows every listed camera. Views are counted
+  /// from the first complete view on.
   void rendered(Instant begin, Instant end, bool complete);
 
-  /// Time between the earliest and the latest frame in a view of two cameras or more.
+  /// Adds the time between the earliest and the latest frame in a view of two cameras or more.
   void skew(Duration skew) { skew_.add(skew); }
 
-  /// Where the pixels of a view come from.
   void origins(const renderer::OriginShares& shares);
 
-  /// Datagrams of the head tracker; call it only if there is one.
+  /// Sets the datagram counters. Call it only if there is a head tracker.
   void head_tracker(const viewpoint::OpentrackView::Counters& counters) { head_tracker_ = counters; }
   const std::optional<viewpoint::OpentrackView::Counters>& head_tracker() const { return head_tracker_; }
 
   std::uint64_t frames() const { return frames_; }
   const flow::LatencyHistogram& skew() const { return skew_; }
-  double fps() const;                                          ///< 0 for fewer than two views
-  std::optional<renderer::OriginShares> mean_origins() const;  ///< nothing if no view had any
+  double fps() const;                                          ///< 0 for fewer than two views.
+  std::optional<renderer::OriginShares> mean_origins() const;  ///< Nothing if no view had shares.
   const flow::LatencyHistogram& render_time() const { return render_time_; }
 
  private:
   std::uint64_t frames_ = 0;
   Instant first_{}, last_{};
   flow::LatencyHistogram render_time_, skew_;
-  double seen_ = 0, extended_ = 0, empty_ = 0;  // sums of shares
+  double seen_ = 0, extended_ = 0, empty_ = 0;  // Sums of OriginShares.
   std::uint64_t views_with_origins_ = 0;
   std::optional<viewpoint::OpentrackView::Counters> head_tracker_;
 };
 
 /// One camera in the JSON.
 struct CameraReport {
-  std::string name;      ///< its address if no server has sent a name
-  std::string left_out;  ///< why no view shows it; empty if views do
+  std::string name;      ///< The camera's name, or its address as long as the name is unknown.
+  std::string left_out;  ///< The reason why no view shows the camera, or empty.
   CameraStatistics::Snapshot statistics;
 };
 

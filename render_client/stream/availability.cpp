@@ -6,13 +6,13 @@
 namespace copresence::stream {
 namespace {
 
-/// Errors that last as long as the server process. The next one may do better.
+/// Returns whether the error lasts as long as the server process runs.
 bool is_refusal(ErrorCode code) {
   return code == ErrorCode::kRefused || code == ErrorCode::kUnsupported || code == ErrorCode::kInvalid;
 }
 
-/// Whether the peer answered, but not as a capture_server does. If it did not answer (nothing
-/// listens, the connection was cut or closed), the camera is awaited.
+/// Returns whether the peer answered, but not like a capture_server. After other errors, such as a
+/// refused or closed connection, the camera is awaited.
 bool is_trouble(ErrorCode code) {
   return code == ErrorCode::kCorrupt || code == ErrorCode::kUnavailable;
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-// Whether a camera can be shown, and when its server is tried again.
+// Decides whether a camera can be shown, and when to connect to its server again.
 //
-// Thread: values.
+// Thread: different objects may be used at the same time.
 
 #include <chrono>
 #include <optional>
@@ -14,12 +14,10 @@
 namespace copresence::stream {
 
 enum class Availability {
-  kAwaited,  ///< not connected, or without a frame yet: views wait for it
-  kShown,    ///< its frames come and can be decoded
-  /// Its server answers, but has sent nothing that can be shown for a while; views do without the
-  /// camera.
-  kLeftOut,
-  kRefused,  ///< another protocol version or an unknown codec; views do without the camera
+  kAwaited,  ///< The camera is not connected or has sent no frame yet. Views wait for it.
+  kShown,    ///< Frames arrive and can be decoded.
+  kLeftOut,  ///< The server answers, but has sent no decodable frame for a while.
+  kRefused,  ///< The server has another protocol version or an unknown codec.
 };
 
 inline bool is_left_out(Availability availability) {
@@ -29,24 +27,25 @@ inline bool is_left_out(Availability availability) {
 /// Follows the connections of one camera. Time comes in as an argument and never goes back.
 class AvailabilityTracker {
  public:
-  /// The pause before the next try doubles with every failure, from the first to the longest. It
-  /// becomes short again only after a connection whose frames decode for kSteady. So a server that
-  /// welcomes clients and hangs up is not reconnected to without pause.
+  /// The pause before the next try doubles with every failure, from kFirstPause to kLongestPause.
+  /// It becomes short again only after a connection whose frames could be decoded for kSteady.
+  /// Without this rule, a server that accepts and closes connections would cause tries without a
+  /// pause.
   static constexpr std::chrono::milliseconds kFirstPause{50}, kLongestPause{500};
   static constexpr std::chrono::seconds kSteady{2};
-  /// How long a server may answer without one decodable frame. Then its camera is left out.
+  /// A camera is left out if its server answers for this time without a single decodable frame.
   static constexpr std::chrono::seconds kPatience{3};
 
   void connected();
   void decoded(Instant now);
-  /// A frame has come that cannot be decoded.
+  /// Call it when a frame cannot be decoded.
   void undecodable(const std::string& why, Instant now);
-  /// A connection has ended or could not be made. Returns the pause before the next try. Nothing if
-  /// trying again is of no use (kRefused).
+  /// Call it when a connection has ended or could not be made. Returns the pause before the next
+  /// try, or nothing in the state kRefused, in which no further try can succeed.
   std::optional<Duration> failed(const Error& why, Instant now);
 
   Availability availability() const { return availability_; }
-  /// Why the camera is left out, as one sentence. Meaningless for other states.
+  /// Returns the reason why the camera is left out or refused, as one sentence.
   const std::string& reason() const { return reason_; }
 
  private:
@@ -55,9 +54,9 @@ class AvailabilityTracker {
   Availability availability_ = Availability::kAwaited;
   std::string reason_;
   Duration next_pause_ = kFirstPause;
-  std::optional<Instant> first_decoded_;  // of this connection
+  std::optional<Instant> first_decoded_;  // Of this connection.
   std::optional<Instant> last_decoded_;
-  // Since then the server has answered, and no frame has been decoded.
+  // Since this time, the server has answered and no frame has been decoded.
   std::optional<Instant> trouble_since_;
 };
 

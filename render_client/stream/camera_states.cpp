@@ -20,7 +20,7 @@ std::optional<std::string> CameraStates::not_connected(std::size_t camera, std::
   of.status.clear();
   of.why = std::move(why);
   ++of.tries;
-  if (!of.over.empty()) return std::nullopt;  // it is known to have ended, so failed tries are not logged
+  if (!of.over.empty()) return std::nullopt;  // Failed tries are expected.
   if (!of.next_said_at) {
     of.next_said_at = now + kSayAgainAfter;
     return of.why + "; waiting for it";
@@ -36,7 +36,7 @@ void CameraStates::connected(std::size_t camera, std::string name) {
   Camera now;
   now.is_connected = true;
   now.name = std::move(name);
-  // A new connection does not make the camera visible, so this state is kept.
+  // A new connection does not change whether views show the camera.
   now.availability = of.availability;
   now.left_out = std::move(of.left_out);
   of = std::move(now);

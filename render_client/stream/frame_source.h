@@ -1,9 +1,8 @@
 #pragma once
 
-// Where the encoded frames of one camera come from. Decoding does not depend on what is behind this
-// interface.
+// The interface of a source of encoded frames of one camera.
 //
-// Thread: one thread; request_keyframe() may be called from any.
+// Thread: one thread at a time. request_keyframe() may be called from any thread.
 
 #include <chrono>
 #include <functional>
@@ -25,24 +24,24 @@ class FrameSource {
 
   virtual const StreamDescription& description() const = 0;
 
-  /// Waits for the next frame. Call it again only when ready for one more: this bounds the latency.
-  /// Fails with kUnavailable when asked to stop. Fails with kTimeout if no frame comes until
-  /// `latest`; the source can still be used then. After any other failure the source is at its end.
+  /// Waits for the next frame. To limit latency, call it only when the frame can be processed at
+  /// once. Fails with kUnavailable if a stop is requested. Fails with kTimeout if no frame comes
+  /// before `latest`; the source remains usable. After any other failure, the source is at its end.
   virtual Result<wire::ReceivedFrame> next(std::stop_token stop, std::optional<Instant> latest) = 0;
 
   /// Asks for a frame that can be decoded without the frames before it.
   virtual void request_keyframe() = 0;
 
-  /// How far the clock of the frames' times is from this process's clock.
+  /// Returns the offset of the server's clock from this process's clock.
   virtual wire::ClockOffset clock() const = 0;
 
-  /// Sets a function that is called from within next() with the camera's status: why no frames
-  /// come, or an empty text once they can come again.
+  /// Sets a function that next() calls with the camera's status: the reason why no frames come, or
+  /// an empty text once they can come again.
   virtual void on_status(std::function<void(const std::string&)> changed) = 0;
 };
 
-/// Frames of a capture_server over the network. Connects to HOST:PORT within `timeout`. Errors of this function and of the source: see
-/// common/wire/frame_client.h.
+/// Connects to a capture_server at HOST:PORT within `timeout`. This function and the source fail as
+/// common/wire/frame_client.h describes.
 Result<std::unique_ptr<FrameSource>> connect_live(const std::string& host_port,
                                                   std::chrono::milliseconds timeout,
                                                   const std::stop_token& stop);

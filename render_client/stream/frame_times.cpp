@@ -3,9 +3,9 @@
 namespace copresence::stream {
 namespace {
 
-// For two readings of one clock in the wrong order, and for arrival times that the kernel rounds.
+// Times may be in the wrong order by this much, since the kernel rounds arrival times.
 constexpr std::chrono::milliseconds kTolerance{5};
-// Far beyond the range of any clock. The sum of three such times does not overflow.
+// No clock reaches this time. The sum of three such times does not overflow.
 constexpr Duration kLatest = Duration::max() / 8;
 
 bool is_sane(Instant instant) {

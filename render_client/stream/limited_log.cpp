@@ -11,7 +11,7 @@ namespace {
 
 std::string bounded(std::string_view text) {
   std::string line = text::sanitise(text, LimitedLog::kMostBytes);
-  // Replacing a byte keeps the length, so only a cut makes the line shorter.
+  // Replacing characters does not change the length, so a shorter line was cut.
   if (line.size() < text.size()) line += "...";
   return line;
 }

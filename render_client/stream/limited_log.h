@@ -1,9 +1,9 @@
 #pragma once
 
-// Limits the log lines about one camera. Its server causes them, so a hostile or broken server
-// could fill the disk. Everything that a server causes is logged through this class.
+// Limits the log lines about one camera. All lines that a server causes are logged through this
+// class. Otherwise a hostile or broken server could fill the disk.
 //
-// Thread: a value of one thread.
+// Thread: one thread at a time per object.
 
 #include <array>
 #include <cstdint>
@@ -15,10 +15,11 @@
 
 namespace copresence::stream {
 
-/// Of each topic, kAtOnce lines pass at once, and then one in kBetween. A line that repeats the
-/// last one waits for kBetween in any case. Of the lines held back, the latest is written when its
-/// turn comes, with the number of the others: "127.0.0.1:7001: unplugged (1204 more like this)".
-/// Lines are cut to kMostBytes, and unprintable characters are replaced.
+/// For each topic, the first kAtOnce lines are written at once, and then one line per kBetween. A
+/// line that repeats the last line always waits for kBetween. Other lines are held back. When the
+/// next line may be written, it is the latest of them, with the number of the others:
+/// "127.0.0.1:7001: unplugged (1204 more like this)". Lines are cut to kMostBytes, and unprintable
+/// characters are replaced.
 class LimitedLog {
  public:
   enum class Topic { kConnection, kSetup, kNotice, kAvailability, kTimes };
@@ -31,7 +32,7 @@ class LimitedLog {
 
   explicit LimitedLog(Sink sink) : sink_(std::move(sink)) {}
 
-  /// Logs a line or holds it back. `now` never goes back.
+  /// Logs a line or holds it back. `now` must never decrease.
   void say(Topic topic, Severity severity, std::string_view text, Instant now);
 
   /// Writes lines that were held back and are due. Call it about once a second.
@@ -45,7 +46,7 @@ class LimitedLog {
     std::uint64_t lines = 0;
     Severity severity{};
     std::string latest, last_said;
-    double allowed = kAtOnce;  // lines that may pass at `counted_at`
+    double allowed = kAtOnce;  // Number of lines that could be written at `counted_at`.
     Instant counted_at{};
     Instant said_at{};
   };
@@ -54,7 +55,7 @@ class LimitedLog {
   void release(Held& held);
 
   Sink sink_;
-  std::array<Held, 5> topics_;  // by Topic
+  std::array<Held, 5> topics_;  // Indexed by Topic.
 };
 
 }  // namespace copresence::stream

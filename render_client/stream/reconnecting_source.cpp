@@ -16,7 +16,7 @@ using std::chrono::steady_clock;
 using Topic = LimitedLog::Topic;
 using Severity = LimitedLog::Severity;
 
-/// While no frames come, lines that the log held back are written this often.
+/// While no frames arrive, the log's held-back lines are written at this interval.
 constexpr std::chrono::milliseconds kCatchUpEvery{1000};
 
 }  // namespace
@@ -110,7 +110,8 @@ void ReconnectingSource::publish() {
   published_ = now;
   published_reason_ = reason;
   states_.availability(slot_, now, reason);
-  // If all cameras are refused, the program ends with these sentences: they are not logged as well.
+  // If all cameras are refused, the program ends and prints the reasons, so they are not logged
+  // here.
   if (is_out && !states_.all_refused()) {
     say(Topic::kAvailability, Severity::kWarning, reason + "; this camera is left out of the view");
   } else if (is_left_out(before) && now == Availability::kShown) {
@@ -120,7 +121,7 @@ void ReconnectingSource::publish() {
 }
 
 void ReconnectingSource::log_failure(const Error& why, bool was_connected) {
-  // The log already says that a camera is left out, and why.
+  // The log already states why a camera is left out.
   const bool is_logged = is_left_out(published_);
   if (was_connected) {
     if (!is_logged) say(Topic::kConnection, Severity::kWarning, why.what);

@@ -1,9 +1,9 @@
 #pragma once
 
-// A camera's frames over any number of connections: connects again when the server is gone, logs
-// it, and keeps the camera's state up to date.
+// Receives a camera's frames over any number of connections. It connects again when the server is
+// gone, logs this, and updates the camera's state.
 //
-// Thread: one thread, request_keyframe() included.
+// Thread: one thread, also for request_keyframe().
 
 #include <functional>
 #include <memory>
@@ -20,27 +20,28 @@ namespace copresence::stream {
 
 class ReconnectingSource final : public FrameSource {
  public:
-  /// Makes one connection.
+  /// A function that makes one connection.
   using Connect = std::function<Result<std::unique_ptr<FrameSource>>(const std::stop_token&)>;
-  /// Prepares for the frames of a new connection. Returns a remark for the log, or an empty text.
-  /// Fails if this program cannot decode the stream; the connection is then given up.
+  /// A function that prepares for the frames of a new connection. It returns a remark for the log,
+  /// or an empty text. It fails if this program cannot decode the stream. Then the connection is
+  /// closed.
   using Begin = std::function<Result<std::string>(const StreamDescription&)>;
 
-  /// `address` names the camera in the log. `slot` is its number in `states`. The references must
-  /// outlive this.
+  /// `address` names the camera in the log. `slot` is its number in `states`. The referenced
+  /// objects must outlive this object.
   ReconnectingSource(std::string address, std::size_t slot, CameraStates& states, LimitedLog& log,
                      Connect connect, Begin begin);
 
-  /// Waits for the next frame of any connection. Retries after a pause of at most half a second.
-  /// Fails as FrameSource::next(), and with kRefused if trying again is of no use.
+  /// Waits for the next frame of any connection. Connects again after a pause of at most half a
+  /// second. Fails as FrameSource::next(), and with kRefused if no further try can succeed.
   Result<wire::ReceivedFrame> next(std::stop_token stop, std::optional<Instant> latest = {}) override;
 
-  /// Reports whether the last frame could be decoded. A server whose frames cannot be decoded for a
-  /// while is left out of the view. undecodable() also requests a keyframe.
+  /// Call one of these after each frame. undecodable() also requests a keyframe. A camera whose
+  /// frames cannot be decoded for a while is left out of the view.
   void decoded();
   void undecodable(const std::string& why);
 
-  // These require a connection: next() has returned a frame, or Begin is running.
+  // The following functions require a connection: next() has returned a frame, or Begin is running.
   const StreamDescription& description() const override { return source_->description(); }
   wire::ClockOffset clock() const override { return source_->clock(); }
   void request_keyframe() override { source_->request_keyframe(); }
@@ -51,7 +52,7 @@ class ReconnectingSource final : public FrameSource {
 
  private:
   Result<void> connect(const std::stop_token& stop);
-  /// Ends the connection. Returns the pause before the next try; nothing if there is to be none.
+  /// Ends the connection. Returns the pause before the next try, or nothing if no try can succeed.
   std::optional<Duration> failed(const Error& why);
   void status_changed(const std::string& status);
   void publish();
@@ -67,9 +68,9 @@ class ReconnectingSource final : public FrameSource {
   Connect connect_;
   Begin begin_;
   std::function<void(const std::string&)> on_status_;
-  std::unique_ptr<FrameSource> source_;  // null between connections
+  std::unique_ptr<FrameSource> source_;  // Null between connections.
   AvailabilityTracker availability_;
-  std::string camera_;  // its name, known from the first connection on
+  std::string camera_;  // The camera's name, known from the first connection on.
   Availability published_ = Availability::kAwaited;
   std::string published_reason_;
 };

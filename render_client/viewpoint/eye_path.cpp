@@ -15,9 +15,9 @@ namespace copresence::viewpoint {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r\v\f";
-constexpr std::size_t kMostBytes = 16 << 20;  // enough for a line for each view of an hour
+constexpr std::size_t kMostBytes = 16 << 20;  // Enough for one line per view in an hour.
 constexpr std::size_t kMostOfAWord = 40;
-constexpr double kFarthest = 1e6;  // metres; greater values are typing errors
+constexpr double kFarthest = 1e6;  // Metres. Greater values are typing errors.
 
 std::vector<std::string_view> words_of(std::string_view line) {
   line = line.substr(0, line.find('#'));

@@ -1,14 +1,15 @@
 #pragma once
 
-// A scripted path of the eye: `--view path:FILE` of render_client, `--truth FILE` of
+// A scripted path of the eye, for `--view path:FILE` of render_client and `--truth FILE` of
 // simulate_kinect.
 //
-// The text has lines `view x y z look_x look_y look_z`. From the view with index `view` on, the eye
-// is at x y z and looks at the point look. Positions are world coordinates in metres. Both points
-// move linearly between two lines. Before the first line and after the last the eye stays. Indices
-// must rise. A # begins a comment; empty lines are allowed.
+// Each line of the file is `view x y z look_x look_y look_z`. At the view with the index `view`,
+// the eye is at (x, y, z) and looks at the point (look_x, look_y, look_z). Positions are world
+// coordinates in metres. Between two lines, both points are interpolated linearly. Before the first
+// line and after the last line, the eye does not move. Indices must rise. A # begins a comment.
+// Empty lines are allowed.
 //
-// Thread: values.
+// Thread: different objects may be used at the same time.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -23,13 +24,14 @@ namespace copresence::viewpoint {
 class EyePath {
  public:
   struct Place {
-    Eigen::Vector3d eye, look;  ///< metres; the two points differ
+    Eigen::Vector3d eye, look;  ///< Metres. The two points differ.
   };
 
-  /// Fails with kNotFound if there is no such file, and as parse().
+  /// Fails with kNotFound if the file does not exist, and otherwise as parse().
   static Result<EyePath> load(const std::filesystem::path& path);
 
-  /// `name` is the name of the text in errors. Fails with kInvalid and "NAME:LINE: what is wrong".
+  /// `name` is the text's name in error messages. Fails with kInvalid and a message of the form
+  /// "NAME:LINE: what is wrong".
   static Result<EyePath> parse(std::string_view text, std::string_view name);
 
   Place at(std::uint64_t view) const;
@@ -41,7 +43,7 @@ class EyePath {
   };
   explicit EyePath(std::vector<Stop> stops) : stops_(std::move(stops)) {}
 
-  std::vector<Stop> stops_;  // at least one, by rising view
+  std::vector<Stop> stops_;  // At least one, ordered by view.
 };
 
 }  // namespace copresence::viewpoint

@@ -27,7 +27,7 @@ constexpr std::array<Axis, 6> kAxes{{{"x", "cm", 500},
 
 using Values = std::array<double, kAxes.size()>;
 
-/// Requires kDatagramBytes.
+/// Requires kDatagramBytes bytes.
 Values read_values(std::span<const std::uint8_t> bytes, bool big_endian) {
   Values values;
   for (std::size_t axis = 0; axis < values.size(); ++axis) {
@@ -40,8 +40,8 @@ Values read_values(std::span<const std::uint8_t> bytes, bool big_endian) {
   return values;
 }
 
-/// The axis of the first value that is not finite; if there is none, of the first value out of
-/// range.
+/// Returns the index of the first value that is not finite. If all are finite, returns the index of
+/// the first value out of range.
 std::optional<std::size_t> first_wrong(const Values& values) {
   const auto first = [&](auto is_wrong) {
     for (std::size_t axis = 0; axis < values.size(); ++axis) {
@@ -54,8 +54,9 @@ std::optional<std::size_t> first_wrong(const Values& values) {
                     : first([&](std::size_t axis) { return std::abs(values[axis]) > kAxes[axis].most; });
 }
 
-/// Small numbers in the other byte order look denormal: 128 becomes 1.2e-319. A tracker whose
-/// filter fades to zero may send such numbers, too, but they are not plausible in both byte orders.
+/// In the wrong byte order, common numbers become denormal: 128 becomes 1.2e-319. A tracker may
+/// also send a tiny number on purpose, but then the number is not plausible in the other byte
+/// order.
 bool is_swapped(const Values& values, const Values& swapped) {
   constexpr double kTooSmall = 1e-100, kLeast = 1e-6;
   const bool is_odd = first_wrong(values) || std::any_of(values.begin(), values.end(), [](double value) {

@@ -3,9 +3,9 @@
 namespace copresence::viewpoint {
 namespace {
 
-constexpr double kNothing = 1e-9;  // metres, or the sine of an angle
+constexpr double kNothing = 1e-9;  // In metres, or as the sine of an angle.
 
-/// A unit vector perpendicular to `direction`, which is a unit vector.
+/// Returns a unit vector perpendicular to the unit vector `direction`.
 Eigen::Vector3d across(const Eigen::Vector3d& direction) {
   Eigen::Index least = 0;
   direction.cwiseAbs().minCoeff(&least);
@@ -21,7 +21,7 @@ Rigid3 look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const 
   if (towards.norm() > kNothing) {
     forward = towards.normalized();
   } else if (has_up) {
-    forward = across(up.normalized());  // horizontal
+    forward = across(up.normalized());
   }
   Eigen::Vector3d right = has_up ? Eigen::Vector3d(forward.cross(up.normalized())) : Eigen::Vector3d::Zero();
   right = right.norm() > kNothing ? right.normalized() : across(forward);

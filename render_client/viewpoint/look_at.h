@@ -1,8 +1,8 @@
 #pragma once
 
-// Points the eye at a target.
+// Computes the pose of an eye that looks at a target.
 //
-// Thread: pure.
+// Thread: pure functions.
 
 #include <Eigen/Core>
 
@@ -10,10 +10,10 @@
 
 namespace copresence::viewpoint {
 
-/// The pose of an eye at `eye` that looks at `target`, with `up` upward in its picture. World
-/// coordinates, metres; `up` has any length. The pose is rigid even if target and eye are equal,
-/// `up` is 0, or `up` is parallel to the view. It then still looks at the target, if that is
-/// possible.
+/// Returns the pose of an eye at `eye` that looks at `target`. `up` points upward in its picture,
+/// and has any length. All arguments are world coordinates in metres. If the arguments are
+/// degenerate, the result is still a rigid pose. It looks at the target unless target and eye are
+/// equal.
 Rigid3 look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up);
 
 }  // namespace copresence::viewpoint

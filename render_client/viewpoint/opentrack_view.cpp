@@ -17,8 +17,7 @@
 namespace copresence::viewpoint {
 namespace {
 
-/// Trackers send 250 datagrams a second. The limit lets the view go on when somebody floods the
-/// port.
+/// Trackers send 250 datagrams a second. The limit keeps the view running if the port is flooded.
 constexpr int kMostDatagramsAtOnce = 1000;
 
 auto failure(std::uint16_t port, int error) {
@@ -44,7 +43,7 @@ Rigid3 reset_from_eye(const HeadPose& head) {
 Result<OpentrackView> OpentrackView::open(const CameraModel& intrinsics, std::uint16_t port) {
   const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return failure(port, errno);
-  OpentrackView view(intrinsics, descriptor, port);  // from here on `view` owns the descriptor
+  OpentrackView view(intrinsics, descriptor, port);  // It owns the descriptor from here on.
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -105,7 +104,7 @@ void OpentrackView::receive(Instant now) {
   for (int i = 0; i < kMostDatagramsAtOnce; ++i) {
     // With MSG_TRUNC, recv() returns the size of the whole datagram even if only a part of it fits.
     const ssize_t size = ::recv(socket_, bytes.data(), bytes.size(), MSG_TRUNC);
-    if (size < 0) break;  // no more datagrams
+    if (size < 0) break;
     const auto whole = static_cast<std::size_t>(size);
     take(std::span(bytes).first(std::min(whole, bytes.size())), whole, now);
   }

@@ -1,18 +1,18 @@
 #pragma once
 
-// An eye that follows a head tracker, through opentrack's output "UDP over network"
+// An eye that follows a head tracker. It receives opentrack's output "UDP over network"
 // (head_datagram.h, docs/guide/viewing.md).
 //
-// The head moves the eye from the reset pose by
+// The head moves the eye from the reset pose by this motion:
 //
 //   translation  (x, -y, z) / 100 in metres
-//   rotation     Ry(yaw) Rx(pitch) Rz(roll): the head turns, then nods, then tilts
+//   rotation     Ry(yaw) Rx(pitch) Rz(roll)
 //
-// in the eye's frame (x right, y down, z forward). If a tracker's axis has the opposite sign,
-// invert it in opentrack's mapping. Datagrams that are no head pose are counted and reported by
+// The axes are those of the eye's frame (x right, y down, z forward). If a tracker's axis has the
+// opposite sign, invert it in opentrack's mapping. Invalid datagrams are counted and reported by
 // news().
 //
-// Thread: one at a time.
+// Thread: one thread at a time per object.
 
 #include <cstdint>
 
@@ -23,7 +23,7 @@
 
 namespace copresence::viewpoint {
 
-/// The motion of the head from the reset pose.
+/// Returns the motion of the head from the reset pose.
 Rigid3 reset_from_eye(const HeadPose& head);
 
 class OpentrackView final : public Viewpoint {
@@ -31,22 +31,23 @@ class OpentrackView final : public Viewpoint {
   static constexpr std::uint16_t kPort = 4242;
 
   struct Counters {
-    std::uint64_t taken = 0;  ///< valid datagrams, also those that a newer one replaced before a view
-    /// Ignored datagrams.
+    std::uint64_t taken = 0;  ///< Number of valid datagrams.
+    /// Numbers of ignored datagrams.
     std::uint64_t wrong_size = 0, wrong_byte_order = 0, not_finite = 0, out_of_range = 0;
   };
 
-  /// Listens on the loopback interface. Port 0 takes any free port.
-  /// Fails with kUnavailable if the port is in use.
+  /// Listens on the loopback interface. Port 0 means any free port. Fails with kUnavailable if the
+  /// port is in use.
   static Result<OpentrackView> open(const CameraModel& intrinsics, std::uint16_t port);
 
   OpentrackView(OpentrackView&& other) noexcept;
   OpentrackView& operator=(OpentrackView&& other) noexcept;
   ~OpentrackView() override;
 
-  /// The pose of the newest valid datagram. It is not extrapolated to `display_time`. Never waits.
+  /// Returns the pose of the newest valid datagram, without extrapolation to `display_time`. Never
+  /// waits.
   ViewPose at(std::uint64_t view_index, Instant display_time) override;
-  /// After a head pose has come, the first reset pose stays: the view must not jump under a person who moves it.
+  /// Once a head pose has come, the first reset pose stays, so that the view does not jump.
   void set_reset_pose(const Rigid3& world_from_eye) override;
   std::optional<News> news(Instant now) override;
 

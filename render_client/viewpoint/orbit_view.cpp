@@ -10,10 +10,10 @@ namespace copresence::viewpoint {
 namespace {
 
 constexpr double kTurnPerHeight = std::numbers::pi;
-// Least angle to straight up and straight down.
+// Least angle between the view's direction and the vertical.
 constexpr double kClosestToPole = 2.0 * std::numbers::pi / 180;
 constexpr double kZoomPerNotch = 0.9;
-constexpr double kNearest = 0.1, kFarthest = 30;  // metres between eye and pivot
+constexpr double kNearest = 0.1, kFarthest = 30;  // Metres between eye and pivot.
 
 }  // namespace
 
@@ -49,7 +49,7 @@ void OrbitView::reset() {
 void OrbitView::turn_about_pivot(const Eigen::Vector3d& axis, double angle) {
   const Eigen::Vector3d fixed = pivot();
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-  // Normalised, since rounding errors of many mouse moves would add up to more than a rotation.
+  // The rotation is normalised, because the rounding errors of many mouse moves would accumulate.
   world_from_eye_.rotation =
       Eigen::Quaterniond(Eigen::Matrix3d(turn * world_from_eye_.rotation)).normalized().toRotationMatrix();
   world_from_eye_.translation = fixed - world_from_eye_.rotation.col(2) * distance_m_;
@@ -57,7 +57,7 @@ void OrbitView::turn_about_pivot(const Eigen::Vector3d& axis, double angle) {
 
 void OrbitView::orbit(const Orbit& by) {
   turn_about_pivot(up_, -by.right * kTurnPerHeight);
-  // When the pointer goes up, the front of the scene turns up: the eye sinks, and looks more
+  // When the pointer moves up, the front of the scene turns up: the eye sinks and looks more
   // upward.
   const double from_up = std::acos(std::clamp(world_from_eye_.rotation.col(2).dot(up_), -1.0, 1.0));
   const double lowest = std::min(kClosestToPole, from_up);

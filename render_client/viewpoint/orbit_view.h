@@ -1,9 +1,10 @@
 #pragma once
 
-// An eye moved by hand: it circles a pivot, slides sideways, and moves closer or farther.
+// An eye that is moved by hand. It orbits around a pivot, moves sideways, and moves closer or
+// farther.
 //
-// Distances are fractions of the picture's height, so that the scene follows the pointer at any
-// window size.
+// Distances in gestures are fractions of the picture's height, so that the scene follows the
+// pointer at any window size.
 
 #include <Eigen/Core>
 
@@ -13,17 +14,17 @@ namespace copresence::viewpoint {
 
 class OrbitView final : public Viewpoint {
  public:
-  /// `up` is the world's. In the reset pose the pivot lies `pivot_m` in front of the eye. Requires
-  /// an `up` that is not zero, pivot_m > 0.
+  /// `up` is the world's upward direction. In the reset pose, the pivot lies `pivot_m` in front of
+  /// the eye. Requires an `up` that is not zero and pivot_m > 0.
   OrbitView(const CameraModel& intrinsics, const Eigen::Vector3d& up, double pivot_m);
 
-  /// Moves the eye to the new pose, unless a gesture has moved it away from the old one. The first
+  /// Moves the eye to the new pose, unless a gesture has moved it away from the old pose. The first
   /// call always moves the eye, since nothing was visible before.
   void set_reset_pose(const Rigid3& world_from_eye) override;
 
-  /// Orbit turns the scene with the pointer: half a turn over the picture's height, never over the
-  /// top. Pan moves the scene at the pivot's distance with the pointer. A notch of zoom goes a
-  /// tenth of the way to the pivot. ResetPose returns to the last reset pose.
+  /// Orbit turns the scene with the pointer, by 180 degrees over the picture's height. The eye
+  /// never passes over the top. Pan moves the scene with the pointer. A notch of zoom moves the eye
+  /// a tenth of the way to the pivot. ResetPose returns to the last reset pose.
   void apply(const Gesture& gesture) override;
 
   ViewPose at(std::uint64_t, Instant) override { return pose_at(world_from_eye_); }
@@ -41,7 +42,7 @@ class OrbitView final : public Viewpoint {
   bool has_reset_pose_ = false;
   Rigid3 reset_pose_;
   Rigid3 world_from_eye_;
-  double distance_m_;  // from the eye to the pivot
+  double distance_m_;  // The distance from the eye to the pivot.
 };
 
 }  // namespace copresence::viewpoint

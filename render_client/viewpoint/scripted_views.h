@@ -1,6 +1,6 @@
 #pragma once
 
-// Views that nobody moves: a fixed one, and one on a scripted path.
+// Viewpoints without user input: a fixed eye, and an eye on a scripted path.
 
 #include <Eigen/Core>
 #include <utility>
@@ -11,7 +11,7 @@
 
 namespace copresence::viewpoint {
 
-/// An eye that never moves: the default without a window.
+/// An eye that never moves. It is the default without a window.
 class FixedView final : public Viewpoint {
  public:
   explicit FixedView(const CameraModel& intrinsics, const Rigid3& world_from_eye = {})
@@ -24,10 +24,10 @@ class FixedView final : public Viewpoint {
   Rigid3 world_from_eye_;
 };
 
-/// An eye on a scripted path, for repeatable views: `--view path:FILE` (eye_path.h).
+/// An eye on a scripted path, for `--view path:FILE` (eye_path.h).
 class PathView final : public Viewpoint {
  public:
-  /// `up` is the world's.
+  /// `up` is the world's upward direction.
   PathView(const CameraModel& intrinsics, EyePath path, const Eigen::Vector3d& up)
       : Viewpoint(intrinsics), path_(std::move(path)), up_(up) {}
 
@@ -35,7 +35,7 @@ class PathView final : public Viewpoint {
     const EyePath::Place place = path_.at(view_index);
     return pose_at(look_at(place.eye, place.look, up_));
   }
-  void set_reset_pose(const Rigid3&) override {}  // the path gives all poses
+  void set_reset_pose(const Rigid3&) override {}  // The path defines all poses.
 
  private:
   EyePath path_;

@@ -1,9 +1,10 @@
 #pragma once
 
-// The log lines about a head tracker: that no datagrams come, that poses come, or what comes
-// instead of poses. Each kind of wrong datagram is logged at once, and then at most once a minute.
+// Makes the log lines about a head tracker. They say whether poses, invalid datagrams or no
+// datagrams arrive. Each kind of invalid datagram is logged at once, and then at most once a
+// minute.
 //
-// Thread: one at a time.
+// Thread: one thread at a time per object.
 
 #include <array>
 #include <chrono>
@@ -20,7 +21,7 @@ namespace copresence::viewpoint {
 
 class TrackerReport {
  public:
-  /// After this long without a datagram a line is logged.
+  /// A line is logged after this time without a datagram.
   static constexpr std::chrono::seconds kSilence{5};
   /// The least time between two lines of one kind.
   static constexpr std::chrono::seconds kBetweenLines{60};
@@ -31,13 +32,13 @@ class TrackerReport {
   /// Takes the arguments of read_head_pose().
   void refused(DatagramFault fault, std::span<const std::uint8_t> received, std::size_t size, Instant now);
 
-  /// The next line to log at `now`, if there is one.
+  /// Returns the next line to log at `now`, if there is one.
   std::optional<News> next(Instant now);
 
  private:
   struct Kind {
-    std::uint64_t unsaid = 0;  ///< datagrams since the last line
-    std::string latest;        ///< description of the last datagram; empty once it is logged
+    std::uint64_t unsaid = 0;  ///< Number of datagrams since the last line.
+    std::string latest;        ///< Description of the last datagram, or empty once it is logged.
     std::optional<Instant> said_at;
   };
   bool may_say(const std::optional<Instant>& said_at, Instant now) const {
@@ -46,7 +47,7 @@ class TrackerReport {
   std::string where() const;
 
   std::uint16_t port_;
-  std::optional<Instant> began_at_, heard_at_;  ///< `heard_at_`: of any datagram
+  std::optional<Instant> began_at_, heard_at_;  ///< Times of the start and of the last datagram.
   bool has_pose_ = false, is_silent_ = false, pose_is_unsaid_ = false;
   std::optional<Instant> silence_said_at_;
   std::array<Kind, kDatagramFaults> kinds_;

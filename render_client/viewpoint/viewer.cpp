@@ -10,7 +10,7 @@
 namespace copresence::viewpoint {
 namespace {
 
-constexpr double kPivotM = 2.0;  // a typical distance of a person from a Kinect
+constexpr double kPivotM = 2.0;  // A typical distance of a person from a Kinect.
 
 using Kind = ViewChoice::Kind;
 
@@ -18,8 +18,8 @@ double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
-/// The camera of `vertical` radians, or less, whose picture lies within that of `other` at the same
-/// pose. Lens distortion is not considered.
+/// Returns a camera whose picture lies within that of `other` at the same pose. Its vertical field
+/// of view is `vertical` radians or less. Lens distortion is ignored.
 CameraModel camera_within(int width, int height, double vertical, const CameraModel& other) {
   CameraModel camera = camera_from_field_of_view(width, height, vertical);
   const auto is_inside = [](double center, int pixels) { return center > 0 && center < pixels - 1; };
@@ -34,7 +34,7 @@ CameraModel camera_within(int width, int height, double vertical, const CameraMo
   return camera;
 }
 
-/// From 1 to 65535; nothing for other texts.
+/// Parses a port from 1 to 65535. Returns nothing for other texts.
 std::optional<std::uint16_t> parse_port(std::string_view text) {
   std::uint16_t port = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);

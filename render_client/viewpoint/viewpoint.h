@@ -1,9 +1,9 @@
 #pragma once
 
-// The interface of everything that moves the viewer's eye: a fixed pose, a scripted path, the
-// mouse, a head tracker.
+// The interface of everything that moves the viewer's eye: a fixed pose, a scripted path, the mouse
+// or a head tracker.
 //
-// Thread: one at a time.
+// Thread: one thread at a time per object.
 
 #include <cstdint>
 #include <optional>
@@ -15,8 +15,7 @@
 
 namespace copresence::viewpoint {
 
-// What a person does to move the view, whatever the input device. Distances are fractions of the
-// picture's height.
+// The gestures by which the user moves the view. Distances are fractions of the picture's height.
 struct Orbit {
   double right = 0, down = 0;
 };
@@ -24,12 +23,12 @@ struct Pan {
   double right = 0, down = 0;
 };
 struct Zoom {
-  double notches = 0;  ///< of a mouse wheel; positive moves closer
+  double notches = 0;  ///< Notches of a mouse wheel. Positive numbers move the eye closer.
 };
 struct ResetPose {};
 using Gesture = std::variant<Orbit, Pan, Zoom, ResetPose>;
 
-/// A line for the log about the input device.
+/// A log line about the input device.
 struct News {
   bool is_trouble = false;
   std::string text;
@@ -37,24 +36,23 @@ struct News {
 
 class Viewpoint {
  public:
-  /// `intrinsics` of the views.
   explicit Viewpoint(const CameraModel& intrinsics) : intrinsics_(intrinsics) {}
   virtual ~Viewpoint() = default;
 
-  /// Pose and projection of view `view_index`, counted from 0, which is displayed at
-  /// `display_time`.
+  /// Returns pose and projection of the view that is displayed at `display_time`. `view_index`
+  /// counts views from 0.
   virtual ViewPose at(std::uint64_t view_index, Instant display_time) = 0;
 
-  /// Sets the pose of the unmoved eye, that is, the pose of the first camera once it is known.
+  /// Sets the pose of the eye before any motion: the pose of the first camera, once it is known.
   virtual void set_reset_pose(const Rigid3& world_from_eye) = 0;
 
-  /// Intrinsics of the views from now on; the same size.
+  /// Sets the intrinsics of later views. Requires the same picture size.
   void set_intrinsics(const CameraModel& intrinsics) { intrinsics_ = intrinsics; }
 
-  /// Ignored unless the view is moved by hand.
+  /// Moves the eye. It has no effect unless the view is moved by hand.
   virtual void apply(const Gesture&) {}
 
-  /// The next line for the log, if there is one. Never waits; call it a few times a second.
+  /// Returns the next log line, if there is one. Never waits. Call it a few times a second.
   virtual std::optional<News> news(Instant) { return std::nullopt; }
 
  protected:

@@ -4,7 +4,7 @@
 // search distance, no weights.
 //
 // Source: Segal, Haehnel and Thrun 2009, with covariances from normals and the epsilon of Open3D.
-// Thread: pure.
+// Thread: pure functions.
 
 #include <Eigen/Core>
 #include <vector>

@@ -91,7 +91,7 @@ Result<void> CaptureStage::run(flow::Mailbox<CapturedFrame>& captured, const std
     has_begun_ = true;
     const std::uint64_t sequence = frame->metadata.sequence;
     heartbeat_.captured(sequence);
-    if (keeps_every_frame) pulse.rest();  // The disk and the encoder set the pace.
+    if (keeps_every_frame) pulse.rest();  // The disk and the encoder set the pace here.
     if (recording_) recording_->offer(*frame, keeps_every_frame, stop);
     if (keeps_every_frame) captured.wait_until_taken(stop);
     captured.put({std::move(*frame), source_.counters()});
@@ -149,7 +149,7 @@ bool CaptureStage::may_continue(const Error& error) const {
 void CaptureStage::log_interruption(const Error& why) {
   if (std::exchange(interrupted_by_, why.code)) return;
   const bool is_damaged = why.code == ErrorCode::kCorrupt;
-  // Damage is logged once only, because a replay with --loop meets it again and again.
+  // Damage is logged only once, because a replay with --loop meets it again and again.
   if (!is_damaged || !std::exchange(damage_is_logged_, true))
     spdlog::warn("{}; {}", why.what, is_damaged ? "playing on" : "waiting for it");
   server_.set_camera_status(why.what);

@@ -20,8 +20,8 @@
 
 namespace copresence::server {
 
-/// Added to the nice value of the threads that encode and that decode recordings, so that a
-/// render_client on the same machine does not stutter. The setting delays a frame by at most one
+/// Encoding and the decoding of recordings add this number to their threads' nice value. So a
+/// render_client on the same machine does not stutter. The lower priority may delay a frame by one
 /// frame period.
 inline constexpr int kStepsBelowRendering = 5;
 
@@ -31,7 +31,7 @@ struct CapturedFrame {
   sensor::SourceCounters pictures;
 };
 
-/// The time of --start-at, converted to the steady clock. Nothing without --start-at.
+/// The time that --start-at gives, converted to the steady clock. Nothing without --start-at.
 std::optional<Instant> first_frame_due(const ServerSettings& settings);
 
 /// Opens the source on the capture thread. After a crash of the previous child process it waits for
@@ -74,7 +74,7 @@ class CaptureStage {
   RecordingThread* const recording_;
   wire::FrameServer& server_;
   Heartbeat& heartbeat_;
-  std::optional<ErrorCode> interrupted_by_;  ///< Why no frames come at present, if so.
+  std::optional<ErrorCode> interrupted_by_;  ///< The error that interrupts the frames at present.
   bool damage_is_logged_ = false, has_begun_ = false, has_all_frames_ = false;
 };
 

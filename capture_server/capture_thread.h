@@ -20,7 +20,7 @@ namespace copresence::server {
 class CaptureThread {
  public:
   CaptureThread() : thread_([this] { work(); }) { pthread_setname_np(thread_.native_handle(), "capture"); }
-  /// Waits for the work in progress.
+  /// Waits until the work in progress is done.
   ~CaptureThread() { waiting_.close(); }
   CaptureThread(const CaptureThread&) = delete;
   CaptureThread& operator=(const CaptureThread&) = delete;

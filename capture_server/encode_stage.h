@@ -43,13 +43,13 @@ class EncodeStage {
   wire::FrameServer& server_;
   flow::Mailbox<EncoderSettings>& changes_;
   EncoderSettings current_;
-  std::optional<EncoderSettings> previous_;  ///< The settings before the last change, a fallback.
+  std::optional<EncoderSettings> previous_;  ///< The settings before the last change.
   bool keyframe_owed_ = false;               ///< The next frame must be a keyframe.
   std::uint64_t without_room_ = 0;           ///< Frames dropped because no viewer could take them.
   std::uint64_t encoder_busy_ = 0;           ///< Frames replaced, dropped as stale, or failed.
 };
 
-/// "qp 20" or "4000 kbit/s".
+/// Returns a text such as "qp 20" or "4000 kbit/s".
 std::string depth_quality(const EncoderSettings& settings);
 
 }  // namespace copresence::server

@@ -16,7 +16,7 @@ namespace copresence::server {
 
 struct Setting {
   std::string key;
-  std::string value;  ///< Text without quotes, number, true or false, as on a command line.
+  std::string value;  ///< The value as on a command line: text without quotes, a number, true or false.
   int line = 0;       ///< Line in the file, from 1.
 
   friend bool operator==(const Setting&, const Setting&) = default;

@@ -29,7 +29,8 @@ constexpr std::string_view kKinectAudio[] = {"02ad", "02bb", "02be", "02c3"};
 // A USB device, as /sys describes it.
 struct Device {
   std::string vendor, product, serial, speed;
-  std::string name;  // Name of the folder. 1-4.2 is plugged into port 2 of device 1-4.
+  // Name of the device's folder: 1-4.2 is plugged into port 2 of device 1-4.
+  std::string name;
   int bus = 0, address = 0;
 };
 

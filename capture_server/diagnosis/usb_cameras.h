@@ -16,9 +16,9 @@ struct UsbCamera {
   std::string serial;
   std::string node;                   ///< Device file, /dev/bus/usb/BBB/DDD.
   std::string kind;                   ///< Name of the driver: kinect_v1 or primesense.
-  std::string address;                ///< "@BUS/ADDRESS", the end of the URI in PrimeSense's driver.
+  std::string address;                ///< End of the URI in PrimeSense's driver, "@BUS/ADDRESS".
   std::vector<std::string> problems;  ///< One sentence per problem, with its remedy.
-  bool blocked = false;               ///< True if these problems keep this user from opening it.
+  bool blocked = false;               ///< True if this user cannot open the camera because of these problems.
 };
 
 /// Folders in which the system describes itself. Tests use other folders.

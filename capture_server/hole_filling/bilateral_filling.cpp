@@ -55,7 +55,7 @@ Result<void> BilateralFilling::fill(RgbdFrame& frame) {
         total_weight += kernel_[i + kRadius] * weight[x + i];
       }
       if (total_weight < kBilateralEnough) continue;
-      // A float to integer conversion rounds non-negative values faster than std::lround().
+      // Adding 0.5 and converting to an integer is faster than std::lround().
       const auto mean =
           static_cast<std::uint16_t>(total / total_weight + 0.5f);  // NOLINT(bugprone-incorrect-roundings)
       if (!range_.contains(mean)) continue;

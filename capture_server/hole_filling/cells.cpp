@@ -121,7 +121,7 @@ void Cells::add_up_cells(std::size_t first) {
                                      std::max(near_px[4 * i + 2], near_px[4 * i + 3]));
       const float farthest = std::min(std::min(far_px[4 * i], far_px[4 * i + 1]),
                                       std::min(far_px[4 * i + 2], far_px[4 * i + 3]));
-      spread[i] = nearest - farthest;  // Far below 0 if the cell has no depth.
+      spread[i] = nearest - farthest;  // The spread is far below 0 if the cell has no depth.
     }
   }
   {
@@ -263,7 +263,7 @@ void Cells::find_reach() {
 }
 
 // Finds the nearest cell with depth among the next 1, 2, 4, 8 and 12 cells, for the whole row at
-// once. A loop over cells would have to wait for each neighbour.
+// once. A simple loop would have to finish each cell before the next.
 void Cells::find_reach_along(const std::uint8_t* has, int dx, std::uint8_t* out) {
   static_assert(kReachCells == 12 && kLineMargin >= 4);
   const auto columns = static_cast<std::size_t>(columns_);

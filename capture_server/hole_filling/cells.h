@@ -1,7 +1,8 @@
 #pragma once
 
-// Depth in cells of 4x4 pixels: the surfaces in each cell, and their slopes. Wide holes are filled
-// from cells, because cells are sixteen times fewer than pixels and four times less noisy.
+// A depth image divided into cells of 4x4 pixels. Each cell has its surfaces and their slopes. Wide
+// holes are filled from cells, because cells are sixteen times fewer than pixels and four times
+// less noisy.
 // Thread: one thread at a time per object.
 
 #include <array>
@@ -37,11 +38,12 @@ class Cells {
   int at(int column, int row) const { return (row + kMargin) * stride_ + column + kMargin; }
   int offset(Direction direction) const { return direction.dy * stride_ + direction.dx; }
 
-  /// Replaces the content by a new picture. Requires images of the size given to the constructor.
+  /// Replaces the content by that of a new picture. Requires images of the size given to the
+  /// constructor.
   void see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units);
 
-  /// Depths from pixel (x, y) on, in disparity steps. A depth is 0 in a hole or outside the image.
-  /// Rows are pixel_stride() apart. Requires a pixel at most kMarginPx outside the cells.
+  /// Points to the depth of pixel (x, y) in disparity steps. A depth is 0 in a hole or outside the
+  /// image. Rows are pixel_stride() apart. Requires a pixel at most kMarginPx outside the cells.
   const float* steps(int x, int y) const { return &steps_[pixel_at(x, y)]; }
   int pixel_stride() const { return pixel_stride_; }
   static constexpr int kMarginPx = 4;
@@ -89,7 +91,7 @@ class Cells {
   CellRow cells_;
   std::array<std::vector<std::uint8_t>, 2> lines_;  // A row of cells with empty margins.
 
-  // Centroid of each cell's measured pixels, in pixels from the window's centre.
+  // Centroid of each cell's measured pixels, in pixels from the cell's middle.
   std::vector<float> middle_x_, middle_y_;
   std::vector<float> smooth_;  // Depth of each cell with one surface, else kNoSurface.
   std::vector<std::uint8_t> has_depth_;

@@ -9,13 +9,13 @@ namespace {
 
 constexpr std::uint8_t kLongest = 255;  // A run length that stands for 255 and all longer ones.
 
-/// Marks the holes of short column runs, and sets every pixel of `fillable`. The border counts as
-/// `border` holes. So a run that touches the border is short up to widest_at_border, and a run from
-/// border to border is never short.
+/// Marks the holes of short column runs, and sets every pixel of `fillable`. A run that touches the
+/// image's border is longer by `border`. So a run that touches the border is short up to
+/// `widest_at_border` holes, and a run from border to border is never short.
 void mark_columns(const StateImage& state, int widest, int widest_at_border, Image<std::uint8_t>& fillable) {
   const int width = state.width(), height = state.height();
   const int border = widest - widest_at_border;
-  // Length of the run of holes that ends at the present row.
+  // Per column: length of the run of holes that ends at the present row.
   std::vector<std::uint8_t> run(width, static_cast<std::uint8_t>(border));
   for (int y = 0; y < height; ++y) {
     const DepthState* states = state.row(y).data();
@@ -31,7 +31,7 @@ void mark_columns(const StateImage& state, int widest, int widest_at_border, Ima
       holes = static_cast<std::uint8_t>(holes == 0 ? 0 : std::min<int>(holes + border, kLongest));
     }
   }
-  // From here on, the length of the whole run, passed upwards from its last pixel.
+  // From here on, `run` is the length of the whole run, passed upwards from its last pixel.
   std::fill(run.begin(), run.end(), std::uint8_t{0});
   // The loop uses only bytes: with an int, compilers process a quarter as many pixels at a time.
   const auto longest_short = static_cast<std::uint8_t>(widest - 1);

@@ -26,10 +26,10 @@ constexpr int kWidestAtBorderPx = 12;
 
 constexpr int kCellPx = 4;        ///< Edge length of the cells from which wide holes are filled.
 constexpr int kReachCells = 12;   ///< Reach of the search for measured cells in each direction, in cells.
-constexpr int kCellEnough = 5;    ///< Measured pixels, of 16, that a usable cell needs.
+constexpr int kCellEnough = 5;    ///< Least number of measured pixels, of 16, in a usable cell.
 constexpr float kOneSurface = 6;  ///< In steps. A cell with a larger depth range holds two surfaces.
 constexpr float kLinked = 5;      ///< In steps. Candidates that differ by less belong to one surface.
-constexpr int kWorthPixels = 8;   ///< Measured pixels that a candidate surface needs.
+constexpr int kWorthPixels = 8;   ///< Least number of measured pixels for a candidate surface.
 constexpr float kSteepest = 1;    ///< In steps per pixel. Steeper differences are edges, not slopes.
 /// In steps. Measured pixels with a smaller distance to a candidate correct it.
 constexpr float kSameSurface = 3;
@@ -38,7 +38,7 @@ constexpr float kCandidateWeight = 0.5f;
 constexpr int kWindowPx = 2;  ///< Radius of the window in which measured pixels correct a candidate.
 /// Width of an occlusion shadow per step: 43.5 px m / 351.3 m, plus a third for sloped surfaces.
 constexpr float kShadowPxPerStep = 0.16f;
-constexpr float kShadowSlackPx = 2;  ///< Added to that width for the shadow's ragged rim.
+constexpr float kShadowSlackPx = 2;  ///< Pixels added to a shadow's width for its ragged rim.
 /// Of 255. Standard deviation of colour distance, Euclidean over the channels.
 constexpr float kColorSigma = 24;
 

@@ -19,17 +19,17 @@ namespace copresence::hole_filling {
 enum class Method {
   kOff,     ///< Leaves holes as they are.
   kMedian,  ///< Two median passes, after Maimone and Fuchs.
-  /// Weights by pixel distance alone and smears foreground into background (thesis section 3.2,
-  /// second version).
+  /// Mean weighted by pixel distance alone. It smears foreground into background (thesis section
+  /// 3.2, second version).
   kBilateral,
-  /// Weights by pixel, depth and colour distance and never bridges surfaces (thesis section 3.2,
-  /// third version).
+  /// Mean weighted by pixel, depth and colour distance. It does not bridge surfaces (thesis section
+  /// 3.2, third version).
   kJoint,
 };
 inline constexpr std::array kMethods{Method::kOff, Method::kMedian, Method::kBilateral, Method::kJoint};
 
 enum class Compute {
-  kAuto,  ///< GL if it is hardware and the method has shaders, else the CPU.
+  kAuto,  ///< GL if it runs on hardware and has shaders for the method, else the CPU.
   kGl,
   kCpu,
 };

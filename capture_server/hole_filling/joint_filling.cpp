@@ -28,7 +28,7 @@ void load(const float* from, Row& row) {
   std::memcpy(&row, from, sizeof(Row));
 }
 
-/// How well the measured pixels around a cell fit one surface, per pixel of the cell. The sums run
+/// For each pixel of a cell: how well the measured pixels around it fit one surface. The sums run
 /// over each pixel's window.
 struct Support {
   std::array<CellRow, kCellPx> weight;  ///< Total weight of the pixels on the surface.
@@ -100,7 +100,7 @@ float likeness(Rgb8 a, const std::array<float, 3>& b) {
 }
 
 /// Decides which of two surfaces a pixel lies on, from the weights of both in its window and the
-/// centroid of the near surface. `own` is the pixel's colour, or null.
+/// centroid of the near surface. `own` is the pixel's colour, or null if it is unknown.
 bool lies_near(const SurfaceCandidates& candidates, float far_weight, float near_weight, float near_x,
                float near_y, const Rgb8* own) {
   const bool enclosed =

@@ -17,7 +17,8 @@ class MedianFilling final : public HoleFiller {
 
   std::string_view name() const override { return "cpu"; }
 
-  /// Sets each hole to the median of the window's pixels with depth, the lower of two.
+  /// Sets each hole to the median of the window's pixels with depth. Of two middle values, the
+  /// lower one is used.
   /// Source: Maimone and Fuchs 2011. The large window fills a hole if its depths differ little, and
   /// if enough pixels of the window and of its rim hold depth, so that silhouettes do not grow. The
   /// second pass of the paper also smooths measured depth; this one does not.

@@ -30,7 +30,7 @@ struct Observations {
 
   std::array<Observation, kMost + 1> entries;  // The last entry is for rejected observations.
   std::array<float, kRoom> steps;              // Steps of the entries.
-  std::array<std::uint8_t, kMost> order;       // Indices of the entries, once sorted.
+  std::array<std::uint8_t, kMost> order;       // Indices of the entries in sorted order.
   int count = 0;
   float farthest = 1e9f, nearest = 0;
 

@@ -24,7 +24,7 @@ struct SurfaceCandidates {
   bool prefers_near = false;  ///< The choice if neither pixels nor colour decide.
 };
 
-/// Examines the surroundings of a cell. `color` may be null.
+/// Finds the candidate surfaces of a cell. `color` may be null.
 SurfaceCandidates find_surface_candidates(const Cells& cells, int column, int row, const ColorImage* color);
 
 }  // namespace copresence::hole_filling

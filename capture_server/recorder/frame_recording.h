@@ -47,8 +47,8 @@ class FrameRecording {
 
   const std::string& path() const { return writer_.path(); }
 
-  /// Writes a frame. Fails with kInvalid or kUnsupported if this frame is left out. Fails with
-  /// kUnavailable if nothing more can be written; call finish() then.
+  /// Writes a frame. Fails with kInvalid or kUnsupported if the recording has to leave out this
+  /// frame. Fails with kUnavailable if nothing more can be written; call finish() then.
   Result<void> write(const RgbdFrame& frame);
 
   /// Makes sure that the frames written so far survive the end of this process.

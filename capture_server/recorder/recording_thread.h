@@ -41,7 +41,7 @@ class RecordingThread {
 
   const std::string& path() const { return recording_.path(); }
 
-  /// Number of frames that were offered but are not in the recording.
+  /// Number of offered frames that are not in the recording.
   std::uint64_t left_out() const { return left_out_; }
 
  private:

@@ -31,7 +31,7 @@ struct ColorCameraMetadata {
 
 struct CameraMetadata {
   std::string name;         ///< The camera's name, or empty.
-  CameraModel model;        ///< Model of depth and, if registered, of colour.
+  CameraModel model;        ///< Camera model of depth, and of colour if `registered`.
   bool registered = false;  ///< Depth and colour share one camera model.
   DepthUnit unit = DepthUnit::kMillimetre;
   std::optional<Rigid3> world_from_camera;  ///< In metres. Nothing if the pose is unknown.

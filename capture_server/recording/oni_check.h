@@ -43,7 +43,7 @@ struct RecordedStream {
 
   Kind kind = Kind::kDepth;
   std::string name;   ///< Name of the node, chosen by the recorder.
-  std::string codec;  ///< Four characters: NONE, 16zT, JPEG and others.
+  std::string codec;  ///< Four characters, such as NONE, 16zT or JPEG.
   int width = 0;      ///< In pixels; even.
   int height = 0;
   int frames_per_second = 0;                 ///< Nominal frame rate.
@@ -54,7 +54,7 @@ struct RecordedStream {
   std::vector<std::uint16_t> levels;
   /// Times of all frames in the file's order, counted from the recorder's time zero.
   std::vector<std::uint64_t> timestamps_us;
-  std::vector<Payload> payloads;  ///< Payloads of the same frames.
+  std::vector<Payload> payloads;  ///< Payloads of the frames, in the same order.
   /// Number of the last frame. The number equals frames() if no frame is missing.
   std::uint32_t last_frame = 0;
 
@@ -77,7 +77,7 @@ struct RecordingSummary {
 /// are unusable if many do not increase or if they are closer together than kFastestRate allows.
 double usual_period_us(const RecordedStream& stream);
 
-/// Number of frames whose time is not later than that of the previous frame.
+/// Number of frames that are not later than the previous frame.
 std::size_t steps_without_time(const RecordedStream& stream);
 
 /// Checks that a depth stream can be played. `name` is the recording's name in messages.

@@ -3,9 +3,9 @@
 // Writes the footer of a recording's file so that the file is valid at every moment. The program
 // may be killed between any two writes, and the recording still plays up to its last footer.
 //
-// Frames may be written after a footer without seek tables, and the next footer after them. Only
-// after that, the former footer becomes a property, which every player skips. Each footer costs a
-// hundred bytes, and no frame before a footer is ever lost.
+// A footer without seek tables is temporary: frames may be written after it, and then the next
+// footer. Only after that, the former footer becomes a property, which every player skips. Each
+// footer costs a hundred bytes, and no frame before a footer is ever lost.
 //
 // Thread: free functions; one thread at a time per file.
 

@@ -24,9 +24,9 @@
 //   entry of a seek table: u64 timestamp, u32 0, u64 position of the kNewData. The first entry is
 //   zeros, then there is one per frame.
 //
-// An undo position depends on the record's type. For a kNewData it is the position of the node's
-// previous frame, or 0 for the first. For a kNodeRemoved it is the position of its kNodeAdded.
-// Other records have 0.
+// An undo position depends on the record's type. For a kNewData, the undo position is the position
+// of the node's previous frame, or 0 for the first. For a kNodeRemoved, the undo position is the
+// position of its kNodeAdded. Other records have 0.
 //
 // OpenNI 1.0 to 1.3 wrote versions 1.0.0.4 to 1.0.0.6, which this project can also read:
 // - Undo positions and positions of seek tables are u32. So a record begins with 24 bytes, and an
@@ -52,7 +52,7 @@ inline constexpr std::uint32_t kFrameFieldBytes = 12;  ///< Size of a kNewData's
 inline constexpr std::uint32_t kSeekEntryBytes = 20;
 inline constexpr std::uint32_t kOldRecordBytes = 24, kOldSeekEntryBytes = 16;  ///< In files before 1.0.1.
 
-/// The version of a file, as the u64 after kFileMagic.
+/// The version of a file, read as a u64 after kFileMagic.
 inline constexpr std::uint64_t kFileVersion = 0x10001;
 constexpr bool is_old_version(std::uint64_t version) {
   return (version & 0xffffffff) == 1 && version >> 32 >= 4;
@@ -81,7 +81,7 @@ constexpr std::uint32_t fourcc(const char (&text)[5]) {
   for (int i = 3; i >= 0; --i) code = code << 8 | static_cast<unsigned char>(text[i]);
   return code;
 }
-inline constexpr std::uint32_t kCodecNone = fourcc("NONE");  ///< Pixels as they are in memory.
+inline constexpr std::uint32_t kCodecNone = fourcc("NONE");  ///< Uncoded pixels, as in memory.
 inline constexpr std::uint32_t kCodec16z = fourcc("16zT");   ///< Lossless depth, see recording/depth_16z.h.
 inline constexpr std::uint32_t kCodecJpeg = fourcc("JPEG");  ///< JPEG pictures of colour.
 

@@ -114,8 +114,8 @@ Result<OniParser::Record> OniParser::next_record() {
   if (record.fields_bytes < record_bytes() || record.fields_bytes > kMaxFields) {
     return damaged(at, fmt::format("a record's fields take {} bytes", record.fields_bytes));
   }
-  // Only these types have a payload. For others the player ignores the number, except while it
-  // counts the frames of an old file.
+  // Only these types have a payload. The player ignores the payload size of other records, except
+  // while it counts the frames of an old file.
   if (!record.has_payload()) {
     if (is_old_ && record.payload_bytes) return damaged(at, "a record has a payload that it cannot have");
     record.payload_bytes = 0;
@@ -314,8 +314,8 @@ Result<void> OniParser::new_data(const Record& record, FieldReader fields) {
     return damaged(record.at, fmt::format("stream {} goes from frame {} to {} of {}", stream.name,
                                           stream.last_frame, number, node->frames_claimed));
   }
-  // Frames with decreasing times are played in the file's order. A time beyond the header's largest
-  // ends the player's reading.
+  // Frames with decreasing times are played in the file's order. The player stops reading at a time
+  // beyond the header's largest.
   if (timestamp > max_timestamp_) {
     return damaged(record.at, fmt::format("frame {} of stream {} has a time beyond the recording's end",
                                           number, stream.name));

@@ -35,7 +35,7 @@ class OniParser {
     std::uint64_t seek_table_at = 0;  ///< Position of the seek table by its definition, or 0.
     bool has_seek_table = false;      ///< True if a table of the right size was found.
     std::uint64_t max_payload = 0;
-    StreamFormat format;  ///< Must not change once the node is ready.
+    StreamFormat format;  ///< The format must not change once the node is ready.
     RecordedStream stream;
   };
 

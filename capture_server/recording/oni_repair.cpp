@@ -239,7 +239,7 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, Exi
   report.infrared_frames = found->frames(NodeType::kInfrared);
   report.gaps = found->gaps.size();
   report.dropped_bytes = found->has_end ? 0 : input->size() - found->whole_until;
-  // A full disk may have prevented the seek tables, but players do not need them.
+  // Players do not need the seek tables, which a full disk may have prevented.
   report.was_whole = found->has_end && (found->has_seek_tables || found->is_old) && found->gaps.empty() &&
                      check(path).has_value();
   if (report.was_whole && out.empty()) return report;

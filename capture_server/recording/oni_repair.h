@@ -29,8 +29,8 @@ struct RepairReport {
 /// is changed. A complete recording stays as it is. Damage in the middle is skipped only in a copy.
 /// A recording of OpenNI 1.0 to 1.3 is completed only as a copy in the current format.
 /// Fails with kNotFound if the file does not exist. Fails with kCorrupt if nothing can be saved, or
-/// if a copy is needed and `out` is empty. Fails with kInvalid if `out` exists, with kKeep. Fails
-/// with kUnavailable if the disk fails.
+/// if a copy is needed and `out` is empty. Fails with kInvalid if `out` exists and `existing` is
+/// kKeep. Fails with kUnavailable if the disk fails.
 Result<RepairReport> repair(const std::string& path, const std::string& out, Existing existing,
                             const ProgressReport& progress);
 
@@ -43,7 +43,7 @@ struct CutReport {
 /// `from_s` and `to_s` are seconds after the first frame, and `to_s` may be beyond the end. The
 /// frames keep their times, and the part keeps the wall clock time of the recording's start.
 /// Fails as check() does. Fails with kInvalid if that range has no depth frame, or if `out` exists
-/// with kKeep. Fails with kUnavailable if the disk fails.
+/// and `existing` is kKeep. Fails with kUnavailable if the disk fails.
 Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out,
                       Existing existing, const ProgressReport& progress);
 

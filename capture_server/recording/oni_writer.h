@@ -45,8 +45,8 @@ struct OniContent {
 class OniWriter {
  public:
   /// Creates the file and writes the records before the first frame.
-  /// Fails with kInvalid if the content is impossible or, with kKeep, the file exists. Fails with
-  /// kUnavailable if the file cannot be written.
+  /// Fails with kInvalid if the content is impossible, or if the file exists and `existing` is
+  /// kKeep. Fails with kUnavailable if the file cannot be written.
   static Result<OniWriter> create(const std::string& path, const OniContent& content,
                                   Existing existing = Existing::kKeep);
   /// Creates the file under the first free name, see OutputFile::create_numbered().

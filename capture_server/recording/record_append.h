@@ -14,7 +14,7 @@ namespace copresence::recording {
 
 using RecordBytesOut = std::vector<std::uint8_t>;
 
-/// Appends the low `size` bytes of a number, little-endian.
+/// Appends the lowest `size` bytes of a number, little-endian.
 void append_number(RecordBytesOut& bytes, std::uint64_t value, int size);
 
 void append_text(RecordBytesOut& bytes, std::string_view text);

@@ -20,7 +20,7 @@ namespace copresence::recording {
 /// Reads `into.size()` bytes from `offset` on. Returns false if the disk fails.
 using ReadAt = std::function<bool(std::uint64_t offset, std::span<std::uint8_t> into)>;
 
-/// A window into a file. Short reads close to each other need only one call of ReadAt.
+/// A buffered window into a file. Short reads close to each other need only one call of ReadAt.
 class RecordBytes {
  public:
   static constexpr std::size_t kWindow = 4096;
@@ -54,7 +54,7 @@ class FieldReader {
   /// without the NUL.
   std::string_view text();
 
-  /// Reads a length, then that many bytes.
+  /// Reads a length and then that many bytes.
   std::span<const std::uint8_t> blob();
 
   /// True if the record contained every field read so far.
@@ -72,7 +72,7 @@ class FieldReader {
 
 /// The first fields of a record. Their values are unchecked.
 struct RecordHead {
-  std::uint32_t magic = 0;  ///< kRecordMagic if a record begins here.
+  std::uint32_t magic = 0;  ///< The value is kRecordMagic if a record begins here.
   RecordType type{};
   std::uint32_t node = 0;
   std::uint32_t fields_bytes = 0;   ///< Size of head and fields.

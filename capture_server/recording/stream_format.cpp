@@ -101,7 +101,8 @@ bool StreamFormat::apply(Kind kind, RecordType type, std::string_view key,
     field_of_view = {angle(width), angle(height)};
     return fields.whole() && is_sane(*field_of_view);
   }
-  // The player looks only at the key, so it would misread such a property if it had another type.
+  // The player looks only at the key, so it would misread a property of another type with one of
+  // these keys.
   constexpr std::string_view kKnown[] = {"xnMapOutputMode",      "xnPixelFormat", "oniPixelFormat",
                                          "oniRequiredFrameSize", "xnCropping",    "xnFOV",
                                          "xnDeviceMaxDepth"};
@@ -175,7 +176,7 @@ Result<void> StreamFormat::describe(RecordedStream& stream) const {
 std::uint64_t StreamFormat::max_payload(std::string_view codec, Kind kind) const {
   const std::uint64_t pixels = std::uint64_t{width} * height;
   const std::uint64_t frame_bytes = pixels * bytes_per_pixel(kind);
-  // An escape and two bytes per pixel, the table, and two numbers.
+  // Largest size: an escape and two bytes per pixel, the table, and two numbers.
   if (codec == "16zT") return 3 * pixels + 2 * 65536 + 4;
   if (codec == "16zP") return 3 * pixels + 2;
   if (codec == "Im8z") return 2 * pixels + 2;

@@ -1,7 +1,7 @@
 #pragma once
 
 // The format of a stream's frames, from its properties. The class also decides whether this project
-// and OpenNI2's player can use the stream. Part of the recording's check.
+// and OpenNI2's player can use the stream. The class is part of the recording's check.
 // Thread: one thread at a time per object.
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace copresence::recording {
 
 struct StreamFormat {
   std::uint32_t width = 0, height = 0, frames_per_second = 0;
-  std::uint64_t pixel_format = 0;  ///< OpenNI2's number. 0 if not given.
+  std::uint64_t pixel_format = 0;  ///< OpenNI2's number. 0 if unknown.
   std::uint64_t frame_buffer = 0;  ///< Size of the player's buffer for a frame in bytes. 0 if not given.
   bool has_max_depth = false;
   bool has_cropping = false;
@@ -28,8 +28,8 @@ struct StreamFormat {
   bool apply(RecordedStream::Kind kind, RecordType type, std::string_view key,
              std::span<const std::uint8_t> value);
 
-  /// Fills in `stream` once all its properties have been applied. `stream` must have its kind and
-  /// codec.
+  /// Fills in `stream` once all its properties have been applied. `stream` must already have its
+  /// kind and codec.
   /// Fails with kCorrupt or kUnsupported. The message is a phrase that begins with the stream's
   /// name, for a sentence about the file.
   Result<void> describe(RecordedStream& stream) const;

@@ -219,7 +219,8 @@ Result<void> DeviceSource::begin_projector() {
 Result<void> DeviceSource::begin_controls() {
   if (!controls_.exposure && !controls_.white_balance) return {};
   openni::CameraSettings* settings = description_.has_color ? color_.getCameraSettings() : nullptr;
-  // The automatics run until they have settled; fix_controls() then fixes their values.
+  // Automatic exposure and white balance run until they have settled; fix_controls() then fixes
+  // their values.
   if (!settings || (controls_.exposure && settings->setAutoExposureEnabled(true) != openni::STATUS_OK) ||
       (controls_.white_balance && settings->setAutoWhiteBalanceEnabled(true) != openni::STATUS_OK)) {
     return fail(
@@ -280,7 +281,7 @@ Result<DeviceSource::Synchronizer::Pair> DeviceSource::next_pair(const std::stop
   flow::WatchedTime time;
   const Instant give_up =
       time.look(kMostALook) + others + (counters_.frames ? kStallAfter : kFirstFrameAfter);
-  Instant waits_until = Instant::max();  // Time limit of the wait for colour.
+  Instant waits_until = Instant::max();  // End of the wait for colour.
   while (true) {
     // A camera may send no depth while its projector is off. The gap in the camera's frame numbers
     // is then no loss.

@@ -4,7 +4,7 @@
 //
 // Depth is as the sensor measured it, and 0 is a hole. Colour is the picture within half a depth
 // period of the depth picture. If there is none, the nearest picture within 100 ms is repeated,
-// because a late picture disturbs less than a missing one. Else the frame has no colour.
+// because a late picture disturbs less than a missing one. Otherwise the frame has no colour.
 // SourceCounters count both cases.
 //
 // Thread: one thread of a process opens, reads and closes all of its sources, and lives until the
@@ -56,7 +56,7 @@ struct CameraControls {
     kFixed,
   };
   std::optional<Mode> exposure, white_balance;
-  std::optional<ProjectorSlot> projector;  ///< The projector's time slot among all projectors around.
+  std::optional<ProjectorSlot> projector;  ///< The projector's time slot, if cameras take turns.
 };
 
 /// How a recording is played, and the controls of a camera.
@@ -69,8 +69,8 @@ struct SourceSettings {
   Pace pace = Pace::kReal;
   bool loop = false;  ///< True to play again from the start, one mean period after the last frame.
   /// The instant at which the first frame is due at real pace. By default the replay is in sync
-  /// with the other replays of its session on this machine (session_clock.h), or starts at once. A
-  /// past instant means at once.
+  /// with the other replays of its session on this machine (session_clock.h), or starts at once. If
+  /// the instant has passed, the first frame is due at once.
   std::optional<Instant> begin = {};
   CameraControls controls = {};  ///< Only for a camera.
 };

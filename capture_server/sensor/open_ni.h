@@ -37,8 +37,8 @@ class OpenNiSession {
   openni::Status status_;
 };
 
-/// Waits until the driver's threads have left the streams of a device: until the threads of this
-/// process had 50 ms of CPU time, at most 400 ms. Call this function between stopping streams and
+/// Gives the driver's threads time to leave the streams of a device. It waits until this process's
+/// threads had 50 ms of CPU time, at most 400 ms. Call this function between stopping streams and
 /// destroying them.
 void let_threads_leave();
 

@@ -20,7 +20,7 @@ namespace copresence::sensor {
 
 class PlaybackSchedule {
  public:
-  /// A whole number of periods at 5, 10, 15, 25, 30 and 60 Hz.
+  /// A whole number of frame periods at 5, 10, 15, 25, 30 and 60 Hz.
   static constexpr Duration kStep = std::chrono::milliseconds(200);
 
   /// `period` is the usual time between frames, for recordings with unusable timestamps. `begin` is

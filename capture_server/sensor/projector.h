@@ -31,7 +31,7 @@ class Projector {
   Result<void> begin();
 
   /// Switches the projector if the schedule requires it, and then returns true. According to
-  /// reports, cameras take 5 to 250 ms.
+  /// reports, cameras need 5 to 250 ms to switch.
   bool follow_schedule();
 
   /// Time until follow_schedule() has to be called again.

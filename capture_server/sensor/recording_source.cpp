@@ -89,7 +89,7 @@ class RecordingSource final : public FrameSource {
   std::uint64_t lost_by_pass_ = 0;
 
   ReplayClock clock_;
-  std::optional<Pair> pending_;  // Read, but not due yet.
+  std::optional<Pair> pending_;  // The next pair, read but not due yet.
   Instant pending_due_{};
 };
 

@@ -14,9 +14,9 @@
 namespace copresence::sensor {
 namespace {
 
-// The content of the session's file: the span of the first replay in microseconds since 1970, and
-// the instant at which it begins, in nanoseconds of the steady clock. The file is used under a
-// lock, so all values are of one machine and one boot.
+// The content of the session's file: the first replay's time span in microseconds since 1970, and
+// its beginning in nanoseconds of the steady clock. The file is used under a lock, so all values
+// are of one machine and one boot.
 struct Shared {
   std::int64_t from_us = 0, to_us = 0, begin_ns = 0;
 };

@@ -254,7 +254,7 @@ std::optional<ChildEnd> ChildProcess::look_at_threads(nanoseconds step) {
     }
     const milliseconds usual = pace == Pace::kOpening ? policy_.opening : policy_.silence;
     if (!watched.silence.is_over(step, usual, kStarvedSilence * usual, starved_)) continue;
-    if (is_suspended(id_)) {  // A debugger suspended it. waitpid() reports a suspension by a signal.
+    if (is_suspended(id_)) {  // A debugger suspended the child. waitpid() reports a suspension by a signal.
       watched.silence.begin_again();
       continue;
     }
@@ -266,7 +266,8 @@ std::optional<ChildEnd> ChildProcess::look_at_threads(nanoseconds step) {
   return std::nullopt;
 }
 
-// Gives up after kKilledWithin, because the kernel may keep a process that waits for a device.
+// Kills the child and waits at most kKilledWithin, because the kernel may keep a process that waits
+// for a device.
 void ChildProcess::kill_at_once() const {
   ::kill(id_, SIGKILL);
   for (const auto until = Clock::now() + kKilledWithin; Clock::now() < until;) {

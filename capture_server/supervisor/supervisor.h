@@ -32,8 +32,8 @@ struct SupervisorPolicy {
   std::chrono::milliseconds silence{5000};
   std::chrono::milliseconds opening{20000};  ///< The limit while a camera is opened, until its first frame.
 
-  /// A child that does not stop within this time is killed. The time in which it got no CPU is
-  /// added, up to `stop_starved`.
+  /// A child that does not stop within this time is killed. The time in which the child got no CPU
+  /// is added, up to `stop_starved`.
   std::chrono::milliseconds stop_within{800}, stop_starved{8000};
   /// Signals that are closer together count as one, because timeout(1) sends two.
   std::chrono::milliseconds second_stop_after{150};
@@ -43,7 +43,8 @@ struct SupervisorPolicy {
   std::chrono::milliseconds longest_pause{2000};
   std::chrono::milliseconds healthy_after{10000};  ///< A child that lived this long ends a row of crashes.
   int most_in_a_row = 10;  ///< The supervisor gives up after so many crashes in a row.
-  /// In frames. Two crashes with at most so many frames between them are at the same place.
+  /// In frames. Two crashes count as at the same place if at most this many frames lie between
+  /// them.
   std::uint64_t same_place = 90;
 
   /// Sum of the time in which a process's threads got no CPU. The default is the kernel's figure.

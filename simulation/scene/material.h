@@ -28,7 +28,9 @@ enum class Pattern : std::uint8_t {
   kPlaid,      ///< Checked cloth.
   kStripes,    ///< Stripes across v.
   kHair,       ///< Strands along v.
-  kFace,  ///< Eyes, brows and mouth around u = 0.75 * scale; v in metres from the neck, negative upwards.
+  /// Eyes, brows and mouth around u = 0.75 * scale. The coordinate v is in metres from the neck,
+  /// negative upwards.
+  kFace,
 };
 
 /// Colours are linear, 0 to 1 per channel.
@@ -57,7 +59,7 @@ struct Colors {
 /// Maps linear light to an sRGB pixel. Light above 0.8 is compressed smoothly.
 Rgb8 to_screen(const Eigen::Vector3f& light);
 
-/// Maps many points. `screen` sets their number. Requires at least as many lights.
+/// Maps many points. `screen` sets their number. Requires at least as many lights as pixels.
 void to_screen(const Colors& light, std::span<Rgb8> screen);
 
 /// Returns the colour of the pattern at texture coordinates `uv`.

@@ -44,8 +44,8 @@ struct Ring {
 };
 
 /// A closed body, interpolated through cross-sections. Requires two or more rings in ascending
-/// order of y. Texture coordinates are metres around and along the body. `square` shapes the
-/// cross-section: 0 gives an ellipse, 1 nearly a rectangle. `pose` is mesh_from_loft.
+/// order of y. Texture coordinates are distances in metres around and along the body. `square`
+/// shapes the cross-section: 0 gives an ellipse, 1 nearly a rectangle. `pose` is mesh_from_loft.
 Mesh loft(const Eigen::Isometry3f& pose, std::span<const Ring> rings, int material, float square = 0,
           int around = 24, int steps_per_ring = 4);
 

@@ -23,8 +23,8 @@
 
 namespace copresence::simulation {
 
-/// A light-emitting rectangle: center +- half_u +- half_v. Seen from its front, u points right and
-/// v points down.
+/// A light-emitting rectangle: center +- half_u +- half_v. Seen from the front of the rectangle, u
+/// points right and v points down.
 struct AreaLight {
   Eigen::Vector3f center, half_u, half_v;
   Eigen::Vector3f power;  ///< Irradiance of a facing surface one metre away, linear colour.
@@ -74,7 +74,8 @@ inline constexpr int kMostKinects = 8;
 /// it. Requires `count` from 1 to kMostKinects.
 std::vector<Rigid3> kinect_poses(int count);
 
-/// Returns the upright pose at `eye` that faces `target`. Requires that neither is above the other.
+/// Returns the upright pose at `eye` that faces `target`. Requires that neither point is vertically
+/// above the other.
 Rigid3 look_from(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
 
 }  // namespace copresence::simulation

@@ -1,9 +1,9 @@
 #pragma once
 
 // The difference between a camera's colours and the scene's: exposure, gain, offset, gamma and
-// crosstalk of the channels, vignetting, and noise. The parameters are drawn from a seed. Cameras
-// differ as much as two Kinects whose automatic exposure and white balance see different parts of a
-// room.
+// crosstalk of the channels, vignetting, and noise. The parameters are random values from a seed.
+// Cameras differ as much as two Kinects whose automatic exposure and white balance see different
+// parts of a room.
 // Thread: const functions are safe on any thread.
 
 #include <Eigen/Core>

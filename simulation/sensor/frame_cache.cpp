@@ -30,9 +30,9 @@ void pick(const Runs& runs, const Image<Pixel>& image, std::vector<Pixel>& into)
     into.insert(into.end(), image.data() + run.first, image.data() + run.first + run.count);
 }
 
-// Changes `shown` from one frame to another. The old frame differs from `background` in the runs
-// `before`, the new frame in the runs `after`, with the given pixels. Most pixels are in both runs
-// and are written only once.
+// Changes `shown` from one frame to another. `before` and `after` are the runs in which the old and
+// the new frame differ from `background`. `pixels` are the new frame's pixels in these runs. Most
+// pixels are in both runs and are written only once.
 template <class Runs, class Pixel>
 void change(const Runs& before, const Runs& after, const std::vector<Pixel>& pixels,
             const Image<Pixel>& background, Image<Pixel>& shown) {

@@ -125,8 +125,9 @@ void KinectNoise::add_noise(const DotImage& dots, std::uint64_t frame, std::span
       shifts_y(4, hash(frame_seed, 3), width), gains(5, hash(frame_seed, 4), width),
       interferences(7, hash(frame_seed, 5), width);
 
-  std::vector<std::uint32_t> row_from(static_cast<std::size_t>(width));  // Source pixel of each pixel.
-  std::vector<Dots> row_taken(row_from.size());                          // Dots of the source pixels.
+  std::vector<std::uint32_t> row_from(
+      static_cast<std::size_t>(width));          // Index of the source pixel of each pixel.
+  std::vector<Dots> row_taken(row_from.size());  // Dots of the source pixels.
   std::uint32_t* __restrict from = row_from.data();
   Dots* __restrict taken = row_taken.data();
 

@@ -77,8 +77,8 @@ class KinectNoise {
  private:
   DepthUnit unit_;
   std::uint32_t seed_;
-  Image<float> pattern_;             // Fixed error of the disparity, in levels.
-  Image<float> needed_intensity_;    // Fixed part of the intensity below which depth is lost.
+  Image<float> pattern_;  // The part of the disparity error that is the same in all frames, in levels.
+  Image<float> needed_intensity_;    // The part of the needed intensity that is the same in all frames.
   Image<float> fixed_interference_;  // The part of the random interference that is the same in all frames.
   Image<float> interference_threshold_;  // Depth is lost where a frame's interference exceeds it.
 };

@@ -38,8 +38,8 @@ Image<float> light_of(const Rigid3& other, const LitScene& scene, const TrueView
 CameraModel kinect_model(int width, int height) {
   const double focal = 585.0 * width / 640;
   // The principal point is the centre of the picture, half a pixel from the nominal one
-  // (camera_model.h). Recordings and scene files of simulated cameras state it, and calibration
-  // finds it, as with a real Kinect.
+  // (camera_model.h). Recordings and scene files of simulated cameras state the principal point,
+  // and calibration finds it, as with a real Kinect.
   return {width, height, focal, focal, 0.5 * (width - 1), 0.5 * (height - 1), {}};
 }
 

@@ -81,7 +81,7 @@ class FigureTracer {
   std::shared_ptr<const LitScene> scene_;
   PosedScene posed_;
   std::vector<std::vector<Sphere>> bounds_;  // Spheres that contain each part, in its own frame.
-  Image<std::uint8_t> cells_;                // 1 for each cell that may show the figure.
+  Image<std::uint8_t> cells_;                // The value is 1 for each cell that may show the figure.
   std::vector<Ray> rays_;
 };
 

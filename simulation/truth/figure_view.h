@@ -61,11 +61,12 @@ class FigureView {
   std::vector<Eigen::Vector2f> uv_;     // Per pixel: texture coordinates, valid where the figure is visible.
   std::vector<Eigen::Vector3f> light_;  // Per pixel: reflected light, valid in the same places.
 
-  // Buffers for the hits that are being drawn follow.
+  // The following members are buffers for the hits that are being drawn.
   Points points_;
   PointLight point_light_;
-  std::vector<float> hidden_;               // Share of the lamp that is in shadow.
-  std::vector<float> sample_u_, sample_v_;  // First samples of all hits, then all second samples and so on.
+  std::vector<float> hidden_;  // Share of the lamp that is in shadow.
+  // First samples of all hits, followed by all second samples and so on.
+  std::vector<float> sample_u_, sample_v_;
   // Colours in the same order. The first sample of each hit becomes its light.
   std::array<std::vector<float>, 3> sample_colors_;
   std::vector<Rgb8> screen_;

@@ -14,7 +14,7 @@ namespace copresence::simulation {
 namespace {
 
 Result<std::shared_ptr<RTCDeviceTy>> make_device() {
-  // Embree builds on the calling thread, because only the programs create threads.
+  // Embree builds on the calling thread. Only the programs create threads.
   std::shared_ptr<RTCDeviceTy> device(rtcNewDevice("threads=1,set_affinity=0"), FreeDevice());
   if (!device)
     return fail(ErrorCode::kUnsupported, "the ray caster Embree cannot be started on this processor");

@@ -16,8 +16,8 @@ namespace copresence::simulation {
 /// Radius of the lamp in metres. The radius determines how soft shadows are.
 inline constexpr float kLampRadius = 0.2f;
 
-/// Points that may be in shadow, in metres, world frame. Separate arrays per coordinate let loops
-/// become vector code.
+/// Points that may be in shadow, in metres in the world frame. Separate arrays per coordinate let
+/// loops become vector code.
 struct ShadowPoints {
   std::vector<float> x, y, z;
   Eigen::Vector3f lamp = Eigen::Vector3f::Zero();

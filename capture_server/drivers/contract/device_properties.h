@@ -1,7 +1,7 @@
 #pragma once
 
-// Properties of this project's drivers in addition to OpenNI2's own. Their numbers do not overlap
-// with those of OpenNI2 and PrimeSense. A request with a wrong size fails with
+// Properties of this project's drivers in addition to OpenNI2's own. The properties' numbers do not
+// overlap with those of OpenNI2 and PrimeSense. A request with a wrong size fails with
 // ONI_STATUS_BAD_PARAMETER.
 
 #include <array>
@@ -20,7 +20,7 @@ using Intrinsics = std::array<double, 4>;
 
 /// Property of a depth stream, read-only: for each disparity, its depth as std::uint16_t in the
 /// stream's unit, or 0. The property is XN_STREAM_PROPERTY_S2D_TABLE of PrimeSense's PS1080.h.
-/// Third-party cameras and recordings also have it.
+/// Third-party cameras and recordings also have this property.
 inline constexpr int kDepthOfDisparity = 0x10801010;
 
 /// Property of a device, read and write, double: tilt of the camera above the horizon, -30 to 30

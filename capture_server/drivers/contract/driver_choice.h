@@ -19,7 +19,7 @@ inline constexpr const char* kChoiceVariable = "COPRESENCE_DRIVERS";
 inline constexpr std::string_view kPrimeSense = "primesense", kKinectV1 = "kinect_v1",
                                   kSimulated = "simulated",
                                   kInstalled = "installed";  ///< Drivers that a user has installed.
-/// Several names, joined by commas.
+/// Lists of drivers: their names, joined by commas.
 inline constexpr std::string_view kOtherThanKinects = "primesense,installed",
                                   kRealCameras = "primesense,kinect_v1,installed",
                                   kEveryDriver = "primesense,kinect_v1,installed,simulated";

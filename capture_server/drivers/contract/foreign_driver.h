@@ -3,7 +3,7 @@
 // Embeds a third-party camera driver in a driver of this project. The other driver's library is
 // loaded from its installed path, and only if it is needed. Devices and streams are passed on
 // unchanged, because they have the same virtual functions in every OpenNI2 driver.
-// Thread: as OpenNI2 calls a driver.
+// Thread: OpenNI2 calls a driver from the threads of its users.
 
 #include <optional>
 #include <string>

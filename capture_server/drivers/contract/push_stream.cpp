@@ -91,7 +91,8 @@ std::optional<PushStream::Picture> PushStream::next_picture() {
 void PushStream::no_picture() {
   const std::lock_guard lock(mutex_);
   on_its_way_ = false;
-  given_back_.notify_all();  // Call it with the lock held: the waiting thread may destroy the stream.
+  // Notified with the lock held, because the waiting thread may destroy the stream.
+  given_back_.notify_all();
 }
 
 void PushStream::Picture::GiveBack::operator()(OniFrame* frame) const {

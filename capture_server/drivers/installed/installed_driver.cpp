@@ -68,8 +68,8 @@ class InstalledDrivers final : public ForeignDriverHost {
     owner->driver.close(device);
   }
 
-  // OpenNI2 does not say to which driver the streams belong, so this works only with a single
-  // driver. Without hardware sync, frames are paired by their times.
+  // OpenNI2 does not say to which driver the streams belong, so hardware sync works only with a
+  // single driver. Without hardware sync, frames are paired by their times.
   void* enableFrameSync(StreamBase** streams, int count) override {
     return drivers_.size() == 1 ? drivers_.front().driver.enable_sync(streams, count) : nullptr;
   }
@@ -107,7 +107,7 @@ class InstalledDrivers final : public ForeignDriverHost {
     announced_by_[uri] = &loaded;
   }
 
-  std::list<Loaded> drivers_;  // A list, because the elements' addresses must not change.
+  std::list<Loaded> drivers_;  // A list keeps its elements in place.
   std::mutex mutex_;           // Guards the maps.
   std::map<std::string, const Loaded*, std::less<>> announced_by_;
   std::map<DeviceBase*, const Loaded*> opened_by_;

@@ -1,8 +1,8 @@
 #pragma once
 
 // A Kinect's clock as microseconds that never wrap. The camera's timestamps are 32 bits of a 60 MHz
-// counter, which wraps every 71.6 s. The time that has passed on the host gives the number of
-// wraps, even after a long gap.
+// counter, which wraps every 71.6 s. The clock counts the wraps by the time that has passed on the
+// host, even after a long gap.
 //
 // Source: the OpenKinect protocol documentation (60 MHz).
 // Thread: one thread at a time per object.

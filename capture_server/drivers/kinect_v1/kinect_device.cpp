@@ -13,7 +13,7 @@ namespace copresence::drivers {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480, kFps = 30;
-constexpr int kMaxDepth = FREENECT_DEPTH_MM_MAX_VALUE + 1;  // Greater than every depth value.
+constexpr int kMaxDepth = FREENECT_DEPTH_MM_MAX_VALUE + 1;  // A bound above all depth values.
 constexpr std::int64_t kPeriodUs = 1'000'000 / kFps;
 constexpr double kMostTilt = 30;
 constexpr int kDisparities = 2048;  // Disparities have 11 bits.
@@ -71,7 +71,7 @@ void KinectDevice::deliver(bool is_depth, const void* picture, std::uint32_t tic
   std::uint64_t now_us;
   int index;
   {
-    const std::lock_guard lock(running_mutex_);  // A stream that ends waits here for its picture.
+    const std::lock_guard lock(running_mutex_);  // A stream that ends waits for its picture, also here.
     Running& running = is_depth ? depth_ : video_;
     now_us = clock_.to_us(ticks, host_us());
     if (!running.stream) return;

@@ -81,7 +81,7 @@ class KinectDriver final : public oni::driver::DriverBase {
   // Calls OpenNI2 without mutex_, because OpenNI2 may call this driver while it holds a lock of its
   // own.
   void look_at_bus() {
-    std::map<std::string, bool> told;  // Serial numbers; true if the camera was plugged in.
+    std::map<std::string, bool> told;  // True for a serial number that was plugged in.
     {
       const std::lock_guard lock(mutex_);
       devices_seen_ = freenect_num_devices(bus_.get());

@@ -2,7 +2,7 @@
 
 // The frame clock of all simulated cameras of a machine. Frame n is captured n / 30 s after the
 // epoch of the system clock, so all cameras capture at the same instants. Cameras on several
-// machines do so too, as far as the machines' clocks agree.
+// machines capture at the same instants as far as the machines' clocks agree.
 // Thread: one thread at a time per object.
 
 #include <algorithm>

@@ -18,7 +18,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::system_clock;
 
-constexpr int kMaxDepth = 10000;  // Greater than every depth value.
+constexpr int kMaxDepth = 10000;  // A bound above all depth values.
 
 std::int64_t now_us() {
   return std::chrono::duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();

@@ -26,11 +26,11 @@ namespace copresence::drivers {
 
 /// The state of a camera according to its control file. Tests use such files to make cameras fail.
 enum class Control {
-  kWork,       ///< No file was named, or its first word is none of the following.
+  kWork,       ///< No file was named, or it holds no such word.
   kUnplugged,  ///< The file does not exist.
-  kStall,      ///< "stall": no frames, and no error.
-  kCrash,      ///< "crash": the driver ends its process.
-  kHang,       ///< "hang": the driver never returns.
+  kStall,      ///< The word "stall": no frames, and no error.
+  kCrash,      ///< The word "crash": the driver ends its process.
+  kHang,       ///< The word "hang": the driver never returns.
 };
 Control read_control(const std::string& path);
 

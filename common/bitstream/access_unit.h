@@ -25,18 +25,18 @@ struct Nal {
 
   NalType type() const { return static_cast<NalType>(bytes[0] & 31); }
   /// True for slices and parameter sets, without which the picture cannot be decoded. A program
-  /// that copies a stream keeps these units unchanged, but may change the others.
+  /// that copies a stream may drop or move only the other units.
   bool is_essential() const;
 };
 
-/// Returns the NAL units in their order. They refer to the given bytes. Fails with kCorrupt if the
-/// bytes do not begin with a start code, or if a NAL unit is empty or forbidden.
+/// Returns the NAL units in order; they refer to the given bytes. Fails with kCorrupt if the bytes
+/// do not begin with a start code, or if a NAL unit is empty or forbidden.
 Result<std::vector<Nal>> split_access_unit(std::span<const std::uint8_t> access_unit);
 
 /// Appends a start code and the NAL unit.
 void append_nal(std::vector<std::uint8_t>& access_unit, std::span<const std::uint8_t> nal);
 
-/// Insert emulation prevention bytes, so that a payload contains no start code, and remove them.
+/// Inserts or removes emulation prevention bytes. With them a payload contains no start code.
 std::vector<std::uint8_t> to_nal_bytes(std::span<const std::uint8_t> payload);
 std::vector<std::uint8_t> from_nal_bytes(std::span<const std::uint8_t> nal);
 

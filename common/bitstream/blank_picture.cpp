@@ -96,7 +96,7 @@ std::vector<std::uint8_t> BlankPictureWriter::sequence_parameters() const {
   picture.zero();       // `seq_parameter_set_id`.
   picture.fixed(0, 2);  // CAVLC, no field order.
   picture.zero();       // One slice group.
-  picture.zero();       // One reference, also for list 1.
+  picture.zero();       // One reference picture, also for list 1.
   picture.zero();
   picture.fixed(0, 3);  // No weighted prediction.
   picture.zero();       // `pic_init_qp_minus26`.

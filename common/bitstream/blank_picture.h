@@ -1,9 +1,9 @@
 #pragma once
 
-// Writes H.264 access units of uniform grey pictures, a few bytes each. They carry the side data of
-// frames whose depth is coded as residuals instead of a picture. So the stream remains valid H.264
-// for programs that copy, store or show it. For a picture of 640x480, libx264 takes 0.6 ms. This
-// writer takes less than a microsecond for each picture that is not a keyframe.
+// Writes H.264 access units of uniform grey pictures, a few bytes each. The pictures carry the side
+// data of frames whose depth is coded as residuals. So the stream remains valid H.264 for programs
+// that copy, store or show it. For a picture of 640x480, libx264 takes 0.6 ms. This writer takes
+// less than a microsecond for each picture that is not a keyframe.
 //
 // Each picture is one slice. Keyframes are predicted from mid grey without a residual. Other
 // pictures repeat the picture before.
@@ -21,7 +21,7 @@ class BlankPictureWriter {
   /// Requires kGray8 or kGray10, and even sizes from 2 to 4096.
   BlankPictureWriter(PixelFormat format, int width, int height);
 
-  /// Returns the next access unit in Annex B form. The first one must be a keyframe.
+  /// Returns the next access unit in Annex B form. The first unit must be a keyframe.
   std::vector<std::uint8_t> write(bool keyframe);
 
  private:

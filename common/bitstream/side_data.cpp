@@ -18,7 +18,7 @@ constexpr std::uint8_t kLayoutVersion = 3;
 constexpr std::array<std::uint8_t, 16> kUuid = {0x5c, 0x1e, 0x37, 0xa0, 0x2f, 0x6b, 0x4d, 0x58,
                                                 0x9e, 0x43, 0xc0, 0x97, 0xe5, 0x1d, 0x80, 0x6a};
 constexpr std::size_t kCrcAt = 16, kCheckedFrom = 20, kFixedBytes = 51, kPoseBytes = 96, kSizeBytes = 4;
-// Start code, NAL unit header, payload type, last byte of the payload size, and stop bit.
+// Total size of start code, NAL unit header, payload type, last size byte and stop bit.
 constexpr std::size_t kFramingBytes = 8;
 
 enum Flag : std::uint8_t { kHasColor = 1, kHasPose = 2, kHasResiduals = 4 };
@@ -36,7 +36,7 @@ class Writer {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Reads little-endian numbers. Past the end it reads zeros, and ended_early() returns true.
+/// Reads little-endian numbers. Reading past the end gives zeros and sets ended_early().
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -97,7 +97,7 @@ std::uint32_t crc_of_essentials(const std::vector<Nal>& nals, std::uint32_t befo
   return before;
 }
 
-/// Makes an SEI NAL unit of a payload of type user_data_unregistered.
+/// Wraps a payload of type user_data_unregistered into an SEI NAL unit.
 std::vector<std::uint8_t> wrap(std::span<const std::uint8_t> payload) {
   std::vector<std::uint8_t> message = {static_cast<std::uint8_t>(NalType::kSei), kUserDataUnregistered};
   std::size_t size = payload.size();
@@ -148,7 +148,7 @@ std::vector<std::uint8_t> add_side_data(std::span<const std::uint8_t> depth,
 
   Writer writer;
   writer.append(kUuid);
-  writer.number<std::uint32_t>(0);  // The CRC replaces this below.
+  writer.number<std::uint32_t>(0);  // Placeholder for the CRC.
   writer.number(kLayoutVersion);
   writer.number(static_cast<std::uint8_t>((data.has_color ? kHasColor : 0) |
                                           (data.world_from_camera ? kHasPose : 0) |

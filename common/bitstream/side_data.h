@@ -1,13 +1,13 @@
 #pragma once
 
-// Side data: the parts of a frame that must arrive exactly. They are metadata, validity mask,
-// codebook change and residuals. The depth access unit holds them in one SEI message of type
-// user_data_unregistered, with a UUID of our own. So every copy of the stream (wire, Matroska,
-// MPEG-TS, a relay) keeps them with their picture.
+// Side data: the parts of a frame that must arrive exactly. Side data consists of metadata,
+// validity mask, codebook change and residuals. The depth access unit holds the side data in one
+// SEI message of type user_data_unregistered, with our own UUID. So every copy of the stream (wire,
+// Matroska, MPEG-TS, a relay) keeps the side data with its picture.
 //
 // A CRC-32 over the side data and both coded pictures detects damage, missing parts, and pictures
-// of different frames. docs/internals/sei.md describes the layout, and the test
-// SideData.HasTheDocumentedBytes checks it. Thread: pure.
+// of different frames. See docs/internals/sei.md for the layout. The test
+// SideData.HasTheDocumentedBytes checks that page. Thread: pure.
 
 #include <cstddef>
 #include <cstdint>
@@ -28,7 +28,7 @@ struct SideData {
   Instant captured_at{};                    ///< On the capture process's monotonic clock; never negative.
   std::uint8_t qp = 0;                      ///< QP of the depth picture; 0 means lossless.
   bool has_color = false;                   ///< True if this frame has a colour access unit.
-  std::optional<Rigid3> world_from_camera;  ///< Absent if the same as in the frame before.
+  std::optional<Rigid3> world_from_camera;  ///< Absent if unchanged since the frame before.
   std::vector<std::uint8_t> table;
   std::vector<std::uint8_t> residuals;  ///< Losslessly coded depth; the picture is then blank.
   std::vector<std::uint8_t> validity_mask;

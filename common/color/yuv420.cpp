@@ -44,7 +44,7 @@ std::uint16_t share(int of, std::uint16_t coefficient) {
 
 void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) {
   constexpr int kBits = 8;  // Fractional bits.
-  // Half of the last bit, and half of the loss from rounding down three products.
+  // Half of the last bit, plus half of what rounding down three products can lose.
   constexpr int kRounding = (1 << (kBits - 1)) + 1;
   for (int x = 0; x < count; ++x) {
     const auto sum = static_cast<std::uint16_t>(share(in.r[x] << kBits, kYr) + share(in.g[x] << kBits, kYg) +
@@ -53,7 +53,7 @@ void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) 
   }
 }
 
-constexpr int kChromaBits = 7;  // Fractional bits; 0 to 256 then fits into 16 bits.
+constexpr int kChromaBits = 7;  // Fractional bits; values from 0 to 256 then fit into 16 bits.
 
 /// Computes means over 2x2 pixels.
 void halve(const std::uint8_t* __restrict upper, const std::uint8_t* __restrict lower, int count,

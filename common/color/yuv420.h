@@ -3,10 +3,10 @@
 // Converts RGB to the YUV of a video codec, and back. The format is full-range BT.601 (the JPEG
 // matrix) with chroma of half the width and height.
 //
-// A chroma sample is the mean of 2x2 pixels, and the way back gives all four of them this value.
-// The round trip is exact for greys, and exact up to rounding if each 2x2 block has one colour.
-// Integer arithmetic gives the same result on every machine. Source: ITU-T T.871 (JFIF), section 7.
-// Thread: pure; concurrent calls on distinct outputs are safe.
+// A chroma sample is the mean of 2x2 pixels. Converting back gives all four pixels this value. The
+// round trip is exact for greys, and exact up to rounding if each 2x2 block has one colour. Integer
+// arithmetic gives the same result on every machine. Source: ITU-T T.871 (JFIF), section 7. Thread:
+// pure; concurrent calls on distinct outputs are safe.
 
 #include "common/frame/image.h"
 #include "common/frame/picture.h"

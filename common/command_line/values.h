@@ -33,11 +33,11 @@ CLI::Validator some(std::string what);
 
 /// Accepts every file name. It does not check whether the file exists.
 CLI::Validator file_name();
-/// Accepts a file that can be written now: its folder exists, and neither is write-protected. This
-/// check comes before a long computation, whose result would otherwise be lost.
+/// Accepts a file that can be written now: its folder exists, and neither is write-protected.
+/// Checking early avoids losing the result of a long computation.
 CLI::Validator writable_file();
 /// Like writable_file(), but for a file that is written under a temporary name and then renamed.
-/// Its folder must be writable, too.
+/// The file's folder must be writable, too.
 CLI::Validator replaceable_file();
 CLI::Validator existing_file();
 CLI::Validator existing_folder();

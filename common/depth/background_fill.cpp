@@ -115,7 +115,7 @@ bool BackgroundFill::moves_fast() const {
   return moved * 2 > seen;
 }
 
-// Copies the row above into rows that never had depth. The first rows copy the row below.
+// Copies the row above into rows that never had depth. Empty rows at the top copy the row below.
 void BackgroundFill::fill_rows_without_depth() {
   const auto has_depth = [&](int y) {
     const auto row = states_.row(y);

@@ -1,11 +1,11 @@
 #pragma once
 
 // Fills holes so that the picture costs few bits in a video codec, which codes smooth and unchanged
-// areas cheaply. They are never shown, since the validity mask makes them holes again.
+// areas cheaply. Filled values are never shown, since the validity mask makes them holes again.
 //
-// A hole keeps its value from the frame before, which H.264 can skip if the camera stands still. It
-// is filled again if that value differs too much from the hole's border, or if most of the picture
-// moves. Then it takes the farther of the two depths at its ends in its row. Thread: distinct
+// A hole keeps its value from the frame before, which H.264 can skip if the camera stands still.
+// The hole is filled again if its value differs too much from its border, or if most of the picture
+// moves. A filled hole takes the farther of the two depths at its ends in its row. Thread: distinct
 // objects are independent.
 
 #include "common/frame/depth_unit.h"

@@ -15,11 +15,11 @@ namespace copresence::depth {
 
 namespace {
 
-// The first byte before a validity mask. It says how the picture is coded.
+// Values of the byte before a validity mask, which says how the picture is coded.
 constexpr std::uint8_t kThroughVideo = 0, kAsResiduals = 1;
 
-// Lowest QP at 8 bits at which edges are repaired. H.264's deblocking begins to act there. At lower
-// QPs, a point that really lies between two surfaces is more frequent than a blurred edge.
+// Lowest QP at 8 bits at which edges are repaired. H.264's deblocking begins to act at this QP. At
+// lower QPs, a point that really lies between two surfaces is more frequent than a blurred edge.
 constexpr int kRepairFrom = 12;
 constexpr int kTenBits = 12;  // At 10 bits, an equally coarse QP is higher by 12.
 

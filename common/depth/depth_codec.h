@@ -4,9 +4,9 @@
 // codecs of docs/internals/codecs.md. The stream description has the codec's name and parameters.
 //
 // Every codec keeps states exactly: a hole is never decoded as depth, nor depth as a hole. All
-// decoded depth lies within the stream's range. Each codec's header and docs/internals/codecs.md
-// give its error. Depth is in the stream's DepthUnit along the optical axis. Thread: distinct
-// objects are independent; one object is used by one thread at a time.
+// decoded depth lies within the stream's range. Each codec's header states its error. Depth is in
+// the stream's DepthUnit along the optical axis. Thread: distinct objects are independent; one
+// object is used by one thread at a time.
 
 #include <cstdint>
 #include <memory>
@@ -66,9 +66,9 @@ class Decoder {
 
   /// Decodes depth and states. Depth is 0 exactly where the state is kHole. Requires all frames
   /// since the last keyframe, undamaged and in the order of encoding; video::FrameDecoder checks
-  /// this. Other bytes decode to other depth or fail. Fails with kCorrupt for side data that no
-  /// encoder writes, and for a picture of another format or shape. Then every frame up to the next
-  /// keyframe fails, and `depth` and `states` are unspecified.
+  /// this. Damaged bytes decode to wrong depth or fail. Fails with kCorrupt for side data that no
+  /// encoder writes, and for a picture of another format or shape. After a failure, every frame up
+  /// to the next keyframe fails, and `depth` and `states` are unspecified.
   Result<void> decode(const PlanarDepth& planes, DepthImage& depth, StateImage& states);
 
  private:

@@ -9,8 +9,8 @@ namespace {
 constexpr int kReach = 2;          // Pixels to either side.
 constexpr int kBlock = 32;         // Number of pixels that are tested for edges at a time.
 constexpr float kEdgeSteps = 10;   // Sides that differ by more are two surfaces.
-constexpr float kFlyingSteps = 5;  // Least difference between a flying pixel and both sides.
-// Share of the difference between the sides. Beyond it, a pixel may belong to either side.
+constexpr float kFlyingSteps = 5;  // A flying pixel differs from both sides by more steps.
+// Share of the difference between the sides. A pixel farther from both sides is not repaired.
 constexpr float kSureShare = 0.3f;
 
 }  // namespace
@@ -54,7 +54,7 @@ void EdgeRepair::repair_row(std::uint16_t* row, const std::uint16_t* before, con
       const float off_a = std::abs(c - a), off_b = std::abs(c - b);
       const bool flying = (std::abs(a - b) * S > kEdgeSteps * a * b) & (off_a * S > kFlyingSteps * a * c) &
                           (off_b * S > kFlyingSteps * b * c);
-      const float near_a = off_a * b, near_b = off_b * a;  // In steps, times a b c / S.
+      const float near_a = off_a * b, near_b = off_b * a;  // Differences in steps, times a b c / S.
       const bool sure = std::min(near_a, near_b) < kSureShare * std::abs(a - b) * c;
       row[i] = flying & sure ? (near_a < near_b ? before[i] : behind[i]) : here[i];
     }

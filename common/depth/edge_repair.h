@@ -2,10 +2,10 @@
 
 // Repairs flying pixels: pixels that lossy coding has placed between two surfaces by blurring a
 // depth edge. The two pixels at a distance of 2 on opposite sides of a flying pixel differ by at
-// least 10 disparity steps. The flying pixel differs from both by more than 5 steps. It takes the
-// depth of the side that is clearly nearer. Pixels near the midpoint are not changed: on the wrong
-// surface, their error would be larger. At fine QPs the repair would move more correct pixels than
-// blurred ones, so it is not used there (depth_codec.cpp). Thread: distinct objects are
+// least 10 disparity steps. The flying pixel differs from both by more than 5 steps. A flying pixel
+// takes the depth of the side that is clearly nearer. Pixels near the midpoint are not changed: on
+// the wrong surface, their error would be larger. At fine QPs the repair would move more correct
+// pixels than blurred ones, so it is not used there (depth_codec.cpp). Thread: distinct objects are
 // independent.
 
 #include <vector>

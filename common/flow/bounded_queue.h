@@ -26,7 +26,7 @@ class BoundedQueue {
     return !closed_ && values_.size() < capacity_;
   }
 
-  /// Waits until put() would succeed, for `at_most`. Returns false after that time, on a stop
+  /// Waits up to `at_most` until put() would succeed. Returns false on a timeout, on a stop
   /// request, or if the queue is closed.
   bool wait_for_room(std::stop_token stop, std::chrono::milliseconds at_most) {
     std::unique_lock lock(mutex_);

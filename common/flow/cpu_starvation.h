@@ -16,9 +16,9 @@ class CpuStarvation {
  public:
   explicit CpuStarvation(pid_t process) : process_(process) {}
 
-  /// Returns the sum since the first call. It never shrinks when threads end. It misses the waits
-  /// of a thread between the last call and the thread's end. It is zero if the kernel does not
-  /// count (/proc/PID/task/TID/schedstat).
+  /// Returns the sum since the first call. The sum never shrinks when threads end. It misses a
+  /// thread's waits between the last call and the thread's end. The sum is zero if the kernel does
+  /// not count waits (/proc/PID/task/TID/schedstat).
   std::chrono::nanoseconds look();
 
  private:

@@ -16,7 +16,7 @@ namespace copresence::flow {
 template <class T>
 class Mailbox {
  public:
-  /// Stores a value. It replaces a value that was not taken, and counts that value as overwritten.
+  /// Stores a value. An older value that was not taken is overwritten and counted.
   void put(T value) {
     {
       std::lock_guard lock(mutex_);

@@ -16,8 +16,8 @@ namespace copresence::flow {
 /// If `on_hangup` is given, SIGHUP calls it on a separate thread instead of ending the process.
 /// Signals during a call cause one more call. The destructor waits until the call returns.
 ///
-/// Create and destroy it on the main thread, before any other thread exists, since new threads
-/// inherit the blocked signals. Only one object may exist at a time.
+/// Create and destroy the object on the main thread, before any other thread exists, since new
+/// threads inherit the blocked signals. Only one object may exist at a time.
 class StopOnSignal {
  public:
   explicit StopOnSignal(std::function<void()> on_hangup = {});

@@ -7,7 +7,7 @@
 namespace copresence::flow {
 
 /// Lowers the priority of the calling thread, and of the threads that it creates later, by `steps`
-/// of nice (1 to 19). This cannot be undone. It costs nothing while a core is idle.
+/// of nice (1 to 19). This cannot be undone. A lower priority costs nothing while a core is idle.
 void lower_priority(int steps);
 
 }  // namespace copresence::flow

@@ -1,6 +1,6 @@
 #pragma once
 
-// Waits that a stop request interrupts. Thread: any thread may call any function.
+// Waiting functions that a stop request interrupts. Thread: any thread may call any function.
 
 #include <chrono>
 #include <condition_variable>

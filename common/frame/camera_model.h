@@ -23,7 +23,7 @@ struct CameraModel {
   int width = 0;  ///< Pixels; even.
   int height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< Pixels.
-  std::array<double, 8> distortion{};     ///< k1 k2 p1 p2 k3 k4 k5 k6, in OpenCV's order.
+  std::array<double, 8> distortion{};     ///< OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6.
 
   bool is_distorted() const;
   friend bool operator==(const CameraModel&, const CameraModel&) = default;

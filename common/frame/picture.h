@@ -18,13 +18,13 @@
 namespace copresence {
 
 enum class PixelFormat : std::uint8_t {
-  kGray8 = 1,   ///< 4:0:0, 8 bits per sample.
-  kGray10 = 2,  ///< 4:0:0, 10 bits per sample in two bytes, host order.
-  kYuv420 = 3,  ///< 8 bits; chroma has half the width and height.
-  kYuv444 = 4,  ///< 8 bits; chroma is as large as luma.
+  kGray8 = 1,   ///< Luma only (4:0:0), 8 bits per sample.
+  kGray10 = 2,  ///< Luma only (4:0:0), 10 bits in two bytes, host order.
+  kYuv420 = 3,  ///< Samples of 8 bits; chroma has half the width and height.
+  kYuv444 = 4,  ///< Samples of 8 bits; chroma is as large as luma.
 };
 
-std::string_view name(PixelFormat format);  ///< One of gray8, gray10, yuv420, yuv444.
+std::string_view name(PixelFormat format);  ///< Returns gray8, gray10, yuv420 or yuv444.
 
 class Picture {
  public:

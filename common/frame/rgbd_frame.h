@@ -19,8 +19,8 @@ using Duration = std::chrono::steady_clock::duration;
 
 /// Identity, time and pose of a frame. They stay unchanged from sensor to screen.
 struct FrameMetadata {
-  std::uint64_t sequence = 0;  ///< Number of the captured frame in its stream, from 1.
-  Instant captured_at{};       ///< When the capture process received the frame.
+  std::uint64_t sequence = 0;  ///< Counts the captured frames of a stream from 1, without gaps.
+  Instant captured_at{};       ///< When the capture process received it, on its monotonic clock.
   Rigid3 world_from_camera;    ///< Pose of the camera at that instant, in metres.
 
   friend bool operator==(const FrameMetadata&, const FrameMetadata&) = default;

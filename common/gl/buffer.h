@@ -22,9 +22,9 @@ class Buffer {
   std::size_t bytes() const { return bytes_; }
   std::uint32_t id() const { return name_.id(); }
 
-  /// Copies values to or from the buffer, starting at byte `offset`. Requires offset + the span's
-  /// bytes <= bytes(). read() waits for all earlier commands. Before you read what a shader wrote,
-  /// call Context::barrier(Reader::kHost).
+  /// Copies values to or from the buffer, starting at byte `offset`. Requires that offset plus the
+  /// span's size is at most bytes(). Reading waits for all earlier commands. Before you read what a
+  /// shader wrote, call Context::barrier(Reader::kHost).
   template <class T, std::size_t N>
   void write(std::span<const T, N> values, std::size_t offset = 0) {
     static_assert(std::is_trivially_copyable_v<T>);

@@ -183,7 +183,7 @@ Context::Context(Debug debug) : renderer_name_(text_of(GL_RENDERER)), version_(t
 Context::~Context() {
   assert(is_on_its_thread());
   vertex_array_ = {};
-  // The window's context still exists. Its driver must not call back into this object.
+  // The window's context still exists, and its driver must not call back into this object.
   const bool is_current = !egl_context_ || eglGetCurrentContext() == egl_context_;
   if (is_current) glDebugMessageCallback(nullptr, nullptr);
   if (!egl_context_) return;

@@ -40,9 +40,9 @@ constexpr Reader operator|(Reader a, Reader b) {
 
 class Context {
  public:
-  /// Creates a context without a window through EGL. Takes the first graphics card that supports
-  /// it, else a software renderer. Fails with kUnavailable if neither works; the message says what
-  /// to install.
+  /// Creates a context without a window through EGL. Uses the first graphics card that supports it,
+  /// else a software renderer. Fails with kUnavailable if neither works; the message says what to
+  /// install.
   static Result<std::unique_ptr<Context>> headless(Debug debug = Debug::kOff);
 
   /// Wraps the context that is current on this thread, for example a window's. That context must
@@ -56,7 +56,8 @@ class Context {
   const std::string& renderer_name() const { return renderer_name_; }
   const std::string& version() const { return version_; }
 
-  /// True if the CPU executes the shaders. The CPU renderer is then several times faster.
+  /// True if the CPU executes the shaders. The client's own CPU renderer is then several times
+  /// faster.
   bool is_software() const;
 
   /// Makes earlier shader writes to images and storage blocks visible to later operations.
@@ -67,10 +68,10 @@ class Context {
   void finish();
 
   /// Returns the errors that the driver reported since the last call, oldest first, at most 32.
-  /// With Debug::kOff they are error codes without a description.
+  /// With Debug::kOff the errors are codes without a description.
   std::vector<std::string> take_errors();
 
-  /// Fails with kUnavailable and "`doing`: MESSAGE" if take_errors() has an error.
+  /// If take_errors() has an error, fails with kUnavailable and a message that names `doing`.
   Result<void> check(std::string_view doing);
 
   /// True on the thread that created this context.

@@ -18,7 +18,7 @@ class Context;
 class Program;
 class Texture;
 
-/// The command that draw_indirect() reads: DrawElementsIndirectCommand of OpenGL.
+/// OpenGL's DrawElementsIndirectCommand, which draw_indirect() reads.
 struct DrawCommand {
   std::uint32_t indices = 0;
   std::uint32_t instances = 1;

@@ -24,7 +24,7 @@ struct Define {
   std::string value;
 };
 
-/// The command that dispatch_indirect() reads: DispatchIndirectCommand of OpenGL.
+/// OpenGL's DispatchIndirectCommand, which dispatch_indirect() reads.
 struct DispatchCommand {
   std::uint32_t groups_x = 0;
   std::uint32_t groups_y = 1;
@@ -33,7 +33,8 @@ struct DispatchCommand {
 
 class Program {
  public:
-  /// Sources must begin with `#version 450 core`. Fail with kInvalid and the compiler's log.
+  /// Sources must begin with `#version 450 core`. These functions fail with kInvalid and the
+  /// compiler's log.
   static Result<Program> compute(Context& context, std::string_view source,
                                  std::span<const Define> defines = {});
   static Result<Program> graphics(Context& context, std::string_view vertex, std::string_view fragment,
@@ -53,7 +54,7 @@ class Program {
 
   /// Runs a compute shader in this number of work groups.
   void dispatch(int groups_x, int groups_y = 1, int groups_z = 1) const;
-  /// Runs at least one invocation per pixel. The shader must skip those outside width x height.
+  /// Runs at least one invocation per pixel. The shader must skip pixels outside.
   void dispatch_over(int width, int height) const;
   /// Runs a compute shader in the work groups of the DispatchCommand at byte `offset` of `command`.
   void dispatch_indirect(const Buffer& command, std::size_t offset = 0) const;

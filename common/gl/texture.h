@@ -40,7 +40,7 @@ class Texture {
     upload_pixels(image.data(), image.width(), image.height(), sizeof(Pixel), layer);
   }
 
-  /// Copies RGB into a kRgba8 texture with alpha 255. Drivers convert ten times slower.
+  /// Copies RGB into a kRgba8 texture with alpha 255. Drivers would convert ten times slower.
   void upload(const ColorImage& image, int layer = 0);
 
   /// Copies the texture into `image` and resizes it to fit. Waits for all earlier commands. Before
@@ -69,7 +69,7 @@ class Texture {
   int width_;
   int height_;
   int layers_;
-  Image<Rgba8> widened_;  // Member so that its memory is reused.
+  Image<Rgba8> widened_;  // A member, so that its memory is reused.
 };
 
 }  // namespace copresence::gl

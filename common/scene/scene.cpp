@@ -22,7 +22,7 @@ constexpr double kFarthestM = 10'000;
 // Limits in bytes. A name has the same limit as capture_server's --name.
 constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 1024;
 
-// Reads the tables of one file. error() is the first error; later errors are ignored.
+// Reads the tables of one file. Only the first error is kept.
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : path_(path) {}

@@ -12,16 +12,16 @@
 namespace copresence::scene {
 
 /// Returns the text of a new scene file at `path`. Relative paths of recordings are written
-/// relative to the folder of `path`. parse() reads the same scene back: numbers to the last bit,
-/// poses to 1e-11.
+/// relative to the folder of `path`. Reading gives the same scene: numbers to the last bit, poses
+/// to 1e-11.
 std::string to_toml(const Scene& scene, const std::filesystem::path& path);
 
 /// Changes the text of a scene file to describe `scene`. Equal values, comments and the order of
 /// entries stay unchanged. Cameras are identified by name: new cameras are appended, and cameras
-/// that `scene` lacks are removed. Some texts cannot be changed in place, for example if cameras
-/// are inline tables. to_toml() then replaces them. `path` is the path of the resulting file;
-/// relative paths of recordings are relative to its folder. Fails as parse() does if `text` is not
-/// a scene file.
+/// that `scene` lacks are removed. A text that cannot be changed in place, for example with cameras
+/// in inline tables, is replaced by to_toml(). `path` is the path of the resulting file; relative
+/// paths of recordings are relative to its folder. Fails as parse() does if `text` is not a scene
+/// file.
 Result<std::string> rewrite(std::string_view text, const Scene& scene, const std::filesystem::path& path);
 
 /// Writes the scene to `path`. If there is a file at `layout`, the result is rewrite() of that

@@ -1,8 +1,8 @@
 #pragma once
 
-// Parses TOML files that other people wrote. toml++ has no limit on dotted keys and frees nested
-// tables by recursion, so a file with `[a.a.a...` overflows the stack. Nesting is therefore checked
-// before toml++ sees the text. Thread: pure functions.
+// Parses TOML files that other people wrote. The library toml++ has no limit on dotted keys and
+// frees nested tables by recursion, so a file with `[a.a.a...` overflows the stack. Nesting is
+// therefore checked before toml++ sees the text. Thread: pure functions.
 
 #include <toml++/toml.h>
 

@@ -6,7 +6,7 @@
 namespace copresence::video {
 namespace {
 
-/// Target share of the rate. It keeps a second with a keyframe within 10 % of the rate.
+/// Target share of the rate, which keeps a second with a keyframe within 10 % of the rate.
 constexpr double kShare = 0.99;
 /// Size of x264's buffer, in frames. A value below 3 keeps every frame below three times the mean.
 /// It also keeps a second of small frames and a final keyframe below 1.1 times the rate.
@@ -17,13 +17,13 @@ constexpr double kBufferFrames = 2.5;
 constexpr double kSpendFrames = 5;
 constexpr double kMostSaved = 1.5;
 /// A keyframe fills the bucket by up to kUsualLevel frames' worth, which drains within about
-/// kDrainFrames. If it drained faster and the mask took most of the rate, the next pictures would
-/// get almost no bits. Any excess above that level drains in kDrainExcessFrames.
+/// kDrainFrames. If the bucket drained faster and the mask took most of the rate, the next pictures
+/// would get almost no bits. Any excess above that level drains in kDrainExcessFrames.
 constexpr double kDrainFrames = 40;
 constexpr double kDrainExcessFrames = 8;
 constexpr double kUsualLevel = 2;
-/// Highest level of the bucket, in frames. It bounds the recovery of the picture to a second after
-/// the side data alone has exceeded the rate for long.
+/// Highest level of the bucket, in frames. The limit lets the picture recover within a second after
+/// the side data alone has exceeded the rate.
 constexpr double kMostLevel = 30;
 /// Share of the picture if the side data alone exceeds the rate, since x264 needs some bits.
 constexpr double kLeastShare = 0.05;
@@ -43,7 +43,7 @@ void DepthRateController::set_kbps(int kbps) {
   assert(kbps > 0);
   const double before = frame_bits();
   kbps_ = kbps;
-  bucket_bits_ *= frame_bits() / before;  // Keep the level in frames.
+  bucket_bits_ *= frame_bits() / before;  // Keeps the level in frames unchanged.
 }
 
 PictureRate DepthRateController::picture_rate(std::size_t side_bytes) const {

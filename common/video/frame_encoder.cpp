@@ -10,8 +10,7 @@ namespace copresence::video {
 
 namespace {
 
-/// Size of x264's buffer for colour, in frames. On a link of this rate, a keyframe may take as
-/// long.
+/// Size of x264's buffer for colour, in frames. A keyframe may delay a link of this rate as long.
 constexpr double kColorBufferFrames = 3;
 
 PictureRate color_rate(int kbps, double frames_per_second) {

@@ -36,8 +36,8 @@ class FrameEncoder {
   void encode_color_ahead(std::uint64_t sequence, const Picture& color, bool keyframe);
 
   /// Changes rates or QP from the next frame on. The preset must stay the same. Returns true if the
-  /// next frame must be a keyframe: after a change of the QP, or between QP and bit rate. A new bit
-  /// rate alone needs no keyframe. Fails as open() does, and then changes nothing.
+  /// next frame must be a keyframe: after a change of the QP, or a switch between QP and bit rate.
+  /// A new bit rate alone needs no keyframe. Fails as open() does, and then changes nothing.
   Result<bool> change(const VideoSettings& settings);
 
  private:

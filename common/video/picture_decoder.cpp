@@ -30,7 +30,7 @@ bool holds(AVPixelFormat decoded, PixelFormat format) {
 }
 
 /// Returns the frame's picture and empties the frame. If rows have no padding, the picture borrows
-/// the decoder's planes. This is the case if the width of every plane is a multiple of 64 bytes.
+/// the decoder's planes. There is no padding if the width of every plane is a multiple of 64 bytes.
 /// Borrowing is safe since the decoder only reads returned planes. Otherwise the planes are copied.
 Picture take_picture(AVFrame& frame, PixelFormat format, int width, int height) {
   const std::shared_ptr<AVFrame> taken(av_frame_alloc(), AvFrameDeleter());

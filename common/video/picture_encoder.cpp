@@ -44,7 +44,8 @@ constexpr const char* kColorOptions =
     "scenecut=0"
     // CABAC would gain 0.4 dB but cost 0.4 ms at both ends. Adaptive quantisation would lose 1 dB.
     ":cabac=0:aq-mode=0"
-    // Of the intra modes, 8x8 alone is as good as all. Weighted prediction is for fades.
+    // Of the intra modes, 8x8 alone is as good as all modes together. Weighted prediction is for
+    // fades.
     ":analyse=i8x8:weightp=0";
 
 // Options for little free CPU time. Small partitions and CABAC take most time, so they are off.
@@ -52,16 +53,16 @@ constexpr const char* kLiveDepthOptions =
     "scenecut=0:psy=0:aq-mode=0:analyse=i4x4:deblock=2,2:no-deblock=0:deadzone-inter=11:deadzone-intra=11";
 constexpr const char* kLiveColorOptions = "scenecut=0:aq-mode=0";
 
-/// True if the deblocking filter can change a sample. Its threshold is 0 up to an index of 15
-/// (H.264 table 8-16). The index is the QP on the scale of 8 bits, plus twice the presets' offset
-/// of 2. Otherwise the filter is switched off, which saves time and gives the same pictures.
+/// True if the deblocking filter can change a sample. The filter's threshold is 0 up to an index of
+/// 15 (H.264 table 8-16). The index is the QP on the scale of 8 bits, plus twice the presets'
+/// offset of 2. Otherwise the filter is switched off, which saves time and gives the same pictures.
 bool can_deblock(const PictureSettings& settings) {
   constexpr int kFirstIndex = 16, kPresetOffset = 2 * 2, kTenBitOffset = 12;
   const int bits_offset = settings.format == PixelFormat::kGray10 ? kTenBitOffset : 0;
   return settings.rate || settings.qp - bits_offset + kPresetOffset >= kFirstIndex;
 }
 
-/// True for the first processors with AVX-512 (Skylake, Cascade Lake). They lower a core's clock
+/// True for the first processors with AVX-512 (Skylake, Cascade Lake). These lower a core's clock
 /// for a while after their widest instructions. This slows down everything else on that core: hole
 /// filling, decoding, rendering. Without these instructions x264 writes the same bits, and two live
 /// cameras take 1 % less time in all (docs/internals/video.md).

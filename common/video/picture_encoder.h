@@ -1,7 +1,6 @@
 #pragma once
 
-// Encodes each picture to one H.264 access unit at once: libx264 without B frames, lookahead,
-// threads.
+// Encodes each picture at once to one H.264 access unit. Uses libx264 without B frames and threads.
 //
 // The first picture is a keyframe (IDR, with its parameter sets). Later keyframes are made only on
 // request. Samples are full range and are not copied for x264. Equal inputs give equal outputs. At

@@ -1,6 +1,6 @@
 #pragma once
 
-// Video settings of a user. The preset fixes all others (docs/internals/video.md).
+// Video settings that a user may choose. The preset fixes all others (docs/internals/video.md).
 
 #include <optional>
 
@@ -11,7 +11,7 @@ namespace copresence::video {
 /// Trade-off between CPU time and bits. Equal QPs give equal errors with either preset.
 enum class Preset {
   kDense,  ///< Fewest bits; still keeps up with one camera. For benchmarks and fast machines.
-  kLive,   ///< Two thirds of the time; 10 % more depth bits, 3 dB less for colour.
+  kLive,   ///< Two thirds of kDense's time; 10 % more depth bits, 3 dB less for colour.
 };
 
 struct VideoSettings {

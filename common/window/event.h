@@ -1,7 +1,7 @@
 #pragma once
 
 // Input events of a window. Positions are in pixels of the window's picture from its top left
-// corner. They have fractions, also if the window system counts in coarser units.
+// corner. Positions have fractions, also if the window system counts in coarser units.
 
 #include <cstdint>
 #include <variant>

@@ -30,7 +30,7 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// The window's context. It is current on the main thread while the window exists.
+  /// The window's context. The context is current on the main thread while the window exists.
   gl::Context& context() { return *context_; }
 
   /// Size of the picture in pixels of the display; 0 while the window is minimised.
@@ -40,7 +40,7 @@ class Window {
   /// Refresh rate of the display; 60 if unknown.
   double refresh_rate_hz() const;
 
-  /// Returns the events since the last call, oldest first. Waits up to `timeout` for one.
+  /// Returns the events since the last call, oldest first. Waits up to `timeout` for an event.
   std::vector<Event> poll(std::chrono::duration<double> timeout = {});
 
   /// True after a click on the window's close button, or after request_close().
@@ -52,8 +52,8 @@ class Window {
   bool is_fullscreen() const;
 
   /// With vsync (the default) present() waits for the display, which avoids tearing. If the display
-  /// does not make it wait, for instance while the window is minimised, present() sleeps. So a loop
-  /// of present() runs at refresh_rate_hz() at most.
+  /// does not make present() wait, for instance while the window is minimised, the function sleeps.
+  /// So a loop of present() runs at refresh_rate_hz() at most.
   void set_vsync(bool vsync);
 
   /// Shows a picture, scaled to the window with its aspect ratio kept and a black border. The first

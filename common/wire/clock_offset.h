@@ -39,8 +39,8 @@ class ClockEstimate {
   std::deque<Sample> samples_;  // The newest kSamples samples.
 };
 
-/// Identifies the monotonic clock of this machine. Processes with the same number share a clock. It
-/// is a hash of the boot id and the time namespace's offsets, or 0 if unknown.
+/// Identifies the monotonic clock of this machine. Processes with the same number share a clock.
+/// The number is a hash of the boot id and the time namespace's offsets, or 0 if unknown.
 std::uint64_t monotonic_clock_id();
 
 }  // namespace copresence::wire

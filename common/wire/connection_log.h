@@ -22,7 +22,7 @@ enum class Ending {
   kNonsense,      ///< The peer violated the protocol.
   kSilent,        ///< No bytes were sent or received for too long.
   kNoProgress,    ///< The peer acknowledged no frame in time.
-  kMadeRoom,      ///< It was closed to make room for another connection.
+  kMadeRoom,      ///< The server closed it to make room for another connection.
   kNoPlace,       ///< The server has its maximum number of clients.
   kOtherVersion,  ///< The peer has another protocol version.
   kServerEnds,

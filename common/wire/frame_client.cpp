@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kFirstPings{100}, kPings{1000};
 constexpr int kFirst = 8;  // Number of pings at the short interval, for an early clock offset.
 constexpr std::size_t kMaxUnsent = 64 * 1024;
-// Limit between two frames. Plugging a camera in and out by hand causes a few.
+// Limit of status messages between two frames. Plugging a camera by hand causes a few.
 constexpr int kMostStatuses = 100;
 
 }  // namespace
@@ -161,7 +161,7 @@ class FrameClient::Protocol {
                        incoming_.received_at = connection_.last_arrival();
                        send(encode(FrameAck{incoming_.frame.sequence}));
                        arrived_ = std::exchange(incoming_, {});
-                       reading_ = false;  // Now receive() starts the next read.
+                       reading_ = false;  // The next receive() starts a read.
                        statuses_ = 0;
                      });
   }

@@ -57,11 +57,11 @@ class FrameServer {
   bool take_keyframe_request();
 
   /// Sends the status of the camera to all present and later clients. The status is one sentence
-  /// with the reason why no frames come. It is empty if the camera works.
+  /// with the reason why no frames come. The status is empty if the camera works.
   void set_camera_status(std::string status);
 
-  /// Ends the stream after the frames that were sent. All clients get `reason`, one sentence. run()
-  /// returns when they have received it, or after 0.4 s.
+  /// Ends the stream after the frames that were sent. All clients get `reason`, one sentence. When
+  /// they have it, or after 0.4 s, run() returns.
   void end(std::string reason);
 
   ServerCounters counters() const;

@@ -28,9 +28,9 @@ class ListeningSocket {
 };
 
 /// Listens on HOST:PORT. Port 0 selects a free port. Fails with kInvalid if the text is not an
-/// address. The stream is not encrypted. So this fails with kInvalid, too, if other machines can
-/// reach the address and `insecure` is false. Fails with kNotFound for an unknown host and
-/// kUnavailable for a port in use.
+/// address. Since the stream is not encrypted, also fails with kInvalid if other machines can reach
+/// the address and `insecure` is false. Fails with kNotFound for an unknown host and kUnavailable
+/// for a port in use.
 Result<ListeningSocket> listen(const std::string& host_port, bool insecure);
 
 }  // namespace copresence::wire

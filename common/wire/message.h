@@ -1,6 +1,6 @@
 #pragma once
 
-// The messages between client and server. docs/internals/wire_format.md shows their bytes; a test
+// The messages between client and server. See docs/internals/wire_format.md for their bytes. A test
 // compares that page with message_codec.h.
 //
 // A message is a header of 8 bytes and a body. Numbers are little-endian. The client sends Hello.
@@ -19,7 +19,8 @@
 
 namespace copresence::wire {
 
-/// Client and server must have the same version. Increase it with every change of the format.
+/// Client and server must have the same version. Increase this number with every change of the
+/// format.
 inline constexpr std::uint32_t kProtocolVersion = 6;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
@@ -90,7 +91,7 @@ struct FrameCounters {
   friend bool operator==(const FrameCounters&, const FrameCounters&) = default;
 };
 
-/// The head of a frame. Its access units follow: depth, then colour.
+/// The head of a frame. The access units follow: depth, then colour.
 struct FrameHead {
   bool keyframe = false;
   std::uint64_t sequence = 0;
@@ -113,7 +114,7 @@ struct EndOfStream {
   friend bool operator==(const EndOfStream&, const EndOfStream&) = default;
 };
 
-/// The reason why the camera sends no frames at present. Empty once it works again.
+/// The reason why the camera sends no frames at present. Empty once the camera works again.
 struct CameraStatus {
   std::string text;  ///< One sentence.
   friend bool operator==(const CameraStatus&, const CameraStatus&) = default;

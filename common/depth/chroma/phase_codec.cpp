@@ -49,7 +49,7 @@ struct Waves {
     double turn = 0;
     if (wave == Wave::kSine) {
       turn = std::atan2(x, y) / (2 * kPi);
-    } else if (std::abs(x) <= std::abs(y)) {  // Use the wave that is nearer to its middle.
+    } else if (std::abs(x) <= std::abs(y)) {  // Use the triangle wave that is nearer to its middle value.
       turn = y < 0 ? u / 2 : 1 - u / 2;
     } else {
       turn = x > 0 ? 0.25 + v / 2 : 1.25 - v / 2;

@@ -20,10 +20,10 @@
 // 2011) allows only an eighth.
 //
 // The four pixels of a chroma sample share the phase that most of them have. Without video coding,
-// the error on a surface parallel to the image is half a chroma code. That is P/1020 for triangle
-// and P/(510 pi) for direct. On other surfaces it is up to the depth range of the four pixels.
-// Parameters: near, far, period in the stream's unit. Source: thesis 2.7.2, 3.3.1; Zhang 2012;
-// Pece, Kautz, Weyrich 2011.
+// the error on a surface parallel to the image is half a chroma code. This error is P/1020 for
+// triangle and P/(510 pi) for direct. On other surfaces the error is up to the depth range of the
+// four pixels. Parameters: near, far, period in the stream's unit. Source: thesis 2.7.2, 3.3.1;
+// Zhang 2012; Pece, Kautz, Weyrich 2011.
 
 #include <memory>
 #include <optional>

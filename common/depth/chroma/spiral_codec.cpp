@@ -59,7 +59,7 @@ std::array<ChromaPoint, kSpiralPoints> spiral_points() {
   return points;
 }
 
-// Limit in codes of U plus V. Video coding probably moved a sample that is farther away.
+// Limit in codes of U plus V. Video coding probably changed a sample farther from its point.
 constexpr int kMoved = 8;
 constexpr std::uint8_t kOffPoint = 0x80;
 
@@ -169,8 +169,8 @@ class SpiralEncoder final : public PlaneEncoder {
   }
 
   // Returns Y of a pixel whose own upper bits may differ from the sample's, `voted`. On the same
-  // surface, the pixel takes the nearest code with the upper bits `voted`. Beyond an edge it keeps
-  // its own lower bits, and the filter finds the upper bits.
+  // surface, the pixel takes the nearest code with the upper bits `voted`. Beyond an edge the pixel
+  // keeps its own lower bits, and the filter finds the upper bits.
   std::uint8_t luma_beside(int coded, unsigned voted) const {
     const int least = static_cast<int>(voted) << 8, most = least + 255;
     if (coded < least && coded >= least - kSameSurface) return luma(0u, voted);
@@ -219,7 +219,8 @@ class SpiralDecoder final : public PlaneDecoder {
   }
 
  private:
-  // Reads the upper bits of every chroma sample. Samples off their point are doubtful.
+  // Reads the upper bits of every chroma sample. Marks samples that are off their spiral point as
+  // doubtful.
   void read_chroma(const Picture& picture) {
     upper_.resize(picture.plane_width(1), picture.plane_height(1));
     doubtful_.resize(picture.plane_width(1), picture.plane_height(1));
@@ -251,7 +252,8 @@ class SpiralDecoder final : public PlaneDecoder {
     }
   }
 
-  // Marks samples whose neighbours have other upper bits. They may be wrong for some pixels.
+  // Marks samples whose neighbours have other upper bits. Their upper bits may be wrong for some
+  // pixels.
   void doubt_votes() {
     const int width = upper_.width(), height = upper_.height();
     for (int y = 0; y < height; ++y) {

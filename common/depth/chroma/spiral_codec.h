@@ -15,9 +15,10 @@
 //   `-444` uses full-size chroma, so each pixel has its own point.
 //   `-nofilter` omits the filter that corrects upper bits (spiral_filter.h).
 //
-// Without video coding, the error is half a step of d' plus half a unit of rounding. This holds in
-// 4:4:4, and wherever the four pixels of a chroma sample share their upper bits. Elsewhere it
-// depends on the filter. Parameters: near, far in the stream's unit. Source: thesis 3.3.2.
+// Without video coding, the error is half a step of d' plus half a unit of rounding. This error
+// holds in 4:4:4, and wherever the four pixels of a chroma sample share their upper bits. Elsewhere
+// the error depends on the filter. Parameters: near, far in the stream's unit. Source: thesis
+// 3.3.2.
 
 #include <memory>
 #include <string_view>

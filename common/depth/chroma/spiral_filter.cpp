@@ -36,7 +36,8 @@ struct Rows {
   int width;
 };
 
-// Returns the value at x of a row beside the chroma sample. Returns kNone if there is none.
+// Returns the value at x of a row beside the chroma sample. Returns kNone for a hole and outside
+// the image.
 int side(const std::uint16_t* row, const DepthState* states, int x) {
   return row && states[x] != DepthState::kHole ? int{row[x]} : kNone;
 }

@@ -2,10 +2,10 @@
 
 // Corrects the upper bits of spiral-coded depth from spatial continuity. The lower bits are
 // reliable, since luma has the full resolution. The upper bits are wrong if other pixels of the
-// chroma sample outvoted the pixel, or if video coding moved the sample to another point. Such a
-// pixel differs from the pixels on both sides of its chroma sample. If other upper bits bring it
-// close to one side, it takes them. A pixel at a true edge agrees with one side and is not changed.
-// Thread: pure.
+// chroma sample outvoted the pixel, or if video coding moved the sample to another point. A wrong
+// pixel differs from the pixels on both sides of its chroma sample. If other upper bits bring the
+// pixel close to one side, it takes these bits. A pixel at a true edge agrees with one side and is
+// not changed. Thread: pure.
 
 #include "common/frame/image.h"
 

@@ -1,8 +1,9 @@
 #pragma once
 
-// Adaptive distribution over sixteen symbols, for ANS coding (ans_coder.h). It consists of sixteen
-// cumulative frequencies. A few vector instructions move all of them towards each coded symbol.
-// Every symbol keeps a frequency of at least 1 of 16384. Thread: a value.
+// Adaptive distribution over sixteen symbols, for ANS coding (ans_coder.h). The distribution
+// consists of sixteen cumulative frequencies. A few vector instructions move all frequencies
+// towards each coded symbol. Every symbol keeps a frequency of at least 1 of 16384. Thread: a
+// value.
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -66,8 +67,8 @@ class AdaptiveCdf {
 
  private:
   using Row = std::array<std::int16_t, kSymbols>;
-  static constexpr int kLearnt = (1 << kBits) - kSymbols;  // Frequency beyond each symbol's 1.
-  // A rate of 1/32. A rate of 1/64 saves 1 % of the bits, but learns slowly after a keyframe.
+  static constexpr int kLearnt = (1 << kBits) - kSymbols;  // Total frequency minus 1 for each symbol.
+  // The rate is 1/32. A rate of 1/64 saves 1 % of the bits, but learns slowly after a keyframe.
   static constexpr int kRate = 5;
 
   static constexpr std::array<Row, kSymbols> make_targets() {

@@ -3,11 +3,11 @@
 // Entropy coder: asymmetric numeral systems, the range variant (Duda 2013). A symbol takes about
 // -log2(its probability) bits and is decoded with one multiplication. Two interleaved streams of
 // symbols, each with its own state, share the 16-bit words of the output. So a processor can work
-// on both at a time.
+// on both streams at a time.
 //
 // The symbol that is encoded last is decoded first. The writer therefore collects all symbols and
-// encodes them backwards at the end. The reader reads zeros past the end of its bytes. It decodes
-// any bytes to some symbols in bounded time. Thread: distinct objects are independent.
+// encodes them backwards at the end. The reader reads zeros past the end of its bytes, and decodes
+// any bytes in bounded time. Thread: distinct objects are independent.
 
 #include <cstddef>
 #include <cstdint>
@@ -31,7 +31,7 @@ class AnsWriter {
     *next_++ = stream << kStreamAt | slot.start << kStartAt | slot.frequency;
   }
 
-  /// Appends a number below 2^bits. All have the same frequency. Requires bits <= kBits.
+  /// Appends a number below 2^bits. All these have the same frequency. Requires bits <= kBits.
   void put_bits(unsigned stream, std::uint32_t value, int bits) {
     put(stream, {value << (AdaptiveCdf::kBits - bits), 1u << (AdaptiveCdf::kBits - bits)});
   }
@@ -40,7 +40,7 @@ class AnsWriter {
   void finish(std::vector<std::uint8_t>& out);
 
  private:
-  // Positions in a symbol's 32 bits, above its frequency.
+  // Bit positions of start and stream in a symbol's 32 bits, above the frequency.
   static constexpr int kStartAt = AdaptiveCdf::kBits + 1, kStreamAt = 31;
 
   std::uint32_t* begin_;

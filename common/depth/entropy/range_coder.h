@@ -3,8 +3,8 @@
 // Binary adaptive range coder: codes a decision in about -log2(its probability) bits.
 //
 // The interval has 32 bits and is renormalised by bytes. A carry propagates into the bytes already
-// written (Martin 1979, as in LZMA). The decoder reads zeros past the end of its bytes. It decodes
-// any bytes to some decisions in bounded time; only a checksum can detect damage. Thread: distinct
+// written (Martin 1979, as in LZMA). The decoder reads zeros past the end of its bytes. Any bytes
+// decode to some decisions in bounded time; only a checksum can detect damage. Thread: distinct
 // objects are independent.
 
 #include <array>
@@ -15,8 +15,9 @@
 
 namespace copresence::depth {
 
-/// Adaptive probability that a decision is 1, in units of 1/65536. It learns fast at first, then
-/// slowly. The n-th decision corrects 1/(n + 1.5) of the error, until n reaches kMemory.
+/// Adaptive probability that a decision is 1, in units of 1/65536. The probability adapts fast at
+/// first, then slowly. The n-th decision corrects 1/(n + 1.5) of the error, until n reaches
+/// kMemory.
 class BinaryContext {
  public:
   std::uint32_t probability_of_one() const { return probability_; }
@@ -28,8 +29,8 @@ class BinaryContext {
   }
 
  private:
-  static constexpr std::int32_t kLeast = 32;  // Of 65536; a certain decision then costs 1/1400 bit.
-  static constexpr int kMemory = 160;         // Decisions; best of 40 to 400 on moving and static recordings.
+  static constexpr std::int32_t kLeast = 32;  // In 1/65536; a certain decision then costs 1/1400 bit.
+  static constexpr int kMemory = 160;         // Number of decisions; the best of 40 to 400 on recordings.
   static constexpr std::array<std::int32_t, kMemory + 1> kRate = [] {
     std::array<std::int32_t, kMemory + 1> rate{};
     for (int n = 0; n <= kMemory; ++n) rate[n] = static_cast<std::int32_t>(32768 / (n + 1.5));

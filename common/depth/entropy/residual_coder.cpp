@@ -14,12 +14,12 @@ namespace {
 
 constexpr int kStreams = AnsWriter::kStreams;
 constexpr unsigned kEscape = AdaptiveCdf::kSymbols - 1;  // Marks differences without their own symbol.
-constexpr int kReach = 2;                                // Limit of neighbours' differences in a context.
+constexpr int kReach = 2;                                // Contexts clamp differences to this.
 constexpr int kSteps = 2 * kReach + 1;
 constexpr int kContexts = kSteps * kSteps * kSteps * kSteps;
-constexpr int kMiddle = 7;               // The symbol of difference 0.
+constexpr int kMiddle = 7;               // The symbol for a difference of 0.
 constexpr unsigned kMostBits = 11;       // Bits of an escaped difference below its leading bit.
-constexpr std::size_t kMostSymbols = 3;  // Per pixel: escape, number of bits, bits.
+constexpr std::size_t kMostSymbols = 3;  // Symbols per pixel: escape, number of bits, bits.
 
 // Each stream has its own models. With shared models, the streams would wait for each other.
 struct Models {
@@ -40,16 +40,16 @@ struct Stream {
 
   int y, end;                           // Rows still to code.
   std::uint16_t* row = nullptr;         // Samples of the current row.
-  const std::uint16_t* next = nullptr;  // Columns of its pixels still to code, up to row_end.
+  const std::uint16_t* next = nullptr;  // Columns of the row's pixels still to code, up to row_end.
   const std::uint16_t* row_end = nullptr;
   std::vector<std::uint16_t> columns;   // Columns of the row's pixels that are not holes.
-  std::vector<std::uint16_t> contexts;  // Contexts of all its pixels, without the left neighbour's part.
+  std::vector<std::uint16_t> contexts;  // Contexts of the row's pixels, without the left neighbour's part.
 };
 
 // The raster scan over all samples, shared by encoder and decoder. The first stream codes the upper
 // half of the pixels and the second the lower half, alternately. The array of samples has a margin
 // of two rows before and after. At the image's left and right borders, the neighbour is a pixel of
-// an adjacent row. Encoder and decoder do this alike.
+// an adjacent row. Encoder and decoder treat borders alike.
 template <class Coder>
 class Scan {
  public:
@@ -196,7 +196,8 @@ struct ResidualMemory {
     models->fill({});
   }
 
-  // Returns the rows at which the streams begin and end. Each has about the same number of pixels.
+  // Returns the rows at which the streams begin and end. The streams have about equally many
+  // pixels.
   std::array<int, kStreams + 1> split(const StateImage& states) const {
     std::vector<std::ptrdiff_t> above(static_cast<std::size_t>(height) + 1);
     for (int y = 0; y < height; ++y) {

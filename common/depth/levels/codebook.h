@@ -6,8 +6,8 @@
 //
 // Between the known levels, as many codes are free as the sensor has disparity steps there
 // (DepthNoise). So a new level usually gets a code without moving other levels. A code without a
-// level stands for a depth between its neighbours' levels, evenly in 1/z. docs/internals/codecs.md
-// describes the bytes of a change (codebook_change.cpp). Thread: a value.
+// level stands for a depth between its neighbours' levels, evenly in 1/z. See
+// docs/internals/codecs.md for the bytes of a change (codebook_change.cpp). Thread: a value.
 
 #include <cstdint>
 #include <span>
@@ -29,28 +29,28 @@ class Codebook {
   std::span<const std::uint16_t> levels() const { return levels_; }
   int count() const;
 
-  /// Returns distances in codes between neighbouring levels, for assign(). They are one code for
-  /// each of the sensor's steps, and at least one between levels. This matches the sensor's
-  /// resolution, which makes lossless coding cheapest. Source: thesis 3.3.3.2.
+  /// Returns distances in codes between neighbouring levels, for assign(). The distance is one code
+  /// for each of the sensor's steps, and at least one code between levels. This spacing matches the
+  /// sensor's resolution, which makes lossless coding cheapest. Source: thesis 3.3.3.2.
   std::vector<double> sensor_spacing(std::span<const std::uint16_t> levels) const;
 
   /// Returns distances for assign() that spend the codes on the depths in the scene. Levels with
   /// many pixels are spaced as widely as the codes allow, up to kFinest codes a step. Rare levels
   /// are one code a step apart. `pixels` holds each level's number of pixels. A finer code and a
-  /// coarser QP cost the same bits. But H.264 then errs by fractions of a level, which reduces the
-  /// error by a tenth at the same rate. Source: thesis 3.3.3.3 for the purpose; the form is ours.
+  /// coarser QP cost the same bits. With the finer code, H.264 errs by fractions of a level, which
+  /// reduces the error by a tenth. Source: thesis 3.3.3.3 for the purpose; the form is ours.
   std::vector<double> scene_spacing(std::span<const std::uint16_t> levels,
                                     std::span<const std::uint32_t> pixels) const;
-  static constexpr double kFinest = 4.0;  ///< Codes a step; finer codes gained nothing.
+  static constexpr double kFinest = 4.0;  ///< In codes per disparity step; finer codes gained nothing.
 
-  /// Replaces all levels by `levels`. distance[i] is the wanted number of codes between level i and
-  /// the level before it (for i = 0, the first code). Distances that do not fit are scaled down.
-  /// Every level gets its own code. Requires at most kCodes levels, ascending and within the range,
-  /// and as many distances.
+  /// Replaces all levels by `levels`. The value distance[i] is the wanted number of codes between
+  /// level i and the level before it (for i = 0, the first code). Distances that do not fit are
+  /// scaled down. Every level gets its own code. Requires at most kCodes levels, ascending and
+  /// within the range, and as many distances.
   void assign(std::span<const std::uint16_t> levels, std::span<const double> distance);
 
   /// Replaces all levels by kCodes levels, even in 1/z over `range`, a part of the codebook's
-  /// range. A coarse unit gives fewer levels. Use it for depth with more levels than codes.
+  /// range. A coarse unit gives fewer levels. This is for depth with more levels than codes.
   void assign_evenly(DepthRangeUnits range);
 
   /// Gives `level` a code between its neighbours' codes, and moves as few other levels as possible.
@@ -65,7 +65,8 @@ class Codebook {
   Result<void> read_change(std::span<const std::uint8_t> bytes);
 
   /// Returns the depth of each code: its level, or a depth between its neighbours' levels. Codes
-  /// beyond the first and the last level have that level. All depths are within the range.
+  /// before the first and after the last level have the depth of that level. All depths are within
+  /// the range.
   std::vector<std::uint16_t> depth_of_code() const;
 
  private:

@@ -28,7 +28,8 @@ class NumberModel {
     while (length < kNumberBits && code(longer_[length - 1], bits > length)) ++length;
     std::uint32_t read = 1;
     for (int bit = length - 2; bit >= 0; --bit) {
-      // The first bits below the leading one have their own contexts. The others share one context.
+      // The first bits below the leading one have their own contexts. All lower bits share one
+      // context.
       BinaryContext& model = read < kLearnt ? lower_[length][read] : even_;
       read = read << 1 | code(model, (value + 1) >> bit & 1);
     }
@@ -58,7 +59,7 @@ class ChangeModel {
     return count_.pass(code, entries);
   }
 
-  // Codes the next entry. Its level is 0 if the code has no level.
+  // Codes the next entry. The entry's level is 0 if the code has no level.
   template <class Code>
   Entry entry(const Code& code, const Entry& next) {
     const std::int64_t last = codes_so_far_;
@@ -81,7 +82,7 @@ class ChangeModel {
     std::int64_t level, reach;  // `reach` is the distance from the last entry's level.
   };
 
-  // Continues the last entry and the kBase-th entry before it, or the first entry, evenly in 1/z.
+  // Predicts from the last entry and the kBase-th entry before it (or the first), evenly in 1/z.
   Prediction predict(std::int64_t code) const {
     if (count_known_ == 0) return {nearest_, 0};
     const Entry& last = known_[(count_known_ - 1) % kBase];

@@ -90,7 +90,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
     const bool full = static_cast<std::size_t>(table_.count()) + fresh.size() > Codebook::kCodes;
     if (full && !advertised_.empty()) {
-      // With the advertised levels there are too many. From now on, use only levels that appear.
+      // Advertised and other levels are too many. From now on, use only levels that appear.
       advertised_.clear();
       levels_.clear();
       std::fill(code_of_depth_.begin(), code_of_depth_.end(), kUnknown);
@@ -151,8 +151,8 @@ class QuantizedEncoder final : public PlaneEncoder {
     std::vector<std::uint32_t> pixels;
     for (const std::uint16_t level : levels) pixels.push_back(pixels_[level]);
     laid_out.assign(levels, laid_out.scene_spacing(levels, pixels));
-    double finer = 0,
-           all = 0;         // bits by which the spacing of the pixels' levels would grow; number of pixels
+    // Sum of the bits by which each pixel's code spacing would grow, and the number of pixels.
+    double finer = 0, all = 0;
     int now = 0, then = 0;  // Codes of the level before, in both codebooks.
     std::size_t level = 0;
     for (int code_now = 0, code_then = 0; level < levels.size(); ++level, ++code_now, ++code_then) {
@@ -189,8 +189,9 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
   }
 
-  static constexpr std::size_t kSampling = 13;      // Counts every 13th pixel.
-  static constexpr int kFramesBetweenLayouts = 30;  // Least distance of adaptive's own keyframes.
+  static constexpr std::size_t kSampling = 13;  // Counts every 13th pixel.
+  static constexpr int kFramesBetweenLayouts =
+      30;  // Least number of frames between adaptive's own keyframes.
   static constexpr int kFramesBetweenLooks = 10;
   static constexpr double kWorthwhileBits = 0.5;  // Least gain for a keyframe: about 6 % less error.
 

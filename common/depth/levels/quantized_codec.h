@@ -9,10 +9,10 @@
 // If more than 1024 levels appear, the codebook gets levels even in 1/z instead. Coding is then no
 // longer exact, so lossless coding is refused.
 //
-// The codecs differ in the spacing of the levels. quantized gives every disparity step one code.
-// adaptive spends all codes on the depths in the scene and gives none to levels that have not
-// appeared yet. If the scene moves to other depths, adaptive makes a keyframe with new spacing, at
-// most every 30 frames. For lossless coding adaptive works like quantized.
+// The codecs differ in the spacing of the levels. The codec quantized gives every disparity step
+// one code. The codec adaptive spends all codes on the depths in the scene and gives none to levels
+// that have not appeared yet. If the scene moves to other depths, adaptive makes a keyframe with
+// new spacing, at most every 30 frames. For lossless coding adaptive works like quantized.
 //
 // The codecs have no parameters; the format has range and unit. Source: thesis 3.3.3.2, 3.3.3.3.
 

@@ -81,14 +81,14 @@ class RowBits {
   std::vector<std::uint64_t> words_;
 };
 
-/// Finds the pixels of a row whose whole neighbourhood has the same state. They likely have this
-/// state, too. The neighbourhood reaches two pixels to either side. It has the row above and, in
-/// the frame before, three rows around the pixel.
+/// Finds the pixels of a row whose whole neighbourhood has the same state. Such pixels likely have
+/// this state, too. The neighbourhood is the row above and, in the frame before, three rows around
+/// the pixel, two pixels to either side.
 class MaskContext {
  public:
   explicit MaskContext(int width);
 
-  /// Finds them in row y of `now`, with the frame before in `earlier`.
+  /// Finds these pixels in row y of `now`. The frame before is `earlier`.
   void find(const MaskPlanes& now, const MaskPlanes& earlier, int y);
 
   /// Pixels whose neighbourhood has this state everywhere.

@@ -11,15 +11,16 @@
 namespace copresence::depth {
 namespace {
 
-// A run with other states than the expected one is halved until it is shorter than twice this.
+// A run with unexpected states is halved until it is shorter than twice kLeastRun.
 constexpr int kLeastRun = 8;
-constexpr int kStretch = 48;               // Pixels that are coded with one set of windows.
-constexpr std::size_t kMostDecisions = 4;  // Per pixel: measured, filled, and less than two for runs.
+constexpr int kStretch = 48;  // Pixels that are coded with one set of windows.
+constexpr std::size_t kMostDecisions =
+    4;  // Decisions per pixel: measured, filled, and less than two for runs.
 
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;
   std::array<BinaryContext, 1 << 12> filled;
-  // Indexed by the expected state, if the run is known to be mixed, and its length's bits.
+  // Indexed by expected state, whether the run is known to be mixed, and its bit length.
   std::array<std::array<std::array<BinaryContext, 14>, 2>, 3> as_expected;
   BinaryContext any_filled;
 };

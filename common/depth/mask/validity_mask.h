@@ -5,9 +5,9 @@
 //
 // A pixel's state is coded as one or two binary decisions: whether it is measured and, if not,
 // whether it is filled. Each decision is range-coded with the probability learnt for the pixel's
-// neighbourhood. This consists of pixels above and to the left in this frame, and on all sides in
-// the frame before. If the whole neighbourhood of a run of pixels has one state, a single decision
-// says that the run has it, too. docs/internals/codecs.md describes the format.
+// neighbourhood. The neighbourhood consists of pixels above and to the left in this frame, and on
+// all sides in the frame before. If the whole neighbourhood of a run of pixels has one state, a
+// single decision says that the run has it, too. See docs/internals/codecs.md for the format.
 //
 // Encoder and decoder learn the same probabilities and keep them from frame to frame, until the
 // next complete mask. The decoder cannot detect damage: it decodes any bytes to some mask in

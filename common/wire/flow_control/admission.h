@@ -3,15 +3,15 @@
 // Decides which connections a server keeps if more arrive than it can serve.
 //
 // A connection has one of three stages. A stranger has not sent Hello. A newcomer has sent Hello
-// and gets frames, but has not acknowledged one. A client has acknowledged a frame. Each stage has
-// its own limit, and only clients appear in the numbers that a user sees. So a peer cannot occupy
-// a client's slot without receiving pictures.
+// and gets frames, but has not acknowledged a frame. A client has acknowledged a frame. Each stage
+// has its own limit, and only clients appear in the numbers that a user sees. So a peer cannot
+// occupy a client's slot without receiving pictures.
 //
-// If strangers or newcomers are at their limit, a new connection replaces the oldest one from the
-// network with the most of them. An attacker therefore replaces mostly its own connections. A
-// newcomer becomes a client if there are fewer clients than the limit. Otherwise it replaces a
-// client that has frames in flight and has acknowledged none for 10 s. The server stores and bans
-// no addresses. Thread: pure functions.
+// If strangers or newcomers are at their limit, a new connection replaces the oldest connection of
+// the network that has most of them. An attacker therefore replaces mostly its own connections. A
+// newcomer becomes a client if there are fewer clients than the limit. Otherwise the newcomer
+// replaces a client that has frames in flight and has acknowledged none for 10 s. The server stores
+// and bans no addresses. Thread: pure functions.
 
 #include <cstddef>
 #include <optional>

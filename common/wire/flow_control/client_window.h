@@ -1,7 +1,7 @@
 #pragma once
 
 // Decides which frames one client gets, so that latency and memory stay bounded on any network
-// path. docs/decisions/0002-window-per-client.md gives the reasons.
+// path. See docs/decisions/0002-window-per-client.md for the reasons.
 //
 // A frame is in flight from the time it is queued for a client until that client acknowledges it.
 // All frames in flight must be expected to arrive within the path's base delay (path_estimate.h)
@@ -9,19 +9,19 @@
 //
 // `wants_until()`: the client requests another frame. The allowance is 8 frame periods. If every
 // frame of half a second was delayed longer, the queue never empties, and the allowance becomes 2
-// periods. It then grows by one period per half second. If 2 periods do not help, the client
-// requests nothing until the path is empty. This distinguishes a longer path from a queue. The
-// encoder pauses if no client requests a frame.
+// periods. The allowance then grows by one period per half second. If 2 periods do not help, the
+// client requests nothing until the path is empty. This distinguishes a longer path from a queue.
+// The encoder pauses if no client requests a frame.
 //
 // `can_accept()`: the client accepts a frame that was encoded for others, since skipping it would
 // cost a keyframe. The allowance is 500 ms, and up to 300 ms more behind a slow keyframe.
 //
 // On an unknown path, 2 requested or 6 accepted frames may be in flight. An overdue acknowledgement
 // shows that a path has stopped or become much slower. The limit follows the path's jitter: twice
-// the largest lateness of the last seconds plus one period. It is at least 3 periods for requested
-// frames and 5 for accepted frames. After a skipped frame, the client cannot decode any frame
-// before the next keyframe. It can accept a keyframe once no frame is in flight to it. Thread: a
-// value.
+// the largest lateness of the last seconds plus one period. The limit is at least 3 periods for
+// requested frames and 5 for accepted frames. After a skipped frame, the client cannot decode any
+// frame before the next keyframe. The client can accept a keyframe once no frame is in flight to
+// it. Thread: a value.
 
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +37,7 @@ class ClientWindow {
  public:
   /// Largest numbers of frames in flight, on any path and on an unknown path.
   static constexpr std::size_t kFrames = 64, kFramesOnUnknownPath = 6;
-  /// Largest number of bytes in flight. The last frame may exceed it.
+  /// Largest number of bytes in flight. The last frame may exceed this limit.
   static constexpr std::size_t kBytes = 1024 * 1024;
 
   explicit ClientWindow(Duration frame_period);

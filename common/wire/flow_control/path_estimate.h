@@ -14,13 +14,13 @@
 // "application-limited").
 //
 // Base delay: the ack delay of a frame on an empty path, minus its transmission time. A faster
-// frame lowers the estimate at once. Only a frame that was alone on the path raises it. Otherwise a
-// queue of our own frames would become part of the base delay. If no frame came near the base delay
-// for 10 s, is_stale() asks the sender to let the path run empty once.
+// frame lowers the estimate at once. Only a frame that was alone on the path raises the estimate.
+// Otherwise a queue of our own frames would become part of the base delay. If no frame came near
+// the base delay for 10 s, is_stale() asks the sender to let the path run empty once.
 //
 // The first frame is a keyframe. If sending limits the delivery rate, that rate is too low, and so
 // is the base delay from this keyframe. The first smaller frame that takes no longer than the
-// keyframe corrects it. Thread: a value.
+// keyframe corrects both. Thread: a value.
 
 #include <cstddef>
 #include <cstdint>
@@ -33,7 +33,7 @@ namespace copresence::wire {
 
 class PathEstimate {
  public:
-  /// `tolerance` is the normal variation of ack delays. Half of it counts as near the base delay.
+  /// `tolerance` is the normal variation of ack delays. Half of it is near the base delay.
   explicit PathEstimate(Duration tolerance) : tolerance_(tolerance) {}
 
   /// Facts about a sent frame that acknowledged() needs.
@@ -46,8 +46,8 @@ class PathEstimate {
   /// The client has this frame. Call this in the order of sending.
   void acknowledged(const Sent& frame, Instant now);
 
-  /// In bytes per second. Known once two frames that were in flight together are acknowledged. Also
-  /// known once one frame is acknowledged within half the tolerance.
+  /// In bytes per second. The rate is known once two frames that were in flight together are
+  /// acknowledged, or one frame is acknowledged within half the tolerance.
   std::optional<double> delivery_rate() const;
   /// Empty until the first acknowledgement.
   std::optional<Duration> base_delay() const;

@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 // In bytes. A keyframe of one camera fits and can be written in one call.
 constexpr int kSendBuffer = 256 * 1024;
 
-// Makes Asio write everything in one call. Its default is 64 KiB at a time.
+// Makes Asio write everything in one call. Asio's default is 64 KiB at a time.
 constexpr auto kWhole = [](const asio::error_code& error, std::size_t) -> std::size_t {
   return error ? 0 : std::size_t{1} << 24;
 };

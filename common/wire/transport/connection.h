@@ -40,9 +40,10 @@ class Connection {
   /// Tries the addresses one after the other.
   void connect(const std::vector<asio::ip::tcp::endpoint>& addresses, Done done);
 
-  /// Fills at most kMostBuffers `buffers`, which must live until `done`. Only one read at a time.
+  /// Fills at most kMostBuffers `buffers`, which must live until `done`. Only one read may be under
+  /// way.
   void read(std::initializer_list<asio::mutable_buffer> buffers, Done done);
-  /// Writes `buffers`, which must live until `done`. Only one write at a time.
+  /// Writes `buffers`, which must live until `done`. Only one write may be under way.
   void write(const std::vector<asio::const_buffer>& buffers, Done done);
   /// Sends an end of the stream after the bytes written so far. Reading continues.
   void end_writing();

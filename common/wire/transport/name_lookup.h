@@ -1,8 +1,9 @@
 #pragma once
 
 // Looks up a host name in the background, so that the caller can cancel it at once. The system's
-// getaddrinfo() cannot be interrupted and may take half a minute without a name server. It runs on
-// a detached thread, which ends later by itself. Thread: the thread that runs the io_context.
+// getaddrinfo() cannot be interrupted and may take half a minute without a name server. So the
+// lookup runs on a detached thread, which ends by itself. Thread: the thread that runs the
+// io_context.
 
 #include <asio.hpp>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Cost of the filters that run on a decoded frame before it becomes a mesh. One thread; 640x480
-// frames with a Kinect's noise, a new one each time.
+// Measures the filters that run on a decoded frame before it becomes a mesh, on one thread. Each
+// iteration gets a new 640x480 frame with the noise of a Kinect.
 
 #include <benchmark/benchmark.h>
 
@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480, kFrames = 8;
 
-/// A slanted wall from 1.5 to 3.5 m. Some depths are off by a level, 4 % of the pixels are changing
-/// holes, and the colours have grain. `turn_px` is the motion of the picture from frame to frame,
-/// as of a turning camera.
+/// Returns frames of a slanted wall from 1.5 to 3.5 m. Some depths are wrong by one level, 4 % of
+/// the pixels are changing holes, and the colours have grain. Between frames, the picture moves by
+/// `turn_px` pixels, like that of a turning camera.
 std::vector<RgbdFrame> noisy_frames(int turn_px) {
   std::minstd_rand random(1);
   std::uniform_int_distribution<int> level(-1, 1), grain(-3, 3);
@@ -43,7 +43,6 @@ std::vector<RgbdFrame> noisy_frames(int turn_px) {
   return frames;
 }
 
-/// Calls `filter` with one frame after the other.
 template <class Filter>
 void run(benchmark::State& state, const std::vector<RgbdFrame>& frames, Filter filter) {
   std::size_t next = 0;

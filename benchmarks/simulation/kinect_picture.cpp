@@ -1,6 +1,6 @@
-// The picture of docs/internals/simulation.md: kinect_picture OUT.jpg
+// Draws the picture in docs/internals/simulation.md. Usage: kinect_picture OUT.jpg
 //
-// Shows a frame of camera 1 in the simulated room: its colours, and its depth with holes in red.
+// The picture shows the colours of camera 1 in the simulated room, and its depth with holes in red.
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-// Near is white, far is black. Grey values are linear in 1/z, as the levels of the sensor are.
+// Draws depth: near is white and far is black. Grey values are linear in 1 / depth.
 cv::Mat picture_of(const DepthImage& depth_mm) {
   constexpr double kNear = 1 / 1200.0, kFar = 1 / 5500.0;
   cv::Mat picture(kHeight, kWidth, CV_8UC3);

@@ -1,4 +1,4 @@
-// CPU milliseconds per 640x480 frame of a simulated camera, and before its first frame.
+// Measures the CPU time of a simulated 640x480 camera, per frame and before the first frame.
 
 #include <benchmark/benchmark.h>
 
@@ -92,7 +92,7 @@ SimulatedKinect kinect() {
       .value();
 }
 
-// The work of a live camera before its first frame; its scene exists already.
+// Measures the work of a live camera before its first frame, in a scene that exists already.
 void precompute_live(benchmark::State& state) {
   room();
   for (auto _ : state) {

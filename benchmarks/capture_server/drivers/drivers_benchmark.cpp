@@ -1,10 +1,8 @@
 // Measures cameras through OpenNI2: CPU time of the process per 640x480 frame, latency from the
-// sensor to the encode thread, leaks of opening and closing, and how soon a replugged camera
-// streams again. Kinects are fake (tests/support/fake_freenect). With "still" the pictures are
-// drawn only once. What remains is the driver, OpenNI2 and the copies into an RgbdFrame, without
-// libfreenect's unpacking.
-//
-// benchmarks/cameras.py runs it with the fake library first in the search path.
+// sensor to the encode thread, leaks of opening and closing, and the time until a replugged camera
+// streams again. Kinects are fake (tests/support/fake_freenect). In cases named "still", the fake
+// Kinect draws its pictures only once. So these cases measure the driver, OpenNI2 and the copies
+// into an RgbdFrame. Run it by benchmarks/cameras.py, which makes OpenNI2 load the fake library.
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -33,7 +31,7 @@ double cpu_ms() {
   return ms(use.ru_utime) + ms(use.ru_stime);
 }
 
-// CPU time so far of the drivers' threads.
+// Returns the CPU time that the drivers' threads have used so far.
 double driver_ms() {
   double sum = 0;
   for (const auto& thread : fs::directory_iterator("/proc/self/task")) {
@@ -47,8 +45,7 @@ double driver_ms() {
   return sum;
 }
 
-// Resources of this process: memory in use (freed memory does not count), resident memory, open
-// files and threads.
+// The resources of this process: allocated and resident memory, open files and threads.
 struct Holdings {
   double heap_kb = 0, resident_kb = 0, files = 0, threads = 0;
 
@@ -73,13 +70,14 @@ struct Holdings {
   }
 };
 
-// The file of a fake Kinect; empty if the fake library is not loaded.
+// Returns the file of a fake Kinect, or an empty path if the fake library is not loaded.
 fs::path kinect() {
   const char* bus = std::getenv("COPRESENCE_FAKE_KINECTS");
   return bus ? fs::path(bus) / "BENCH1" : fs::path();
 }
 
-// Whether `uri` can be opened. For a fake Kinect it is plugged in first, with `words` in its file.
+// Returns whether `uri` can be opened. A fake Kinect is plugged in first: `words` is written to its
+// file.
 bool plug_in(const std::string& uri, const std::string& words = "") {
   if (!uri.starts_with("freenect")) return true;
   if (kinect().empty()) return false;
@@ -102,7 +100,7 @@ void stream(benchmark::State& state, const std::string& uri, const std::string& 
   state.counters["driver_ms_per_frame"] = (driver_ms() - driver_before) / frames;
   state.counters["late"] = static_cast<double>((*source)->counters().late);
 }
-// The first 60 frames are the first period of the animation after opening; then come later periods.
+// The first 60 frames are the first period of the animation. Other cases measure later periods.
 BENCHMARK_CAPTURE(stream, simulated_first_two_seconds, "simulated:room?camera=0", "", 0)
     ->Unit(benchmark::kMillisecond)
     ->Iterations(60);
@@ -116,10 +114,10 @@ BENCHMARK_CAPTURE(stream, fake_kinect_without_drawing, "freenect://BENCH1", "sti
     ->Unit(benchmark::kMillisecond)
     ->Iterations(150);
 
-// Time from the arrival of a depth picture to the moment at which another thread has its frame:
-// pairing with colour, copying both from OpenNI2's buffers, the mailbox, and the wake-up. Threads
-// are as in the pipeline, with an encoder that is always ready. Waiting for colour is not counted:
-// the fake Kinect's comes 9 ms after depth, the simulated camera's at the same time.
+// Measures the time from the arrival of a depth picture until another thread has its frame. It
+// covers pairing with colour, copying from OpenNI2's buffers, the mailbox, and the wake-up of a
+// thread that is always ready. Waiting for colour is not counted. A fake Kinect's colour comes 9 ms
+// after depth, and the simulated camera's at the same time.
 void arrival_to_encoder(benchmark::State& state, const std::string& uri) {
   if (!plug_in(uri)) return state.SkipWithError("run benchmarks/cameras.py");
   const auto source = open_device(uri);
@@ -158,7 +156,7 @@ void open_and_close(benchmark::State& state) {
   for (auto _ : state) {
     const auto source = open_device("freenect://BENCH1");
     if (!source || !(*source)->next({})) return state.SkipWithError("it did not open");
-    if (++cycle == 20) early = Holdings::now();  // one-time allocations are done
+    if (++cycle == 20) early = Holdings::now();  // By now, all one-time allocations are done.
   }
   // The twentieth camera was still open when resources were counted.
   const auto source = open_device("freenect://BENCH1");
@@ -167,8 +165,8 @@ void open_and_close(benchmark::State& state) {
 }
 BENCHMARK(open_and_close)->Unit(benchmark::kMillisecond)->Iterations(1000);
 
-// One iteration: the camera is unplugged while it streams, that is noticed, it is plugged in, and
-// the first frame arrives. The time begins when it is plugged in.
+// Measures the time from plugging in a camera until its first frame arrives. In each iteration, the
+// camera is unplugged while it streams, and plugged in once the source has noticed that.
 void unplug_and_replug(benchmark::State& state) {
   if (kinect().empty()) return state.SkipWithError("run benchmarks/cameras.py");
   std::ofstream(kinect()).close();

@@ -1,8 +1,8 @@
-// Draws pictures that compare the fillers, as in thesis figures 3.4 and 3.5: filler_pictures
-// OUT.jpg
+// Draws a picture that compares the hole fillers, as in thesis figures 3.4 and 3.5. Usage:
+// filler_pictures OUT.jpg
 //
-// One camera of the simulated room: colour, the Kinect's measurement and the truth; then the result
-// of each filler.
+// It shows a camera in the simulated room: colour, measured depth, true depth and each filler's
+// depth.
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-// Near is red, far is blue, a hole is black. The scale is uniform in 1/z, like the sensor's steps.
+// Draws depth: near is red, far is blue, and a hole is black. The scale is linear in 1 / depth.
 cv::Mat picture_of(const DepthImage& depth_mm) {
   constexpr double kNear = 1 / 900.0, kFar = 1 / 5000.0;
   cv::Mat gray(kHeight, kWidth, CV_8UC1), colored;

@@ -1,4 +1,4 @@
-// Milliseconds per 640x480 depth frame for colour of another viewpoint and size.
+// Measures the registration of a 640x480 depth frame to colour of another viewpoint and size.
 
 #include <benchmark/benchmark.h>
 

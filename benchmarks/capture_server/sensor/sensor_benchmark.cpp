@@ -1,5 +1,5 @@
-// Measures playing a recording, from the file to RgbdFrames of 640x480. "user" and "system" are the
-// process's CPU time per frame, over all threads.
+// Measures the playback of a recording, from the file to RgbdFrames of 640x480. "user" and "system"
+// are the CPU times of all threads per frame.
 
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>

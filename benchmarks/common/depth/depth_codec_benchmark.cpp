@@ -1,5 +1,5 @@
-// Time of every depth codec, encoding and decoding, per 640x480 frame in milliseconds; without
-// video coding. Also the time of the validity mask alone.
+// Measures encoding and decoding of every depth codec, in milliseconds per 640x480 frame, without
+// video coding. The validity mask is also measured alone.
 #include <benchmark/benchmark.h>
 
 #include <string>

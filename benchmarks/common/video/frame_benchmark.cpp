@@ -1,6 +1,6 @@
-// Time of video coding alone, encoding and decoding, per 640x480 frame in milliseconds. The
-// pictures are those of recordings after hole filling and depth coding, as in the capture server.
-// Counters: Mbit/s at 30 frames a second.
+// Measures encoding and decoding of video in milliseconds per 640x480 frame. As in the capture
+// server, recordings pass hole filling and depth coding first. Counters are Mbit/s at 30 frames a
+// second.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
@@ -24,7 +24,7 @@ constexpr int kFrames = 60;
 
 struct Content {
   StreamDescription stream;
-  std::vector<PlanarFrame> frames;  // the first one is a keyframe
+  std::vector<PlanarFrame> frames;  // The first frame is a keyframe.
 };
 
 Content load(const std::string& path, const std::string& codec, bool lossless) {
@@ -74,7 +74,7 @@ const Content& content_of(const Case& which) {
   return place->second;
 }
 
-/// The recording's frames in a loop, with rising numbers. Each pass begins with a keyframe.
+/// Returns the recording's frames in a loop, with rising numbers. Each pass begins with a keyframe.
 PlanarFrame frame_of(const Content& content, const Case& which, std::uint64_t sequence) {
   PlanarFrame frame = content.frames[(sequence - 1) % content.frames.size()];
   frame.metadata.sequence = sequence;

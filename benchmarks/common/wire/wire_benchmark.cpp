@@ -1,5 +1,5 @@
-// The wire's share of a frame: its head to bytes and back, and the way over loopback from send() to
-// receive().
+// Measures sending a frame: packing and unpacking its head, and the way from send() to receive()
+// over the loopback interface.
 
 #include <benchmark/benchmark.h>
 
@@ -33,11 +33,11 @@ void welcome_round_trip(benchmark::State& state) {
 }
 BENCHMARK(welcome_round_trip);
 
-/// One frame at a time to `clients` clients, 30 per second as a camera does: both ends sleep between frames.
-/// Time is that of the last client, from send() to the frame's last byte in its hands; CPU is that of all
-/// threads per frame.
+/// Sends single frames to all clients, 30 per second as a camera does, so that both ends sleep
+/// between frames. "Time" ends when the last client has the frame's last byte. "CPU" is the time of
+/// all threads per frame.
 void loopback(benchmark::State& state) {
-  const auto bytes = static_cast<std::size_t>(state.range(0)) * 2 / 3;  // colour is half of depth
+  const auto bytes = static_cast<std::size_t>(state.range(0)) * 2 / 3;  // Colour has half of this.
   Served served;
   std::vector<FrameClient> clients;
   for (int i = 0; i < state.range(1); ++i) {

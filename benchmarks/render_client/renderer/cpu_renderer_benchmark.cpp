@@ -1,6 +1,6 @@
-// Cost of a view on the CPU. The cameras have 640x480 frames of a furnished room as a Kinect
-// measures it, and new ones for every view. "Time" is elapsed time and "CPU" that of all threads
-// together, in milliseconds per view.
+// Measures the CPU renderer. The cameras have new 640x480 frames of a furnished room for every
+// view, with the noise of a Kinect. "Time" is elapsed time and "CPU" the CPU time of all threads,
+// in milliseconds per view.
 
 #include <benchmark/benchmark.h>
 
@@ -21,7 +21,8 @@
 namespace copresence::renderer {
 namespace {
 
-// Two walls, a floor, a person in the middle and some round objects, for a camera moved sideways.
+// Returns two walls, a floor, a person and some round objects, as seen by a camera that is shifted
+// sideways by `x_m`.
 Surface room_seen_from(double x_m) {
   std::vector<Surface> parts = {wall(3.5), plane({0, 1, 0}, 1.1), plane({-1, 0, 0}, 1.6 + x_m)};
   parts.push_back(sphere({0.1 - x_m, -0.35, 1.9}, 0.13));
@@ -33,7 +34,7 @@ Surface room_seen_from(double x_m) {
   return together(parts);
 }
 
-// Cameras in a row, 40 cm apart, with all that they see.
+// Cameras in a row, 40 cm apart, and their frames.
 struct Room {
   std::vector<RgbdFrame> frames;
   std::vector<CameraView> cameras;
@@ -55,7 +56,8 @@ struct Room {
   }
 };
 
-// Arguments: cameras, width and height of the view, threads.
+// Measures a view of new frames. The arguments are the number of cameras, the width and height of
+// the view, and the number of threads.
 void whole_view(benchmark::State& state) {
   Room room(int(state.range(0)));
   const ViewPose eye = orbiting_eye(int(state.range(1)), int(state.range(2)), 10, 2);
@@ -75,7 +77,7 @@ BENCHMARK(whole_view)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
 
-// The same without new frames: the cost of moving the eye.
+// Measures a view without new frames, after the eye has moved. The arguments are the same.
 void moved_eye(benchmark::State& state) {
   Room room(int(state.range(0)));
   const ViewPose eye = orbiting_eye(1280, 720, 10, 2);
@@ -86,7 +88,7 @@ void moved_eye(benchmark::State& state) {
 }
 BENCHMARK(moved_eye)->ArgName("cameras")->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
 
-// Cost of making mesh and texture of one camera's frame.
+// Measures making the mesh and texture of one camera's frame.
 void new_frame(benchmark::State& state) {
   Room room(1);
   const auto ray = rays(kinect_model());
@@ -112,10 +114,10 @@ void new_frame(benchmark::State& state) {
 }
 BENCHMARK(new_frame)->Unit(benchmark::kMillisecond);
 
-// Cost of merging alone, with colours and silhouettes, on one thread for a 1280x720 view. As in the
-// renderer, each tile is merged right after it is drawn; only the merge is timed. The cost of a
-// second camera is the difference to one. `one_room`: the cameras see the same surfaces, so that
-// nearly all pixels are mixed. Else they see walls behind each other.
+// Measures merging with colours and silhouettes, on one thread for a 1280x720 view. As in the
+// renderer, each tile is merged right after it is drawn, but only the merge is timed. With
+// `one_room`, the cameras see the same surfaces, and nearly all pixels are blended. Otherwise the
+// cameras see walls behind each other.
 void merge(benchmark::State& state) {
   constexpr int kRows = 16;
   Room room(int(state.range(0)), state.range(1) != 0);

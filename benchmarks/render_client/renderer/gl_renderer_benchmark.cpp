@@ -1,5 +1,5 @@
-// Cost of a view by the GL renderer: cameras of 640x480 and a view of 1280x720. Without a graphics
-// card the software rasteriser is measured.
+// Measures the GL renderer with cameras of 640x480 and a view of 1280x720. Without a graphics card,
+// the software rasteriser is measured.
 
 #include <benchmark/benchmark.h>
 
@@ -20,8 +20,8 @@ std::vector<RgbdFrame> frames_of(int cameras) {
   return frames;
 }
 
-// Arguments: number of cameras; whether each has a new frame; whether the colours are copied to the
-// host.
+// The arguments are the number of cameras, whether each camera has a new frame, and whether the
+// colours are copied to the host.
 void gl_renderer_1280x720(benchmark::State& state) {
   const auto context = gl::Context::headless();
   if (!context) return state.SkipWithError(context.error().what.c_str());
@@ -39,7 +39,7 @@ void gl_renderer_1280x720(benchmark::State& state) {
   }
   const ViewPose eye = orbiting_eye(1280, 720, 15, 2);
   MergedView view;
-  (void)(*renderer)->render(cameras, eye, {}, view);  // the first call compiles shaders
+  (void)(*renderer)->render(cameras, eye, {}, view);  // The first call compiles shaders.
   for (auto _ : state) {
     if (state.range(1)) {
       for (CameraView& camera : cameras) ++camera.version;

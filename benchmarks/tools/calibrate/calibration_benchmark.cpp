@@ -1,5 +1,5 @@
-// Accuracy of marker calibration on 50 random layouts (counters in millimetres and degrees), and
-// the time of a fit.
+// Measures the accuracy and time of marker calibration on 50 random layouts. The counters are in
+// millimetres and degrees.
 
 #include <benchmark/benchmark.h>
 

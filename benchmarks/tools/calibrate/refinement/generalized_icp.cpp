@@ -26,7 +26,7 @@ std::uint64_t cube_of(const Eigen::Vector3d& point, double cube_m) {
   return number(point.x()) << 42 | number(point.y()) << 21 | number(point.z());
 }
 
-// Nearest-neighbour search in a k-d tree, which splits along the axis of largest extent.
+// Finds nearest neighbours by a k-d tree, which splits along the axis of largest extent.
 class Neighbours {
  public:
   explicit Neighbours(const std::vector<Eigen::Vector3d>& points) : points_(points), order_(points.size()) {
@@ -35,7 +35,7 @@ class Neighbours {
     halve(0, order_.size());
   }
 
-  /// Index of the nearest point within reach; -1 if there is none.
+  /// Returns the index of the nearest point within `reach_m`, or -1 if there is none.
   std::ptrdiff_t nearest(const Eigen::Vector3d& to, double reach_m) const {
     Best best{reach_m * reach_m, -1};
     look(0, order_.size(), to, best);
@@ -83,7 +83,7 @@ class Neighbours {
   std::vector<int> axes_;
 };
 
-// Covariance of a point: 1 in the plane, epsilon across it.
+// Returns the covariance of a point: variance 1 within its plane, and epsilon along the normal.
 Eigen::Matrix3d covariance_of(const Eigen::Vector3d& normal) {
   return Eigen::Matrix3d::Identity() - (1 - kEpsilon) * normal * normal.transpose();
 }

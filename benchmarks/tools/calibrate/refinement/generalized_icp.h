@@ -1,9 +1,9 @@
 #pragma once
 
-// Plain generalised ICP, as a comparison for refinement: nearest neighbours, plane to plane, one
-// search distance, no weights.
+// Plain generalised ICP for comparison with refinement. It matches nearest neighbours within one
+// search distance, plane to plane, without weights.
 //
-// Source: Segal, Haehnel and Thrun 2009, with covariances from normals and the epsilon of Open3D.
+// Source: Segal, Haehnel and Thrun 2009. Covariances come from normals, with the epsilon of Open3D.
 // Thread: pure functions.
 
 #include <Eigen/Core>
@@ -14,14 +14,14 @@
 
 namespace copresence::calibrate {
 
-/// Points and normals in the camera frame, one per cube of side `cube_m`. Metres.
+/// Points and normals in the camera frame in metres. There is one point per cube of side `cube_m`.
 struct Cloud {
   std::vector<Eigen::Vector3d> points, normals;
 };
 Cloud make_cloud(const Surface& surface, double cube_m = 0.03);
 
-/// Returns  target_from_source, from the one given. `reach_m` is the farthest that two points of a
-///          match may be apart.
+/// Returns target_from_source. The given pose is the first estimate. Two points of a match are at
+/// most `reach_m` apart.
 Rigid3 generalized_icp(const Cloud& source, const Cloud& target, const Rigid3& target_from_source,
                        double reach_m, int iterations = 50);
 

@@ -1,8 +1,8 @@
-// Accuracy and time of refinement. It uses the 50 random layouts of the calibration benchmark, with
-// their cameras in the simulated room, and starts from the poses of markers and from poses farther
-// off. Making the layouts takes about four minutes. COPRESENCE_LAYOUTS=N takes the first N, and
-// COPRESENCE_LAYOUTS=M-N those from M up to N, so that several processes can share the work.
-// Standard error has one line per camera.
+// Measures accuracy and time of refinement. It uses the 50 random layouts of the calibration
+// benchmark, with their cameras in the simulated room. Refinement starts from the poses of a marker
+// calibration and from less accurate poses. Making the layouts takes about four minutes. Set
+// COPRESENCE_LAYOUTS=N for the first N layouts, or COPRESENCE_LAYOUTS=M-N for those from M up to N,
+// so that several processes can share the work. Standard error has one line per camera.
 
 #include <benchmark/benchmark.h>
 
@@ -27,12 +27,12 @@ namespace {
 struct Layout {
   int number = 0;
   std::vector<Rigid3> truth, by_markers;
-  std::vector<double> marker_errors_m;  // Expected by the marker fit.
+  std::vector<double> marker_errors_m;  // The errors that the marker calibration expects.
   std::vector<Surface> surfaces;
 };
 
 constexpr int kFrames = 10;
-const Eigen::Vector3d kMiddle(0, -1, 0.3);  // Of the shared volume.
+const Eigen::Vector3d kMiddle(0, -1, 0.3);  // The middle of the volume that all cameras see.
 
 Rigid3 pushed(const Rigid3& pose, std::mt19937& random, double metres, double degrees) {
   std::normal_distribution<double> number;
@@ -42,12 +42,12 @@ Rigid3 pushed(const Rigid3& pose, std::mt19937& random, double metres, double de
   };
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(degrees * std::numbers::pi / 180, direction()).toRotationMatrix();
-  const Eigen::Vector3d ahead = pose * Eigen::Vector3d(0, 0, 2);  // Turned about what it looks at.
+  const Eigen::Vector3d ahead = pose * Eigen::Vector3d(0, 0, 2);  // The centre of the rotation.
   return {turn * pose.rotation, turn * (pose.translation - ahead) + ahead + metres * direction()};
 }
 
-// Two to four Kinects in the room, with poses found by six markers. The surfaces do not have the
-// markers.
+// Makes a layout of two to four Kinects in the room. Their poses are found by six markers, which do
+// not appear in the surfaces.
 Layout make_layout(const std::shared_ptr<const simulation::LitScene>& world, int number) {
   const int cameras = number < 18 ? 2 : number < 34 ? 3 : 4;
   const Rig rig = make_rig(static_cast<std::uint32_t>(1000 + number), cameras);
@@ -97,7 +97,7 @@ const std::vector<Layout>& layouts() {
   return kLayouts;
 }
 
-// Mean shift of points in the shared volume, a cube of 1.6 m. Millimetres.
+// Returns the mean shift of points in the shared volume, a cube of 1.6 m, in millimetres.
 double shift_mm(const Rigid3& found, const Rigid3& truth) {
   const Rigid3 motion = found * truth.inverse();
   double sum = 0;
@@ -121,9 +121,10 @@ double quantile(std::vector<double> values, double share) {
 
 enum Start : int { kMarkers, kPushed };
 
-// Starts from the poses of markers with their expected errors, or from poses that are off by the
-// arguments: tenths of a millimetre, thousandths of a degree, and whether the error is known. 4 mm
-// and 0.15 degrees are required of markers. 100 mm and 5 degrees are typical of a tape measure.
+// Refines from the poses of the marker calibration, or from wrong poses. Arguments are the error in
+// tenths of a millimetre, the error in thousandths of a degree, and whether refinement knows the
+// error. A marker calibration must be accurate to 4 mm and 0.15 degrees. A tape measure is
+// typically accurate to 100 mm and 5 degrees.
 void refine_simulated_layouts(benchmark::State& state) {
   const double metres = static_cast<double>(state.range(1)) * 1e-4,
                degrees = static_cast<double>(state.range(2)) * 1e-3;

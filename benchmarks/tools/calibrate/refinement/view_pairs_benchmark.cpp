@@ -1,8 +1,9 @@
-// Accuracy of refinement on pairs of single views. There are three sources: views of a real office
-// with known poses; views from a recording of a camera that moves through that office, with poses
-// by our own tracking; and views of a simulated Kinect in the simulated room, with true poses. Each
-// pair starts from the known pose and from COPRESENCE_STARTS (12) poses that are 10 cm and 5
-// degrees off. Generalised ICP starts from some of the same poses.
+// Measures the accuracy of refinement on pairs of single views, from three sources. Some are views
+// of a real office with known poses. Some are from a recording of a camera that moves through that
+// office, with poses tracked by this benchmark. The others are from a simulated Kinect, with true
+// poses. Each pair starts from the known pose and from wrong poses, with errors of 10 cm and 5
+// degrees. COPRESENCE_STARTS sets the number of wrong poses, 12 by default. Generalised ICP starts
+// from some of the same poses.
 
 #include <benchmark/benchmark.h>
 
@@ -34,10 +35,10 @@ constexpr int kSimulatedViews = 10;
 
 struct View {
   Surface surface;
-  Rigid3 world_from_camera;  // as known
+  Rigid3 world_from_camera;  // The known pose.
 };
 
-// Depth of a single frame, metres.
+// Returns the depth of a single frame, in metres.
 Image<float> depth_of(const DepthImage& depth, DepthUnit unit) {
   DepthAverage average(unit);
   average.add(depth);
@@ -74,7 +75,7 @@ void lay_together(const std::vector<Surface>& surfaces, std::vector<Rigid3>& pos
   run_icp(all, kLevels, {}, poses);
 }
 
-// Tracks a moving camera: registers each view to the one before and to older ones that overlap.
+// Tracks a moving camera: registers each view to the previous view and to older overlapping views.
 std::vector<View> track(std::vector<Surface> surfaces) {
   constexpr std::array<IcpLevel, 3> kLevels{{{0.15, 8, 10}, {0.08, 8, 10}, {0.05, 4, 15}}};
   std::vector<Rigid3> poses(surfaces.size());
@@ -116,8 +117,8 @@ std::vector<View> office_views() {
   return views;
 }
 
-// A Kinect that is carried around the motionless figure of the simulated room, at changing
-// distance, height and direction.
+// Returns the views of a Kinect that moves around the motionless person of the simulated room, at
+// changing distance, height and direction.
 std::vector<View> simulated_views() {
   const auto world =
       std::make_shared<const simulation::LitScene>(simulation::LitScene::of_world("room").value());
@@ -125,7 +126,7 @@ std::vector<View> simulated_views() {
   std::vector<View> views;
   for (int i = 0; i < kSimulatedViews; ++i) {
     const double around = (-60.0 + 13 * i) * std::numbers::pi / 180, way = i;
-    const double distance = 1.65 + 0.12 * std::sin(1.3 * way);  // Between the walls and the curtain.
+    const double distance = 1.65 + 0.12 * std::sin(1.3 * way);
     const Rigid3 pose = simulation::look_from(
         {distance * std::sin(around), -1.4 + 0.25 * std::sin(2.1 * way), -distance * std::cos(around)},
         {0.4 * std::cos(1.7 * way), -0.9, 0});
@@ -141,8 +142,8 @@ std::vector<View> simulated_views() {
 }
 
 enum Recording : int { kViews, kOffice, kSimulated };
-constexpr int kStep = 3;        // Frames between the tracked views.
-constexpr int kGicpStarts = 2;  // fewer, because it takes longer.
+constexpr int kStep = 3;        // Number of frames from one tracked view to the next.
+constexpr int kGicpStarts = 2;  // Generalised ICP gets fewer starts, because it takes longer.
 
 const std::vector<View>& views_of(int recording) {
   static std::map<int, std::vector<View>> all;
@@ -175,7 +176,7 @@ Rigid3 pushed(const Rigid3& pose, std::mt19937& random) {
   return {turn * pose.rotation, pose.translation + 0.1 * direction()};
 }
 
-// range: Recording, index of the first view, index of the second view.
+// The arguments are a Recording, the index of the first view and the index of the second view.
 void refine_a_pair(benchmark::State& state) {
   const std::vector<View>& views = views_of(static_cast<int>(state.range(0)));
   const auto i = static_cast<std::size_t>(state.range(1)), j = static_cast<std::size_t>(state.range(2));

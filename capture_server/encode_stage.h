@@ -46,7 +46,7 @@ class EncodeStage {
   std::optional<EncoderSettings> previous_;  ///< The settings before the last change.
   bool keyframe_owed_ = false;               ///< The next frame must be a keyframe.
   std::uint64_t without_room_ = 0;           ///< Frames dropped because no viewer could take them.
-  std::uint64_t encoder_busy_ = 0;           ///< Frames replaced, dropped as stale, or failed.
+  std::uint64_t encoder_busy_ = 0;  ///< Frames that were replaced by newer ones, dropped as stale, or failed.
 };
 
 /// Returns a text such as "qp 20" or "4000 kbit/s".

@@ -18,7 +18,7 @@ struct DeviceListing {
   std::string serial;  ///< Serial number, or empty if the camera reports none.
   std::string driver;
   std::vector<std::string> modes;     ///< Modes such as "depth 640x480 at 30, 1 mm".
-  std::vector<std::string> problems;  ///< One sentence per problem, with its remedy.
+  std::vector<std::string> problems;  ///< Problems of the camera: one sentence each, with the remedy.
   bool ready = false;                 ///< True if the camera could be opened just now.
 };
 

@@ -10,14 +10,14 @@
 namespace copresence::diagnosis {
 
 struct UsbCamera {
-  std::string model;  ///< Name such as "Kinect" or "Asus Xtion".
+  std::string model;  ///< Name of the model, such as "Kinect" or "Asus Xtion".
   /// Serial number as drivers report it. The text is empty or zeros if neither the camera nor its
   /// audio device has a number.
   std::string serial;
   std::string node;                   ///< Device file, /dev/bus/usb/BBB/DDD.
   std::string kind;                   ///< Name of the driver: kinect_v1 or primesense.
   std::string address;                ///< End of the URI in PrimeSense's driver, "@BUS/ADDRESS".
-  std::vector<std::string> problems;  ///< One sentence per problem, with its remedy.
+  std::vector<std::string> problems;  ///< Problems of the camera: one sentence each, with the remedy.
   bool blocked = false;               ///< True if this user cannot open the camera because of these problems.
 };
 

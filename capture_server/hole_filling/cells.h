@@ -19,15 +19,14 @@ class Cells {
   struct Direction {
     int dx, dy;
   };
-  static constexpr std::array<Direction, 8> kDirections{
-      {{1, 0},
-       {-1, 0},
-       {0, 1},
-       {0, -1},
-       {1, 1},
-       {-1, -1},
-       {1, -1},
-       {-1, 1}}};  // Each direction is followed or preceded by its opposite.
+  static constexpr std::array<Direction, 8> kDirections{{{1, 0},
+                                                         {-1, 0},
+                                                         {0, 1},
+                                                         {0, -1},
+                                                         {1, 1},
+                                                         {-1, -1},
+                                                         {1, -1},
+                                                         {-1, 1}}};  // Opposite directions follow each other.
 
   Cells(int width_px, int height_px);
 
@@ -53,10 +52,10 @@ class Cells {
   /// Depths of the two surfaces at the cell's middle, in steps. The value is meaningless if the
   /// cell lacks that surface.
   std::vector<float> far, near;
-  /// Number of measured pixels on each surface. `near_count` is 0 if there is one surface.
+  /// Number of measured pixels on each surface. `near_count` is 0 if the cell holds one surface.
   std::vector<std::uint8_t> far_count, near_count;
   std::vector<float> slope_x, slope_y;  ///< Slope in steps per pixel; 0 if unknown.
-  std::vector<std::uint8_t> wanted;     ///< True (1) if the cell has fillable holes.
+  std::vector<std::uint8_t> wanted;     ///< The value is 1 if the cell has fillable holes, else 0.
 
   /// Per direction and cell: distance in cells to the next cell with depth, or 0 if there is none
   /// within kReachCells.
@@ -93,7 +92,7 @@ class Cells {
 
   // Centroid of each cell's measured pixels, in pixels from the cell's middle.
   std::vector<float> middle_x_, middle_y_;
-  std::vector<float> smooth_;  // Depth of each cell with one surface, else kNoSurface.
+  std::vector<float> smooth_;  // Depth of each cell that holds one surface, else kNoSurface.
   std::vector<std::uint8_t> has_depth_;
 };
 

@@ -17,13 +17,13 @@
 namespace copresence::hole_filling {
 
 enum class Method {
-  kOff,     ///< Leaves holes as they are.
+  kOff,     ///< No holes are filled.
   kMedian,  ///< Two median passes, after Maimone and Fuchs.
-  /// Mean weighted by pixel distance alone. It smears foreground into background (thesis section
+  /// Mean weighted by pixel distance alone. This smears foreground into background (thesis section
   /// 3.2, second version).
   kBilateral,
-  /// Mean weighted by pixel, depth and colour distance. It does not bridge surfaces (thesis section
-  /// 3.2, third version).
+  /// Mean weighted by pixel, depth and colour distance. This does not bridge surfaces (thesis
+  /// section 3.2, third version).
   kJoint,
 };
 inline constexpr std::array kMethods{Method::kOff, Method::kMedian, Method::kBilateral, Method::kJoint};

@@ -56,7 +56,7 @@ CellRow first_moment_across(const TileRow& row) {
 
 /// Computes the support of a plane for a cell. The sums run along columns first, then along rows,
 /// since a pixel's weight does not depend on the window. `corner` is the top left pixel of the
-/// cell's tile. Without `places`, x and y are not set.
+/// cell's tile. `support.x` and `support.y` are set only if `places` is true.
 void find_support(const float* corner, int stride, const Plane& plane, bool places, Support& support) {
   // Position of the first column, from the cell's middle.
   constexpr float kFirst = -kWindowPx - 0.5f * (kCellPx - 1);

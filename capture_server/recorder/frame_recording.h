@@ -54,8 +54,8 @@ class FrameRecording {
   /// Makes sure that the frames written so far survive the end of this process.
   Result<void> checkpoint() { return writer_.checkpoint(); }
 
-  /// Completes the file and checks it as for a replay. Call it once, at the end. A file of more
-  /// than kMostChecked frames is not checked, because a stop has too little time for that.
+  /// Completes the file and checks it like a replay does. Call finish() once, at the end. A file of
+  /// more than kMostChecked frames is not checked, because a stop has too little time for that.
   Result<void> finish();
 
   std::uint64_t frames() const { return frames_; }

@@ -114,7 +114,7 @@ Result<void> expand_depth_16z(std::span<const std::uint8_t> bytes, DepthTable ta
   const auto u16_at = [&](std::size_t at) {
     return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
   };
-  std::array<std::uint16_t, 65536> values;  // Depth of each table index.
+  std::array<std::uint16_t, 65536> values;  // Table that gives the depth of each index.
   std::size_t entries = values.size(), at = 0;
   if (table == DepthTable::kEmbedded) {
     if (bytes.size() < 2) return corrupt("no table");

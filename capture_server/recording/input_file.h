@@ -27,7 +27,7 @@ class InputFile {
   /// or the disk fails.
   bool read(std::uint64_t offset, std::span<std::uint8_t> into) const;
 
-  /// Returns access to this file's bytes for a parser. This object must outlive it.
+  /// Returns access to this file's bytes for a parser. The InputFile must outlive the result.
   RecordBytes bytes() const;
 
  private:

@@ -1,7 +1,8 @@
 #pragma once
 
-// JPEG pictures of recordings, by libjpeg-turbo with its exact transform. Programs that use this
-// library write the same bytes. Decoded pixels are the same as in OpenNI2's player.
+// Encodes and decodes the JPEG pictures of recordings, by libjpeg-turbo with its exact transform.
+// All programs that use this library write the same bytes. Decoded pixels are the same as in
+// OpenNI2's player.
 // Thread: one thread at a time per object.
 
 #include <cstdint>

@@ -46,11 +46,12 @@ struct RecordedStream {
   std::string codec;  ///< Four characters, such as NONE, 16zT or JPEG.
   int width = 0;      ///< In pixels; even.
   int height = 0;
-  int frames_per_second = 0;                 ///< Nominal frame rate.
-  DepthUnit unit = DepthUnit::kMillimetre;   ///< Unit of depth. Unused for other streams.
-  std::optional<FieldOfView> field_of_view;  ///< Set for depth; set for colour if the recorder knew it.
-  /// All depths that the sensor can report, ascending. The list is empty if the recording does not
-  /// state them.
+  int frames_per_second = 0;                ///< Nominal frame rate.
+  DepthUnit unit = DepthUnit::kMillimetre;  ///< Unit of depth. Unused for other streams.
+  /// The angles of depth, and of colour if the recorder knew them.
+  std::optional<FieldOfView> field_of_view;
+  /// All depths that the sensor can report, in ascending order. The list is empty if the recording
+  /// does not state them.
   std::vector<std::uint16_t> levels;
   /// Times of all frames in the file's order, counted from the recorder's time zero.
   std::vector<std::uint64_t> timestamps_us;

@@ -22,8 +22,8 @@ namespace copresence::recording {
 struct FooterStream {
   std::uint32_t node = 0;
   std::uint64_t added_position = 0;         ///< Position of its kNodeAdded.
-  std::uint64_t counts_position = 0;        ///< Position of that record's last kNodeCountsBytes.
-  std::span<const FramePlace> frames = {};  ///< All frames of the stream.
+  std::uint64_t counts_position = 0;        ///< Position of the last kNodeCountsBytes of its kNodeAdded.
+  std::span<const FramePlace> frames = {};  ///< All frames of the stream so far.
 };
 
 enum class SeekTables { kNo, kYes };

@@ -105,7 +105,7 @@ inline constexpr char kDisparityTableProperty[] = "S2D";
 /// General property without meaning: a former footer, see recording/oni_footer.h.
 inline constexpr char kFormerEndProperty[] = "copresence.end";
 
-inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< Most frames of one stream: 38 hours.
+inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< Largest number of frames in one stream: 38 hours.
 
 /// Largest timestamp in microseconds. This limit is 2284 years, so sums of times do not overflow.
 inline constexpr std::uint64_t kMaxTimestamp = std::uint64_t{1} << 56;

@@ -114,8 +114,8 @@ Result<OniParser::Record> OniParser::next_record() {
   if (record.fields_bytes < record_bytes() || record.fields_bytes > kMaxFields) {
     return damaged(at, fmt::format("a record's fields take {} bytes", record.fields_bytes));
   }
-  // Only these types have a payload. The player ignores the payload size of other records, except
-  // while it counts the frames of an old file.
+  // Only the types of has_payload() have a payload. The player ignores the payload size of other
+  // records, except while it counts the frames of an old file.
   if (!record.has_payload()) {
     if (is_old_ && record.payload_bytes) return damaged(at, "a record has a payload that it cannot have");
     record.payload_bytes = 0;

@@ -32,7 +32,7 @@ class OniParser {
     bool is_stream = false;
     std::uint32_t frames_claimed = 0;
     bool is_counted_at_data = false;  ///< True if its kDataBegin has the number of frames.
-    std::uint64_t seek_table_at = 0;  ///< Position of the seek table by its definition, or 0.
+    std::uint64_t seek_table_at = 0;  ///< Position of the seek table that the definition states, or 0.
     bool has_seek_table = false;      ///< True if a table of the right size was found.
     std::uint64_t max_payload = 0;
     StreamFormat format;  ///< The format must not change once the node is ready.
@@ -69,7 +69,7 @@ class OniParser {
   std::map<std::uint32_t, Node> nodes_;
   std::optional<CameraMetadata> camera_metadata_;
   std::optional<std::int64_t> unix_zero_us_;
-  bool is_old_ = false;  ///< Written by OpenNI 1.0 to 1.3, with shorter records.
+  bool is_old_ = false;  ///< True for files of OpenNI 1.0 to 1.3, with shorter records.
 };
 
 }  // namespace copresence::recording

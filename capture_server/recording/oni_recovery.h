@@ -37,10 +37,10 @@ struct Gap {
 };
 
 struct RecoveredRecording {
-  bool is_old = false;                   ///< Written by OpenNI 1.0 to 1.3, see oni_format.h.
+  bool is_old = false;                   ///< True for files of OpenNI 1.0 to 1.3, see oni_format.h.
   std::vector<RecoveredStream> streams;  ///< All streams that may have frames, at least one.
   std::uint32_t largest_node = 0;
-  std::uint64_t first_frame_position = 0;  ///< All streams are defined before this position.
+  std::uint64_t first_frame_position = 0;  ///< All streams are defined before this position in the file.
   std::uint64_t whole_until = 0;           ///< End of the last whole record.
   bool has_end = false;                    ///< True if the last whole record is a kEnd.
   bool has_seek_tables = false;
@@ -53,7 +53,7 @@ struct RecoveredRecording {
   std::uint64_t frames(NodeType type) const;
 };
 
-/// Searches a recording of `bytes.size()` bytes. `name` is its name in messages.
+/// Searches a recording of `bytes.size()` bytes. `name` is the recording's name in messages.
 /// Fails with kCorrupt or kUnsupported if it is no recording, or damaged before the first stream is
 /// defined.
 Result<RecoveredRecording> recover(RecordBytes& bytes, const std::string& name);

@@ -91,7 +91,7 @@ class OniWriter {
 
  private:
   struct Stream {
-    std::uint32_t node = 0;  // 1 is depth, 2 is colour.
+    std::uint32_t node = 0;  // Node id: 1 for depth, 2 for colour.
     std::uint64_t added_position = 0, counts_position = 0;
     std::vector<FramePlace> frames;
   };

@@ -76,7 +76,7 @@ struct RecordHead {
   RecordType type{};
   std::uint32_t node = 0;
   std::uint32_t fields_bytes = 0;   ///< Size of head and fields.
-  std::uint32_t payload_bytes = 0;  ///< Meaningful only for types with a payload.
+  std::uint32_t payload_bytes = 0;  ///< The size is meaningful only for types with a payload.
 
   bool has_payload() const { return type == RecordType::kNewData || type == RecordType::kSeekTable; }
 };

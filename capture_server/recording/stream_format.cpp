@@ -85,7 +85,7 @@ bool StreamFormat::apply(Kind kind, RecordType type, std::string_view key,
   if (is_general && key == "xnCropping") {
     cropped = fields.u32() != 0;
     has_cropping = true;
-    fields.u64();  // Offset and size, four times 16 bits.
+    fields.u64();  // Offset and size of the crop, four times 16 bits.
     return fields.whole();
   }
   if (is_general && key == "xnFOV") {

@@ -16,7 +16,7 @@ namespace copresence::recording {
 
 struct StreamFormat {
   std::uint32_t width = 0, height = 0, frames_per_second = 0;
-  std::uint64_t pixel_format = 0;  ///< OpenNI2's number. 0 if unknown.
+  std::uint64_t pixel_format = 0;  ///< OpenNI2's number of the pixel format, or 0 if unknown.
   std::uint64_t frame_buffer = 0;  ///< Size of the player's buffer for a frame in bytes. 0 if not given.
   bool has_max_depth = false;
   bool has_cropping = false;

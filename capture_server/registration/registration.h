@@ -21,9 +21,10 @@ namespace copresence::registration {
 
 /// The cameras of a sensor and their relative pose.
 struct SensorCameras {
-  CameraModel depth;                 ///< The camera of the depth images as delivered.
-  std::optional<CameraModel> color;  ///< The camera of the colour images. Nothing if there is no colour.
-  Rigid3 color_from_depth;           ///< In metres. Ignored if `registered`.
+  CameraModel depth;  ///< The camera of the depth images as delivered.
+  /// The camera of the colour images. Nothing if the sensor has no colour.
+  std::optional<CameraModel> color;
+  Rigid3 color_from_depth;  ///< In metres. Ignored if `registered`.
   DepthUnit unit = DepthUnit::kMillimetre;
   bool registered = false;  ///< The driver delivers depth as seen by the colour camera.
   DepthNoise noise = {};

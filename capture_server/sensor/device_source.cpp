@@ -106,7 +106,7 @@ class DeviceSource final : public FrameSource {
   openni::VideoStream depth_;
   openni::VideoStream color_;
   std::optional<GoneListener> gone_;
-  std::optional<Projector> projector_;  // Set only if projectors take turns.
+  std::optional<Projector> projector_;  // Nothing if projectors do not take turns.
 
   SensorDescription description_;
   std::int64_t half_period_us_ = 16667;
@@ -140,7 +140,7 @@ Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::Sens
             description_.name, mode->getResolutionX(), mode->getResolutionY(), mode->getFps(),
             last_open_ni_error()));
   }
-  stream.setMirroringEnabled(false);  // A driver that fails here cannot mirror at all.
+  stream.setMirroringEnabled(false);  // A driver in which this call fails cannot mirror at all.
   return {};
 }
 

@@ -34,7 +34,7 @@ struct SensorDescription {
   DepthNoise noise;         ///< A Kinect v1's noise, since no driver or recording reports its own.
   bool has_color = false;   ///< If false, `color` is meaningless and no frame has colour.
   CameraModel color;        ///< The colour camera, before registration.
-  Rigid3 color_from_depth;  ///< In metres; the identity if `registered`.
+  Rigid3 color_from_depth;  ///< The colour camera's pose in metres; the identity if `registered`.
   bool registered = false;  ///< Depth and colour share one camera model.
   /// Every depth that the sensor can report, in `unit`, ascending. The list is empty if the levels
   /// are unknown.

@@ -38,7 +38,7 @@ struct ProjectorSlot {
 
 class ProjectorSchedule {
  public:
-  using Time = std::chrono::microseconds;  ///< Since the epoch of the system clock.
+  using Time = std::chrono::microseconds;  ///< Time since the epoch of the system clock.
 
   /// At the end of each slot all projectors are off for this long.
   static constexpr std::chrono::milliseconds kGuard{5};

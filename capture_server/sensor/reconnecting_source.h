@@ -37,7 +37,7 @@ class ReconnectingSource final : public FrameSource {
   const Open open_;
   const std::chrono::milliseconds between_tries_;
   const SensorDescription description_;
-  std::unique_ptr<FrameSource> source_;  // Null while the camera is absent.
+  std::unique_ptr<FrameSource> source_;  // The pointer is null while the camera is absent.
   SourceCounters before_;                // Sums over all closed sources.
 };
 

@@ -30,7 +30,7 @@ class ReplayClock {
  private:
   void join_session(Instant now);
 
-  const std::optional<std::int64_t> began_unix_us_;  // If unset, the replay joins no session.
+  const std::optional<std::int64_t> began_unix_us_;  // Without a value, the replay joins no session.
   const std::int64_t duration_us_, first_us_;
   const bool loops_;
   PlaybackSchedule schedule_;

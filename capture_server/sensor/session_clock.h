@@ -74,8 +74,8 @@ class SessionClock {
   /// replayed or the file cannot be created. The replay is then not synchronised.
   static std::optional<SessionClock> join(const std::string& folder, const SessionSpan& own, Instant begin);
 
-  /// $XDG_RUNTIME_DIR, or a folder of this user in /tmp. The result is empty if neither can be
-  /// used.
+  /// Returns $XDG_RUNTIME_DIR, or a folder of this user in /tmp. The result is empty if neither can
+  /// be used.
   static std::string default_folder();
 
   SessionClock(SessionClock&& other) noexcept;

@@ -65,11 +65,11 @@ struct ChildEnd {
   enum class Kind {
     kNotStarted,
     kExited,
-    kStopped,        ///< Ended after a stop request, in any way.
-    kWouldNotStop,   ///< Killed because it did not stop in time.
-    kStoppedAtOnce,  ///< Killed on a second stop request.
-    kCrashed,        ///< Crashed by its own fault.
-    kKilled,         ///< Killed by a signal from another process.
+    kStopped,        ///< The child ended after a stop request, in any way.
+    kWouldNotStop,   ///< The child was killed because it did not stop in time.
+    kStoppedAtOnce,  ///< The child was killed on a second stop request.
+    kCrashed,        ///< The child crashed by its own fault.
+    kKilled,         ///< A signal from another process killed the child.
     kHung,
   };
   Kind kind = Kind::kExited;

@@ -33,8 +33,8 @@ enum Part {
   kParts
 };
 
-// The sizes are in metres. Side A is the right side of the person, at x < 0. It appears on the left
-// when seen from the front.
+// The sizes are in metres. Side A is the right side of the person, at x < 0. Side A appears on the
+// left when seen from the front.
 constexpr float kHipHeight = 0.93f, kHipSide = 0.095f, kThigh = 0.44f, kShank = 0.42f, kAnkle = 0.085f;
 constexpr float kShoulderRise = 0.375f, kShoulderSide = 0.178f, kUpperArm = 0.29f, kForearm = 0.25f;
 

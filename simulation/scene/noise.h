@@ -85,7 +85,7 @@ class BlobRows {
   std::size_t y_ = 0;
   std::vector<float> weight_;           // Weight of the left lattice point, per pixel of a cell.
   std::vector<std::uint32_t> columns_;  // Hashed column numbers of the lattice.
-  std::vector<float> values_;           // Values of one lattice row.
+  std::vector<float> values_;           // Random values of one lattice row.
   std::vector<float> above_, below_;    // The lattice rows above and below y_, interpolated along the row.
 };
 

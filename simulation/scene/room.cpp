@@ -108,7 +108,6 @@ class Room {
     solid(at(1.02f, 1.02f, z + 0.08f), {0.12f, 0.03f, 0.06f}, brass);
   }
 
-  // The bookshelf is at the far wall, left of the middle.
   void bookshelf() {
     const int wood = paint(Pattern::kWood, 0x7A5230, 0x4E3019, 0.06f, 0.35f);
     const float x = -1.45f, z = kHalfZ - 0.17f, width = 1.3f, height = 2.0f, depth = 0.32f;
@@ -152,7 +151,6 @@ class Room {
     room_.add(loft(upright(x + 0.35f, height, z), globe, clay));
   }
 
-  // The sofa is at the far wall, right of the middle.
   void sofa() {
     const int cloth = paint(Pattern::kFabric, 0x5E6B86, 0x7886A3, 0.025f, 0.5f);
     const int mustard = paint(Pattern::kFabric, 0xD9A032, 0xB57F1D, 0.02f, 0.65f);
@@ -241,7 +239,6 @@ class Room {
     room_.add(loft(upright(x + 0.02f, 0.52f, z - 0.68f), jar, pot));
   }
 
-  // The plant is in the far corner to the right.
   void plant() {
     const int pot = paint(Pattern::kPlain, 0xC7693F, 0x9E4A26, 0.06f, 0.6f);
     const int leaf = paint(Pattern::kLeaf, 0x3F7D3A, 0x7FB069, 0.03f, 0.75f);
@@ -280,7 +277,6 @@ class Room {
       solid(rotated(0, height, 0.19f), {0.36f, 0.07f, 0.02f}, wood, yaw);
   }
 
-  // The cabinet is behind cameras 0 and 1.
   void cabinet() {
     const int painted = paint(Pattern::kWood, 0x5F7F8C, 0x47626D, 0.1f, 0.5f);
     const int knob = paint(Pattern::kPlain, 0xD8C27A, 0xB09A55, 0.02f, 0.3f, 0.2f);

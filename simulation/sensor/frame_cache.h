@@ -45,7 +45,7 @@ class FrameCache {
     std::vector<NoiseFreeColor> colors;
   };
 
-  void change_to(const Difference* frame);  // Null stands for the background.
+  void change_to(const Difference* frame);  // A null pointer stands for the background.
 
   std::vector<Difference> frames_;
   const NoiseFreeFrame background_;

@@ -35,7 +35,8 @@
 
 namespace copresence::simulation {
 
-inline constexpr double kProjectorBaseline = 0.075;  // Distance in metres, to the right of the camera.
+// Distance of the projector from the camera in metres, to the right.
+inline constexpr double kProjectorBaseline = 0.075;
 /// In metres. Disparity level k has the depth kLevelConstant / k.
 inline constexpr double kLevelConstant = kKinectV1Noise.disparity_constant_m;
 inline constexpr double kNearestDepth = 0.5, kFarthestDepth = 5;  // In metres.

@@ -28,7 +28,7 @@ inline const std::array<Eigen::Vector2f, 4> kFigureSamples{
 /// The surface point of a part at the centre of a pixel.
 struct Hit {
   std::uint32_t pixel = 0, triangle = 0;
-  float depth = 0;     ///< Along the optical axis, metres.
+  float depth = 0;     ///< Depth along the optical axis, in metres.
   float u = 0, v = 0;  ///< Barycentric weights of the second and third vertex.
 };
 

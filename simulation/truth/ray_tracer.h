@@ -40,7 +40,7 @@ Value interpolate(const Ray& hit, const Value& a, const Value& b, const Value& c
 }
 
 struct SurfacePoint {
-  Eigen::Vector3f position, normal;  ///< In the frame of the mesh.
+  Eigen::Vector3f position, normal;  ///< Both are in the frame of the mesh.
   Eigen::Vector2f uv;
 };
 
@@ -67,9 +67,10 @@ struct PixelRays {
 
   CameraModel model;
   Rigid3 world_from_camera;
-  Eigen::Vector3f eye;                      ///< In the world frame, metres.
-  std::vector<Eigen::Vector3f> directions;  ///< Per pixel, world frame. Length 1 along the optical axis.
-  Eigen::Vector3f pixel_x, pixel_y;         ///< Difference of the directions of neighbouring pixels.
+  Eigen::Vector3f eye;  ///< Position in the world frame, in metres.
+  /// Per pixel, world frame. The component along the optical axis is 1.
+  std::vector<Eigen::Vector3f> directions;
+  Eigen::Vector3f pixel_x, pixel_y;  ///< Difference of the directions of neighbouring pixels.
 };
 
 struct FreeScene {

@@ -21,8 +21,8 @@ struct PixelRays;
 
 /// The view of a perfect camera at one instant.
 struct TrueView {
-  Image<float> depth_m;   ///< Along the optical axis at the pixel's centre; 0 where there is no surface.
-  ColorImage color;       ///< In sRGB, anti-aliased.
+  Image<float> depth_m;  ///< Depth along the optical axis at the pixel's centre; 0 where there is no surface.
+  ColorImage color;      ///< In sRGB, anti-aliased.
   Image<float> infrared;  ///< Share of the projector's light that is reflected to the camera.
 };
 

@@ -66,7 +66,7 @@ class ForeignDriverHost : public oni::driver::DriverBase {
   }
 
  protected:
-  /// Called once, if the driver is chosen.
+  /// OpenNI2 calls this function once, if the driver is chosen.
   virtual OniStatus load(oni::driver::DeviceConnectedCallback connected,
                          oni::driver::DeviceDisconnectedCallback disconnected,
                          oni::driver::DeviceStateChangedCallback changed, void* cookie) = 0;

@@ -2,7 +2,7 @@
 
 // Base of a device whose streams are PushStreams with one mode each. A camera's class implements
 // begin() and end(), its own properties and the virtual functions below.
-// Thread: OpenNI2 calls it from the threads of its users.
+// Thread: OpenNI2 calls a device from the threads of its users.
 
 #include <deque>
 #include <vector>

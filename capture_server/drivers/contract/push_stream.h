@@ -44,7 +44,7 @@ class PushStream;
 class StreamOwner {
  public:
   virtual OniStatus begin(PushStream& stream) = 0;
-  /// Called only after a successful begin(). Never fails.
+  /// The stream calls end() only after a successful begin(). This function never fails.
   virtual void end(PushStream& stream) = 0;
   /// Reads or writes properties that only this camera has or that replace the common ones.
   virtual OniStatus get_of(PushStream&, int /*property*/, void* /*data*/, int* /*size*/) {
@@ -111,8 +111,8 @@ class PushStream : public oni::driver::StreamBase {
 
  private:
   int row_bytes() const;
-  void no_picture();    // Marks that there is no picture.
-  bool end_pictures();  // Waits for the present picture. False if no stream ran.
+  void no_picture();    // Stores that no picture exists any more.
+  bool end_pictures();  // Waits until no picture exists. False if the stream did not run.
 
   StreamOwner& owner_;
   const OniSensorType type_;

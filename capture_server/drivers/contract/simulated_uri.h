@@ -27,7 +27,8 @@ struct SimulatedUri {
   std::uint32_t seed = 1;  ///< Seed of all noise.
   bool marker = false;     ///< Draws the frame's number into the colour picture.
   std::string control;     ///< Path of a file by which tests make the camera fail, or empty.
-  /// Path of a file by which cameras share the states of their projectors. All are on without it.
+  /// Path of a file by which cameras share the states of their projectors. Without a file, all are
+  /// on.
   std::string projectors;
 };
 

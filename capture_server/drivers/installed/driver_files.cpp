@@ -46,7 +46,7 @@ std::vector<std::string> installed_drivers(const std::vector<std::string>& folde
   std::vector<std::string> found;
   std::set<std::string, std::less<>> names;
   for (const std::string& folder : folders) {
-    std::set<fs::path> files;  // Sorted, so that libX.so comes before libX.so.0.
+    std::set<fs::path> files;  // The set sorts libX.so before libX.so.0.
     std::error_code none;
     fs::directory_iterator entries(folder, none);
     for (; !none && entries != fs::directory_iterator(); entries.increment(none))

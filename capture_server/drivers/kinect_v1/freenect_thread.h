@@ -1,7 +1,7 @@
 #pragma once
 
 // The only thread that uses one Kinect. libfreenect's calls for a device and its transfers must run
-// on the same thread. Other threads pass work to it and wait.
+// on the same thread. Other threads pass work to this thread and wait.
 // Thread: any other thread may call run().
 
 #include <libfreenect.h>
@@ -61,7 +61,7 @@ class FreenectThread {
   static void do_work(Shared& shared);
 
   const std::shared_ptr<Shared> shared_;
-  std::mutex one_at_a_time_;  // Held by run(), so that calls wait for each other.
+  std::mutex one_at_a_time_;  // run() holds this mutex, so that calls take turns.
   std::jthread thread_;
 };
 

@@ -3,7 +3,7 @@
 // One Kinect v1 as a device of OpenNI2. All streams have 640x480 pixels and 30 frames a second.
 // Depth is in 1 mm, optionally registered to colour. The second camera gives either colour (RGB888)
 // or infrared (GRAY8). The device also has tilt, light, near mode, exposure and white balance.
-// Thread: OpenNI2 calls it from the threads of its users. Pictures come from the device's own
+// Thread: OpenNI2 calls a device from the threads of its users. Pictures come from the device's own
 // thread.
 
 #include <functional>
@@ -68,7 +68,7 @@ class KinectDevice final : public PushDevice {
   std::mutex running_mutex_;
   Running depth_, video_;
   DeviceClock clock_;
-  std::unique_ptr<FreenectThread> thread_;  // The last member is destroyed first.
+  std::unique_ptr<FreenectThread> thread_;  // As the last member, the thread is destroyed first.
 };
 
 }  // namespace copresence::drivers

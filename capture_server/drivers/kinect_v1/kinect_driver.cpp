@@ -81,7 +81,7 @@ class KinectDriver final : public oni::driver::DriverBase {
   // Calls OpenNI2 without mutex_, because OpenNI2 may call this driver while it holds a lock of its
   // own.
   void look_at_bus() {
-    std::map<std::string, bool> told;  // True for a serial number that was plugged in.
+    std::map<std::string, bool> told;  // Maps a serial number to true if it was plugged in.
     {
       const std::lock_guard lock(mutex_);
       devices_seen_ = freenect_num_devices(bus_.get());
@@ -105,8 +105,8 @@ class KinectDriver final : public oni::driver::DriverBase {
     came ? deviceConnected(&info) : deviceDisconnected(&info);
   }
 
-  // Called if an open device's transfers failed. If the device is still there, the next
-  // look_at_bus() announces it again.
+  // This function is called if an open device's transfers failed. If the device is still there, the
+  // next look_at_bus() announces it again.
   void lose(const std::string& serial) {
     {
       const std::lock_guard lock(mutex_);

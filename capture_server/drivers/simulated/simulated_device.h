@@ -2,8 +2,8 @@
 
 // A simulated Kinect as a device of OpenNI2: 640x480 pixels at 30 frames per second, depth in 1 mm
 // registered to colour. Timestamps are microseconds of the system clock.
-// Thread: OpenNI2 calls it from its users' threads. While streams are started, a thread of the
-// device creates their frames.
+// Thread: OpenNI2 calls a device from its users' threads. While streams are started, a thread of
+// the device creates their frames.
 
 #include <atomic>
 #include <functional>
@@ -26,9 +26,9 @@ namespace copresence::drivers {
 
 /// The state of a camera according to its control file. Tests use such files to make cameras fail.
 enum class Control {
-  kWork,       ///< No file was named, or it holds no such word.
-  kUnplugged,  ///< The file does not exist.
-  kStall,      ///< The word "stall": no frames, and no error.
+  kWork,       ///< No control file was named, or it has none of the following words.
+  kUnplugged,  ///< The control file does not exist.
+  kStall,      ///< The word "stall": the camera sends no frames and reports no error.
   kCrash,      ///< The word "crash": the driver ends its process.
   kHang,       ///< The word "hang": the driver never returns.
 };

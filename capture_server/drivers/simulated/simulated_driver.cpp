@@ -1,7 +1,7 @@
 // The driver of simulated cameras for OpenNI2. Their URIs are described in
 // contract/simulated_uri.h.
-// Thread: OpenNI2 calls it from its users' threads. If a camera has a control file, one thread of
-// the driver watches that file.
+// Thread: OpenNI2 calls a driver from its users' threads. If a camera has a control file, one
+// thread of the driver watches that file.
 
 #include <chrono>
 #include <cstdio>
@@ -81,7 +81,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   struct Known {
     SimulatedUri uri;
     bool announced = false;
-    Camera camera;  // Null until the camera is opened.
+    Camera camera;  // The pointer is null until the camera is opened.
   };
 
   // Stores an error's message as OpenNI2's last error.
@@ -122,7 +122,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   // Reports cameras whose control file appeared or disappeared. Calls OpenNI2 without mutex_,
   // because OpenNI2 may call this driver while it holds a lock of its own.
   void check_controls() {
-    std::map<std::string, bool> changed;  // True for a URI that was plugged in.
+    std::map<std::string, bool> changed;  // Maps a URI to true if the camera was plugged in.
     {
       const std::lock_guard lock(mutex_);
       for (auto& [text, known] : known_) {

@@ -60,7 +60,7 @@ BlankPictureWriter::BlankPictureWriter(PixelFormat format, int width, int height
 }
 
 std::vector<std::uint8_t> BlankPictureWriter::sequence_parameters() const {
-  const unsigned deeper = format_ == PixelFormat::kGray10 ? 2 : 0;  // Bits per sample beyond 8.
+  const unsigned deeper = format_ == PixelFormat::kGray10 ? 2 : 0;  // Number of bits per sample beyond 8.
   Bits bits(NalType::kSequenceParameters);
   bits.fixed(kHigh10Profile, 8);
   bits.fixed(0, 8);  // No constraints.

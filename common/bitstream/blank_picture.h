@@ -29,7 +29,7 @@ class BlankPictureWriter {
 
   PixelFormat format_;
   int width_, height_;
-  unsigned frame_number_ = 0;  // Counts from the last keyframe.
+  unsigned frame_number_ = 0;  // Number of frames since the last keyframe.
   unsigned keyframes_ = 0;
 };
 

@@ -21,7 +21,7 @@ class BackgroundFill {
   /// and states(). Requires the shape given to the constructor.
   void take(const DepthImage& depth, const StateImage& states);
 
-  const DepthImage& depth() const { return depth_; }  ///< Within the range at every pixel.
+  const DepthImage& depth() const { return depth_; }  ///< Depth is within the range at every pixel.
   /// The input's states, but kHole where depth is outside the range.
   const StateImage& states() const { return states_; }
 
@@ -43,7 +43,7 @@ class BackgroundFill {
   double steps_per_inverse_unit_;
   DepthImage depth_, earlier_;
   StateImage states_;
-  bool first_ = true;  // True until holes have values.
+  bool first_ = true;  // True until the first frame has been filled.
 };
 
 }  // namespace copresence::depth

@@ -15,7 +15,7 @@ namespace copresence::depth {
 struct CodecEntry {
   std::string_view name;
   PixelFormat picture;  ///< Format of its pictures.
-  bool has_period;      ///< True if it takes "NAME:period=METRES".
+  bool has_period;      ///< True if the codec takes "NAME:period=METRES".
   std::unique_ptr<PlaneEncoder> (*make_encoder)(std::string_view name, double period_m,
                                                 const DepthFormat& format);
   Result<std::unique_ptr<PlaneDecoder>> (*make_decoder)(const DepthCodecDescription& description,

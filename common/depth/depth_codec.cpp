@@ -94,7 +94,7 @@ Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& s
   parts.background.take(depth, states);
   PlanarDepth out;
   out.keyframe = keyframe || parts.keyframe_due;
-  parts.keyframe_due = true;  // Stays set if this frame fails.
+  parts.keyframe_due = true;  // The flag stays set if this frame fails.
   const auto encoded = parts.planes->encode(parts.background.depth(), parts.background.states(), out);
   if (!encoded) return fail(encoded.error());
   out.validity_mask.push_back(parts.coding);
@@ -156,7 +156,7 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
   Parts& parts = *parts_;
   if (parts.keyframe_needed && !planes.keyframe)
     return fail(ErrorCode::kCorrupt, "depth builds on a frame that did not decode: a keyframe is needed");
-  parts.keyframe_needed = true;  // Stays set if this frame fails.
+  parts.keyframe_needed = true;  // The flag stays set if this frame fails.
   const std::span<const std::uint8_t> mask = planes.validity_mask;
   const std::uint8_t coding = mask.empty() ? std::uint8_t{255} : mask.front();
   const bool exact = coding == kAsResiduals;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kReach = 2;          // Pixels to either side.
 constexpr int kBlock = 32;         // Number of pixels that are tested for edges at a time.
-constexpr float kEdgeSteps = 10;   // Sides that differ by more are two surfaces.
+constexpr float kEdgeSteps = 10;   // Sides that differ by more steps are two surfaces.
 constexpr float kFlyingSteps = 5;  // A flying pixel differs from both sides by more steps.
 // Share of the difference between the sides. A pixel farther from both sides is not repaired.
 constexpr float kSureShare = 0.3f;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Bounds for numbers from untrusted input: the wire, a stream's side data, files. Two numbers of a
-// kind within these bounds can be added and subtracted without overflow. Thread: pure.
+// Bounds for numbers from untrusted input: the wire, a stream's side data, files. Two numbers of
+// the same kind within these bounds can be added and subtracted without overflow. Thread: pure.
 
 #include <cstdint>
 #include <optional>

@@ -50,8 +50,8 @@ CameraModel camera_of_sensor(int width, int height, double horizontal, double ve
 /// one-to-one in the whole picture.
 Result<void> check(const CameraModel& camera);
 
-/// Returns the pixel at which a point of the camera frame (metres, z > 0) appears. It may lie
-/// outside the image.
+/// Returns the pixel at which a point of the camera frame (metres, z > 0) appears. The pixel may
+/// lie outside the image.
 Eigen::Vector2d project(const CameraModel& camera, const Eigen::Vector3d& point_in_camera);
 
 /// Returns the point of the camera frame that appears at `pixel` and has depth `z_m` along the

@@ -14,9 +14,9 @@ namespace copresence {
 
 /// Output of a depth codec: a picture for the video codec, and the bytes that must arrive exactly.
 struct PlanarDepth {
-  bool keyframe = false;  ///< True if it decodes without any earlier frame.
-  /// Input of the video encoder, which may change it. Holes have arbitrary values. Empty if
-  /// `residuals` is used.
+  bool keyframe = false;  ///< True if the frame decodes without any earlier frame.
+  /// Input of the video encoder, which may change it. Holes have arbitrary values. The picture is
+  /// empty if `residuals` is used.
   Picture picture;
   /// QP of the encoded picture, on H.264's scale for its bit depth; 0 if the coding was lossless.
   int qp = 0;
@@ -34,7 +34,7 @@ struct PlanarFrame {
 
 /// A frame as it is sent: H.264 access units in Annex B form.
 struct EncodedFrame {
-  bool keyframe = false;            ///< True if it decodes without any earlier frame.
+  bool keyframe = false;            ///< True if the frame decodes without any earlier frame.
   std::uint64_t sequence = 0;       ///< The same number as in the metadata inside `depth`.
   std::vector<std::uint8_t> depth;  ///< One access unit; its SEI carries the side data.
   std::vector<std::uint8_t> color;  ///< One access unit; empty if there is no colour.

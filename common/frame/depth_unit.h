@@ -48,7 +48,7 @@ struct DepthNoise {
   /// Standard deviation of a depth value, in steps. From 0.01 to 100.
   double sigma_steps = 0.5;
 
-  /// Size of a step in 1/z, in 1/m. It is the same at every depth.
+  /// Size of a step in 1/z, in 1/m. This size is the same at every depth.
   constexpr double inverse_step() const { return 1 / disparity_constant_m; }
   /// Size of a step at depth z, in metres.
   constexpr double step_m(double z_m) const { return z_m * z_m / disparity_constant_m; }

@@ -44,8 +44,8 @@ class Picture {
   /// Like the constructor, but the samples are uninitialised. Use it if every sample will be
   /// written.
   static Picture uninitialised(PixelFormat format, int width, int height);
-  /// Wraps planes owned by someone else without copying them; `owner` keeps them alive. The first
-  /// mutable access copies the planes.
+  /// Wraps planes owned by someone else without copying them, while `owner` keeps them alive. The
+  /// first mutable access copies the planes.
   static Picture borrowed(PixelFormat format, int width, int height,
                           const std::array<const std::uint8_t*, 3>& planes,
                           std::shared_ptr<const void> owner);

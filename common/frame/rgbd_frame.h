@@ -17,7 +17,7 @@ namespace copresence {
 using Instant = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
 
-/// Identity, time and pose of a frame. They stay unchanged from sensor to screen.
+/// Identity, time and pose of a frame, which stay unchanged from sensor to screen.
 struct FrameMetadata {
   std::uint64_t sequence = 0;  ///< Counts the captured frames of a stream from 1, without gaps.
   Instant captured_at{};       ///< When the capture process received it, on its monotonic clock.

@@ -33,7 +33,7 @@ struct StreamDescription {
   double frames_per_second = 30;  ///< Nominal frame rate.
   bool has_color = false;
   bool has_pose = false;     ///< False if the server does not know its camera's pose.
-  Rigid3 world_from_camera;  ///< At the start of the stream; a frame's own pose takes precedence.
+  Rigid3 world_from_camera;  ///< Pose at the start of the stream; a frame's own pose takes precedence.
   DepthCodecDescription codec;
 
   friend bool operator==(const StreamDescription&, const StreamDescription&) = default;

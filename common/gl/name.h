@@ -1,6 +1,6 @@
 #pragma once
 
-// Owns one OpenGL name, the integer that identifies an object. Moving leaves 0 behind, which owns
+// Owns one OpenGL name, the integer that identifies an object. A moved-from Name holds 0 and owns
 // nothing. Thread: the thread of its context. Destroy it before its context.
 
 #include <cstdint>

@@ -15,7 +15,7 @@ class Context;
 
 enum class Format : std::uint8_t { kR8ui, kR16ui, kR32ui, kR32f, kRg32f, kRgba32f, kRgba8, kDepth32f };
 
-/// Size of one pixel for read() and upload().
+/// Size of one pixel in bytes, for read() and upload().
 int bytes_per_pixel(Format format);
 
 enum class Filter : bool { kNearest, kLinear };

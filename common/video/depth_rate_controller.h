@@ -27,7 +27,7 @@ class DepthRateController {
   void spent(std::size_t bytes);
 
  private:
-  double frame_bits() const;  // Bits per frame at the rate.
+  double frame_bits() const;  // Mean size of a frame in bits.
 
   double kbps_;
   double frames_per_second_;

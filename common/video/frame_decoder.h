@@ -34,7 +34,7 @@ class FrameDecoder {
   PictureDecoder depth_;
   std::optional<PictureDecoder> color_;
   Rigid3 world_from_camera_;
-  // Sequence of the last decoded frame. Without it a keyframe is needed.
+  // Sequence of the last decoded frame, or nothing if a keyframe is needed.
   std::optional<std::uint64_t> previous_;
 };
 

@@ -101,7 +101,7 @@ void set_presets(AVCodecContext& context, const PictureSettings& settings) {
 int qp_of(const AVPacket& packet) {
   std::size_t size = 0;
   const std::uint8_t* const stats = av_packet_get_side_data(&packet, AV_PKT_DATA_QUALITY_STATS, &size);
-  std::int32_t lambda = 0;  // The first four bytes, little-endian.
+  std::int32_t lambda = 0;  // Lambda is in the first four bytes, little-endian.
   for (std::size_t i = 0; stats && size >= 4 && i < 4; ++i) lambda |= stats[i] << (8 * i);
   return std::clamp(lambda / FF_QP2LAMBDA, 0, kMaxQp);
 }

@@ -10,14 +10,15 @@ namespace copresence::video {
 
 /// Trade-off between CPU time and bits. Equal QPs give equal errors with either preset.
 enum class Preset {
-  kDense,  ///< Fewest bits; still keeps up with one camera. For benchmarks and fast machines.
+  kDense,  ///< Fewest bits at a speed that keeps up with one camera. For benchmarks and fast machines.
   kLive,   ///< Two thirds of kDense's time; 10 % more depth bits, 3 dB less for colour.
 };
 
 struct VideoSettings {
   Preset preset = Preset::kDense;
   /// QP of the depth pictures, 0 (lossless) to 51. A QP q at 10 bits is as coarse as q - 12 at 8
-  /// bits. QPs from 1 to 7 cost more bits than lossless coding. Not used if depth_kbps is set.
+  /// bits. QPs from 1 to 7 cost more bits than lossless coding. This QP is not used if depth_kbps
+  /// is set.
   int depth_qp = 12;
   /// Total rate of depth (picture, mask, codebook) in kbit/s at the nominal frame rate.
   std::optional<int> depth_kbps = std::nullopt;

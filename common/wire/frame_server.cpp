@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSweep{250};
 constexpr std::chrono::milliseconds kFlush{400};
-constexpr std::size_t kMaxOutbound = 8;  // Frames that the wire thread has not distributed yet.
+constexpr std::size_t kMaxOutbound = 8;  // Limit of frames that the wire thread has not distributed.
 
 Duration period_of(const StreamDescription& stream) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / stream.frames_per_second));

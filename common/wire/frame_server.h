@@ -24,7 +24,7 @@ namespace copresence::wire {
 
 struct ServerCounters {
   std::size_t clients = 0;           ///< Current number of clients.
-  std::uint64_t bytes_sent = 0;      ///< Sent to all clients since the start.
+  std::uint64_t bytes_sent = 0;      ///< Bytes sent to all clients since the start.
   std::uint64_t frames_offered = 0;  ///< Passed to send().
 };
 

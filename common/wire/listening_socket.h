@@ -24,7 +24,7 @@ class ListeningSocket {
 
  private:
   explicit ListeningSocket(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_ = -1;  // After a move it is -1.
+  int descriptor_ = -1;  // A moved-from socket has -1.
 };
 
 /// Listens on HOST:PORT. Port 0 selects a free port. Fails with kInvalid if the text is not an

@@ -27,9 +27,9 @@ inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N'
 inline constexpr std::size_t kHeaderBytes = 8;
 inline constexpr std::size_t kFrameHeadBytes = 96;  ///< Part of a frame's body before its access units.
 inline constexpr std::size_t kMaxMessageBytes = 8 * 1024 * 1024;  ///< The largest body, that of a frame.
-inline constexpr std::size_t kMaxTextBytes = 512;                 ///< A sentence for the user, UTF-8.
-inline constexpr std::size_t kMaxNameBytes = 64;   ///< The name of a camera, a codec or a parameter.
-inline constexpr std::size_t kMaxParameters = 64;  ///< Number of parameters of a depth codec.
+inline constexpr std::size_t kMaxTextBytes = 512;  ///< Longest sentence for the user, in UTF-8.
+inline constexpr std::size_t kMaxNameBytes = 64;   ///< Longest name of a camera, codec or parameter.
+inline constexpr std::size_t kMaxParameters = 64;  ///< Largest number of parameters of a depth codec.
 
 enum class MessageType : std::uint8_t {
   kHello = 1,            ///< Client: the first message.

@@ -17,7 +17,7 @@ constexpr std::chrono::seconds kSilence{30};
 // Longest time from queueing a frame to its acknowledgement.
 constexpr std::chrono::seconds kFrameTime{60};
 
-// In bytes of a body. All messages of a client are much smaller.
+// Largest body of a client's message, in bytes. Real messages are much smaller.
 constexpr std::size_t kLargestOfClient = 1024;
 constexpr std::size_t kMessagesAtOnce = 16;
 constexpr std::size_t kMaxQueued = 64 + ClientWindow::kFrames;  // Limit of messages.

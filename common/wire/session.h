@@ -36,7 +36,7 @@ class Session : public std::enable_shared_from_this<Session> {
     std::uint64_t clock_id = 0;
     /// True if a client has requested a keyframe since the last keyframe was sent.
     bool keyframe_requested = false;
-    std::uint64_t bytes_sent = 0;  ///< Sent to all clients.
+    std::uint64_t bytes_sent = 0;  ///< Bytes sent to all clients.
     /// The reason why the camera sends no frames. Empty while it works.
     std::string camera_status;
     /// Called when a client joined, left, can accept frames again, or requested a keyframe.
@@ -73,7 +73,7 @@ class Session : public std::enable_shared_from_this<Session> {
   enum class Phase { kGreeting, kStreaming, kLeaving, kClosed };
   struct Outgoing {
     Bytes head;
-    std::shared_ptr<const EncodedFrame> frame;  // If null, the message consists of its head.
+    std::shared_ptr<const EncodedFrame> frame;  // If null, the message has only a head.
   };
 
   void read_header();
@@ -96,7 +96,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Stage stage_ = Stage::kStranger;
   Ending ending_ = Ending::kHungUp;
   Instant began_at_, overdue_at_;
-  int unacknowledged_bytes_ = 0;  // Value at the last sweep.
+  int unacknowledged_bytes_ = 0;  // The number at the last call of sweep().
   std::array<std::uint8_t, kHeaderBytes> header_;
   Bytes body_;
   std::deque<Outgoing> out_;

@@ -160,7 +160,7 @@ class PhaseDecoder final : public PlaneDecoder {
   float near_, period_;
   DepthRangeUnits allowed_;
   std::array<float, 256> coarse_{};
-  std::vector<std::uint16_t> phase_of_uv_;  // Entry u * 256 + v, in units of 1/kPhases.
+  std::vector<std::uint16_t> phase_of_uv_;  // Phase at entry u * 256 + v, in units of 1/kPhases.
   std::vector<float> share_;                // Indexed by phase.
   std::vector<float> share_of_pixel_, phase_of_pixel_;
 };

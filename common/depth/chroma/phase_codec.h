@@ -38,7 +38,8 @@ enum class Wave { kSine, kTriangle };
 
 /// Default period in metres, the best of 0.2 to 1.6 m on a recording at 3 to 5 Mbit/s.
 inline constexpr double kPeriodM = 0.6;
-/// Largest number of periods in a range. In `direct`, a period is then at least four codes of Y.
+/// Largest number of periods in a range. With this limit, a period of `direct` takes at least four
+/// codes of Y.
 inline constexpr int kMostPeriods = 63;
 
 /// Requires a period that check_period() accepts.

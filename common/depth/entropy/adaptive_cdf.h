@@ -37,7 +37,7 @@ class AdaptiveCdf {
 
   /// Returns the symbol whose slot holds `point`. Requires point < 2^kBits.
   unsigned symbol_at(std::uint32_t point) const {
-#ifdef __SSE2__  // True on every x86-64 machine.
+#ifdef __SSE2__  // Every x86-64 machine has SSE2.
     const __m128i limit = _mm_set1_epi16(static_cast<std::int16_t>(point));
     const __m128i beyond =
         _mm_packs_epi16(_mm_cmpgt_epi16(eight(start_, 0), limit), _mm_cmpgt_epi16(eight(start_, 1), limit));

@@ -31,7 +31,8 @@ class AnsWriter {
     *next_++ = stream << kStreamAt | slot.start << kStartAt | slot.frequency;
   }
 
-  /// Appends a number below 2^bits. All these have the same frequency. Requires bits <= kBits.
+  /// Appends a number below 2^bits. All such numbers have the same frequency. Requires bits <=
+  /// kBits.
   void put_bits(unsigned stream, std::uint32_t value, int bits) {
     put(stream, {value << (AdaptiveCdf::kBits - bits), 1u << (AdaptiveCdf::kBits - bits)});
   }

@@ -219,7 +219,7 @@ struct ResidualMemory {
   int width, height;
   std::vector<std::uint16_t> stored;
   std::unique_ptr<std::array<Models, kStreams>> models;
-  std::vector<std::uint16_t> widened;        // In the encoder: an 8-bit picture as 16 bits.
+  std::vector<std::uint16_t> widened;        // In the encoder: the 8-bit picture, widened to 16 bits.
   std::unique_ptr<std::uint32_t[]> symbols;  // Used by the encoder.
 };
 

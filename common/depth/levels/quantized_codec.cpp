@@ -90,7 +90,8 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
     const bool full = static_cast<std::size_t>(table_.count()) + fresh.size() > Codebook::kCodes;
     if (full && !advertised_.empty()) {
-      // Advertised and other levels are too many. From now on, use only levels that appear.
+      // Advertised and other levels are too many. From now on, use only levels that appear in
+      // frames.
       advertised_.clear();
       levels_.clear();
       std::fill(code_of_depth_.begin(), code_of_depth_.end(), kUnknown);
@@ -153,7 +154,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     laid_out.assign(levels, laid_out.scene_spacing(levels, pixels));
     // Sum of the bits by which each pixel's code spacing would grow, and the number of pixels.
     double finer = 0, all = 0;
-    int now = 0, then = 0;  // Codes of the level before, in both codebooks.
+    int now = 0, then = 0;  // Codes of the previous level in both codebooks.
     std::size_t level = 0;
     for (int code_now = 0, code_then = 0; level < levels.size(); ++level, ++code_now, ++code_then) {
       while (table_.levels()[code_now] == 0) ++code_now;

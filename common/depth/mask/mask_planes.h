@@ -93,14 +93,14 @@ class MaskContext {
 
   /// Pixels whose neighbourhood has this state everywhere.
   const RowBits& uniform(int state) const { return uniform_[static_cast<std::size_t>(state)]; }
-  /// Pixels whose neighbourhood has any one state everywhere.
+  /// Pixels whose whole neighbourhood has one state, whichever it is.
   const RowBits& uniform() const { return any_uniform_; }
 
  private:
   void gather(const BitPlane& now, const BitPlane& earlier, int y, std::uint64_t* all,
               std::uint64_t* any) const;
 
-  std::size_t count_;  // Words of a row with its margins.
+  std::size_t count_;  // Number of words in a row with its margins.
   std::vector<std::uint64_t> rows_;
   std::vector<RowBits> uniform_;  // Indexed by state.
   RowBits any_uniform_;

@@ -13,7 +13,7 @@ namespace {
 
 // A run with unexpected states is halved until it is shorter than twice kLeastRun.
 constexpr int kLeastRun = 8;
-constexpr int kStretch = 48;  // Pixels that are coded with one set of windows.
+constexpr int kStretch = 48;  // Number of pixels that are coded with one set of windows.
 constexpr std::size_t kMostDecisions =
     4;  // Decisions per pixel: measured, filled, and less than two for runs.
 
@@ -183,7 +183,8 @@ class Scan {
   MaskPlanes& now_;
   const int width_, height_;
   MaskContext context_{width_};
-  std::uint64_t left_measured_ = 0, left_filled_ = 0;  // The pixels to the left, nearest in bit 0.
+  std::uint64_t left_measured_ = 0,
+                left_filled_ = 0;  // States of the pixels to the left; the nearest is in bit 0.
   bool any_filled_ = false;
 };
 

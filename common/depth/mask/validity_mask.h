@@ -49,7 +49,7 @@ class ValidityMaskDecoder {
   ValidityMaskDecoder(ValidityMaskDecoder&&) noexcept;
   ValidityMaskDecoder& operator=(ValidityMaskDecoder&&) noexcept;
 
-  /// Decodes into `states`, which get the constructor's shape. `complete` is as in encoding.
+  /// Decodes into `states`, which get the constructor's shape. `complete` must be as in encoding.
   void decode(std::span<const std::uint8_t> bytes, bool complete, StateImage& states);
 
  private:

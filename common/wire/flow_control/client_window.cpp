@@ -11,7 +11,7 @@ constexpr int kMostPeriods = 8, kFewestPeriods = 2;
 constexpr std::chrono::milliseconds kRound{500};
 constexpr std::chrono::seconds kLatenessSpan{5};
 constexpr std::chrono::milliseconds kAllowanceForOthersFrames{500}, kMostForKeyframe{300};
-constexpr std::size_t kWantedOnUnknownPath = 2;  // Two frames show the delivery rate.
+constexpr std::size_t kWantedOnUnknownPath = 2;  // Two frames are needed to measure the delivery rate.
 constexpr int kOverdueWanted = 3, kOverdueAccepted = 5;
 
 }  // namespace

@@ -33,7 +33,7 @@ namespace copresence::wire {
 
 class PathEstimate {
  public:
-  /// `tolerance` is the normal variation of ack delays. Half of it is near the base delay.
+  /// `tolerance` is the normal variation of ack delays. A delay within half of it counts as near.
   explicit PathEstimate(Duration tolerance) : tolerance_(tolerance) {}
 
   /// Facts about a sent frame that acknowledged() needs.
@@ -74,7 +74,7 @@ class PathEstimate {
   };
 
   Duration tolerance_;
-  std::deque<RateSample> rates_;  // Decreasing: the first is the largest.
+  std::deque<RateSample> rates_;  // Sorted by rate: the first is the largest.
   std::optional<DelaySample> base_;
   bool base_is_of_large_frame_ = false;
   Instant base_seen_at_{};  // Time of the latest frame near the base delay.

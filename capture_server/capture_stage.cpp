@@ -133,7 +133,7 @@ void CaptureStage::log_missing_pictures() const {
         settings_.name, pictures.late, settings_.source.starts_with("openni:") ? " or its USB" : "");
   }
   if (pictures.projector_off) {
-    spdlog::info("{}: {} depth pictures were taken outside its projector's turns and left out",
+    spdlog::info("{}: {} depth pictures were taken outside its projector's time slot and left out",
                  settings_.name, pictures.projector_off);
   }
 }

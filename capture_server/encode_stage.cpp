@@ -70,7 +70,7 @@ Result<void> EncodeStage::encode(CapturedFrame captured, Executor& workers) {
 
 void EncodeStage::change(const EncoderSettings& settings) {
   if (const auto changed = encoding_.change_settings(settings); !changed) {
-    spdlog::warn("{}: {}; rates stay as they are", settings_.name, changed.error().what);
+    spdlog::warn("{}: {}; the encoder settings stay as they are", settings_.name, changed.error().what);
     return;
   }
   previous_ = std::exchange(current_, settings);

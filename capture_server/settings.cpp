@@ -180,8 +180,8 @@ tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* c
     throw CLI::ValidationError("--start-at", "a camera has no beginning: leave it out");
   }
   if (settings.start_at && settings.pace == sensor::SourceSettings::Pace::kFast) {
-    throw CLI::ValidationError("--start-at",
-                               "with --pace fast frames have no time to be in step: leave one out");
+    throw CLI::ValidationError(
+        "--start-at", "--pace fast sends frames without waiting for a time: leave one of the two out");
   }
   if (settings.name.empty()) settings.name = default_name(settings);
   settings.texts = texts_of(app);

@@ -74,7 +74,7 @@ nlohmann::ordered_json transform_json(const Rigid3& transform) {
 }
 
 tl::unexpected<Error> corrupt(const std::string& what) {
-  return fail(ErrorCode::kCorrupt, "the recording's camera note is damaged: " + what);
+  return fail(ErrorCode::kCorrupt, "the recording's camera metadata is damaged: " + what);
 }
 
 }  // namespace

@@ -126,7 +126,7 @@ Result<void> expand_depth_16z(std::span<const std::uint8_t> bytes, DepthTable ta
     std::iota(values.begin(), values.end(), std::uint16_t{0});
   }
   if (bytes.size() < at + 2) return corrupt("it has no first pixel");
-  if (depth.empty()) return corrupt("no pixels are expected of it");
+  if (depth.empty()) return corrupt("the expected picture has no pixels");
 
   int index = u16_at(at);
   at += 2;
@@ -153,21 +153,21 @@ Result<void> expand_depth_16z(std::span<const std::uint8_t> bytes, DepthTable ta
     bool escaped = high == 0xF;
     if (!escaped) {
       if (high > 0xC || !put(index + kLargestNibble - high))
-        return corrupt("a difference leaves the table or picture");
+        return corrupt("a difference leads out of the table or the picture");
       if (low == 0xD) continue;
       escaped = low == 0xF;
       if (!escaped && (low > 0xC || !put(index + kLargestNibble - low))) {
-        return corrupt("a difference leaves the table or picture");
+        return corrupt("a difference leads out of the table or the picture");
       }
     }
     if (!escaped) continue;
     if (at >= bytes.size()) return corrupt("it ends within an escape");
     const int first = bytes[at++];
     if (first >= 0x80) {
-      if (!put(index + 192 - first)) return corrupt("a difference leaves the table or picture");
+      if (!put(index + 192 - first)) return corrupt("a difference leads out of the table or the picture");
     } else {
       if (at >= bytes.size()) return corrupt("it ends within an escape");
-      if (!put(first << 8 | bytes[at++])) return corrupt("an index leaves the table or picture");
+      if (!put(first << 8 | bytes[at++])) return corrupt("an index lies outside the table or the picture");
     }
   }
   if (out != end) return corrupt("pixels are missing");

@@ -89,7 +89,7 @@ Result<void> OniParser::header() {
         "again with OpenNI 2",
         version & 0xff, version >> 8 & 0xff, version >> 16 & 0xffff, version >> 32));
   }
-  if (max_timestamp_ > kMaxTimestamp) return damaged(kHeaderTimestampAt, "its last time makes no sense");
+  if (max_timestamp_ > kMaxTimestamp) return damaged(kHeaderTimestampAt, "its largest time is impossible");
   if (max_node_ >= kMaxNodes) {
     return damaged(kHeaderNodeAt, fmt::format("it claims node ids up to {}, a recording has at most {}",
                                               max_node_, kMaxNodes));
@@ -140,7 +140,7 @@ Result<void> OniParser::read(const Record& record) {
   const FieldReader fields(bytes->subspan(record_bytes()));
   switch (record.type) {
     case RecordType::kNodeAddedOld:
-      if (!is_old_) return damaged(record.at, "a stream is described as an older version does");
+      if (!is_old_) return damaged(record.at, "a stream's definition has the form of an older version");
       [[fallthrough]];
     case RecordType::kNodeAdded:
     case RecordType::kNodeAddedOlder:
@@ -268,7 +268,7 @@ Result<void> OniParser::property(const Record& record, FieldReader fields) {
 
 Result<void> OniParser::state_ready(const Record& record) {
   Node* node = find(record.node);
-  if (!node) return damaged(record.at, "an unknown stream gets ready");
+  if (!node) return damaged(record.at, "an unknown stream is declared ready");
   if (node->life == Node::Life::kReady) return {};
   node->life = Node::Life::kReady;
   --configuring_;
@@ -282,7 +282,7 @@ Result<void> OniParser::state_ready(const Record& record) {
 
 Result<void> OniParser::node_removed(const Record& record) {
   Node* node = find(record.node);
-  if (!node) return damaged(record.at, fmt::format("node {} is removed, but not there", record.node));
+  if (!node) return damaged(record.at, fmt::format("node {} is removed, but is not defined", record.node));
   node->life = Node::Life::kRemoved;
   return {};
 }
@@ -311,7 +311,7 @@ Result<void> OniParser::new_data(const Record& record, FieldReader fields) {
   }
   RecordedStream& stream = node->stream;
   if (number <= stream.last_frame || number > node->frames_claimed) {
-    return damaged(record.at, fmt::format("stream {} goes from frame {} to {} of {}", stream.name,
+    return damaged(record.at, fmt::format("stream {} has frame {}, then frame {}, of {} frames", stream.name,
                                           stream.last_frame, number, node->frames_claimed));
   }
   // Frames with decreasing times are played in the file's order. The player stops reading at a time

@@ -62,7 +62,7 @@ Result<void> pass_over(OutputFile& file, const Gap& gap, std::uint32_t node, con
     const std::uint64_t left = gap.to - at;
     if (left < overhead) {
       return fail(ErrorCode::kCorrupt,
-                  fmt::format("{}: the damage at byte {} is too small to be passed over", name, gap.from));
+                  fmt::format("{}: the damage at byte {} is too small to be skipped", name, gap.from));
     }
     const std::uint64_t size = left <= kLargestSkip ? left : std::min(kLargestSkip, left - overhead);
     Bytes bytes;

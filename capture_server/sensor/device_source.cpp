@@ -135,7 +135,7 @@ Result<void> DeviceSource::open_stream(openni::VideoStream& stream, openni::Sens
     return fail(
         ErrorCode::kUnavailable,
         fmt::format(
-            "{}: it does not take the mode {}x{} at {} a second ({}); unplug the camera and plug it in "
+            "{}: it does not accept the mode {}x{} at {} a second ({}); unplug the camera and plug it in "
             "again",
             description_.name, mode->getResolutionX(), mode->getResolutionY(), mode->getFps(),
             last_open_ni_error()));

@@ -59,10 +59,9 @@ Result<RgbdFrame> ReconnectingSource::next(std::stop_token stop) {
     if (!again)
       return fail(may_pass(again.error()) ? ErrorCode::kUnavailable : again.error().code, again.error().what);
     if (!same_stream((*again)->description(), description_)) {
-      return fail(
-          ErrorCode::kUnsupported,
-          fmt::format("{}: what was plugged in is another kind of camera ({}); start the server again",
-                      description_.name, (*again)->description().name));
+      return fail(ErrorCode::kUnsupported,
+                  fmt::format("{}: a different kind of camera was plugged in ({}); start the server again",
+                              description_.name, (*again)->description().name));
     }
     source_ = std::move(*again);
   }

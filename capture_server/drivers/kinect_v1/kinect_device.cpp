@@ -180,7 +180,7 @@ OniStatus KinectDevice::set_flag(freenect_flag flag, bool on, const char* what) 
     return freenect_set_flag(kinect, flag, on ? FREENECT_ON : FREENECT_OFF);
   });
   if (done >= 0) return ONI_STATUS_OK;
-  explain_(std::string("this Kinect does not take the setting ") + what);
+  explain_(std::string("this Kinect does not accept the setting ") + what);
   return ONI_STATUS_NOT_SUPPORTED;
 }
 

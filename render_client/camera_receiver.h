@@ -1,9 +1,8 @@
 #pragma once
 
 // Receives the frames of one camera, decodes, filters and clips them, and puts them into the
-// camera's mailbox.
-//
-// Thread: call run() on a thread of its own. Mailboxes, states and statistics may be shared.
+// camera's mailbox. Thread: call run() on a thread of its own. Mailboxes, states and statistics may
+// be shared.
 
 #include <memory>
 #include <optional>

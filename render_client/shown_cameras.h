@@ -1,9 +1,7 @@
 #pragma once
 
 // Keeps the frame of each camera that the next view shows. It also decides which cameras are left
-// out, and whether a view is complete.
-//
-// Thread: the render thread.
+// out, and whether a view is complete. Thread: the render thread.
 
 #include <cstdint>
 #include <deque>

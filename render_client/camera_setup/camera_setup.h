@@ -4,7 +4,6 @@
 //
 // Both the stream and the scene file may state these values. The scene file has priority. The
 // values are determined once per connection, so that all parts of the client use the same values.
-//
 // Thread: pure functions and values.
 
 #include <Eigen/Core>

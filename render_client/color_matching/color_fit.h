@@ -2,9 +2,8 @@
 
 // Fits a colour correction to pairs of colours, many of which may be wrong. RANSAC finds gain and
 // offset of each channel (Fischler and Bolles 1981). Least squares over the pairs that agree then
-// finds all twelve numbers (thesis 2.6.2).
-//
-// Thread: pure functions. The same pairs give the same correction.
+// finds all twelve numbers (thesis 2.6.2). Thread: pure functions. The same pairs give the same
+// correction.
 
 #include <Eigen/Core>
 #include <optional>

@@ -3,10 +3,8 @@
 // Finds the correction from every camera's colours to those of the reference camera. First a
 // correction is fitted to each pair of overlapping cameras. Then the best overlaps chain every
 // camera to the reference. Joint least squares over all pairs distributes the remaining error.
-// Thesis 2.6.2 does this for two cameras.
-//
-// Thread: one thread at a time per object. Matching two cameras takes a few milliseconds, so do not
-// call match_colors() on the render thread.
+// Thesis 2.6.2 does this for two cameras. Thread: one thread at a time per object. Matching two
+// cameras takes a few milliseconds, so do not call match_colors() on the render thread.
 
 #include <optional>
 #include <span>

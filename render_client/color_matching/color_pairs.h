@@ -2,9 +2,7 @@
 
 // Finds points that two cameras see, and their colours in both images. The measured surface of one
 // camera is projected into the image of the other camera. Thesis 2.6.1 and 2.6.2 find such points
-// by drawing a view.
-//
-// Thread: pure functions.
+// by drawing a view. Thread: pure functions.
 
 #include <vector>
 

@@ -4,9 +4,7 @@
 // 2.6.2). The newest frames are compared twice a second on a separate thread.
 //
 // Only cameras with a known pose take part. A correction in the scene file replaces the correction
-// that is found here.
-//
-// Thread: call run() on one thread, and all other functions on another thread.
+// that is found here. Thread: call run() on one thread, and all other functions on another thread.
 
 #include <cstddef>
 #include <memory>

@@ -6,9 +6,7 @@
 //
 // Two passes replace each value by a mean over its neighbours, first along rows, then along
 // columns. Only neighbours within a few sensor steps count, so depth edges stay sharp. Holes and
-// states do not change.
-//
-// Thread: one thread at a time per object.
+// states do not change. Thread: one thread at a time per object.
 
 #include <cstdint>
 #include <vector>

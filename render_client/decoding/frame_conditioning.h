@@ -1,8 +1,7 @@
 #pragma once
 
-// Filters, clips and smooths a decoded frame before it is rendered.
-//
-// Thread: one thread at a time per object.
+// Filters, clips and smooths a decoded frame before it is rendered. Thread: one thread at a time
+// per object.
 
 #include <Eigen/Core>
 #include <optional>

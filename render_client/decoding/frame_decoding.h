@@ -1,9 +1,7 @@
 #pragma once
 
 // Decodes the frames of a stream: video, depth and colour. The server encodes them in
-// capture_server/encoding/frame_encoding.h.
-//
-// Thread: one thread at a time per stream.
+// capture_server/encoding/frame_encoding.h. Thread: one thread at a time per stream.
 
 #include <chrono>
 #include <optional>

@@ -17,9 +17,8 @@
 //
 // The filter of librealsense also keeps a depth value until a change lasts longer than noise would.
 // Unlike that filter, this one decides for whole blocks and uses colour to detect motion. The
-// constants suit the noise of a Kinect v1 (docs/internals/simulation.md).
-//
-// Thread: one thread at a time per object.
+// constants suit the noise of a Kinect v1 (docs/internals/simulation.md). Thread: one thread at a
+// time per object.
 
 #include <cstdint>
 #include <vector>

@@ -1,9 +1,7 @@
 #pragma once
 
 // Shows views and decides when the next view is due. There are two displays: a window, and a
-// headless display that shows nothing.
-//
-// Thread: one thread; for a window, the main thread.
+// headless display that shows nothing. Thread: one thread; for a window, the main thread.
 
 #include <functional>
 #include <memory>

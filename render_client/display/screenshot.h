@@ -1,8 +1,6 @@
 #pragma once
 
-// Writes a view to a PNG file.
-//
-// Thread: pure functions.
+// Writes a view to a PNG file. Thread: pure functions.
 
 #include <string>
 

@@ -1,9 +1,7 @@
 #pragma once
 
 // Predicts when a camera's next frame will arrive. It estimates period and phase of the arrivals
-// despite jitter, pauses and drift.
-//
-// Thread: different objects may be used at the same time.
+// despite jitter, pauses and drift. Thread: different objects may be used at the same time.
 
 #include "common/frame/rgbd_frame.h"
 

@@ -11,9 +11,7 @@
 //
 // A view waits a short time for a late leader or follower. A camera that has stopped is ignored
 // after some frames. A token bucket limits the mean rate of views. Single views may be early, so
-// that jitter does not accumulate as delay.
-//
-// Thread: one thread at a time per object.
+// that jitter does not accumulate as delay. Thread: one thread at a time per object.
 
 #include <optional>
 #include <vector>

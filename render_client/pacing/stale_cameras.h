@@ -6,9 +6,7 @@
 // default 1 s. Then its opacity falls linearly. It is 0 after the time of --stale, by default 3 s.
 // A slow but steady connection is not stale, since the arrival time counts and not the capture
 // time. A camera with a low frame rate starts to fade after two frame periods and is gone after
-// three.
-//
-// Thread: one thread at a time per object.
+// three. Thread: one thread at a time per object.
 
 #include <cstddef>
 #include <optional>

@@ -7,7 +7,6 @@
 // meshes are drawn from the eye's pose, and the drawings are merged pixel by pixel. Among the
 // fragments within the uncertainty range of the nearest, those with the best quality index count
 // (thesis 2.6.1). Both renderers follow renderer/merge_rules.h, and a test compares their pictures.
-//
 // Thread: one thread makes, uses and destroys a renderer.
 
 #include <Eigen/Core>

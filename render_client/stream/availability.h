@@ -1,8 +1,7 @@
 #pragma once
 
-// Decides whether a camera can be shown, and when to connect to its server again.
-//
-// Thread: different objects may be used at the same time.
+// Decides whether a camera can be shown, and when to connect to its server again. Thread: different
+// objects may be used at the same time.
 
 #include <chrono>
 #include <optional>

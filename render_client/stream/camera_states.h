@@ -2,9 +2,8 @@
 
 // Keeps the state of each camera's connection: connected, waiting for its server, left out of the
 // view, or at the end of its recording. The window's title and the log report the state. A headless
-// client ends when every camera has ended. Any client ends when every camera is refused.
-//
-// Thread: any. Receivers write, and the render thread reads.
+// client ends when every camera has ended. Any client ends when every camera is refused. Thread:
+// any. Receivers write, and the render thread reads.
 
 #include <cstddef>
 #include <functional>

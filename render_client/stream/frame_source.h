@@ -1,8 +1,7 @@
 #pragma once
 
-// The interface of a source of encoded frames of one camera.
-//
-// Thread: one thread at a time. request_keyframe() may be called from any thread.
+// The interface of a source of encoded frames of one camera. Thread: one thread at a time.
+// request_keyframe() may be called from any thread.
 
 #include <chrono>
 #include <functional>

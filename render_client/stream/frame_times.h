@@ -1,7 +1,6 @@
 #pragma once
 
 // Converts the times of a frame to this process's clock, if the server's times are plausible.
-//
 // Thread: pure functions.
 
 #include <optional>

@@ -1,9 +1,8 @@
 #pragma once
 
 // Limits the log lines about one camera. All lines that a server causes are logged through this
-// class. Otherwise a hostile or broken server could fill the disk.
-//
-// Thread: one thread at a time per object.
+// class. Otherwise a hostile or broken server could fill the disk. Thread: one thread at a time per
+// object.
 
 #include <array>
 #include <cstdint>

@@ -1,9 +1,7 @@
 #pragma once
 
 // Receives a camera's frames over any number of connections. It connects again when the server is
-// gone, logs this, and updates the camera's state.
-//
-// Thread: one thread, also for request_keyframe().
+// gone, logs this, and updates the camera's state. Thread: one thread, also for request_keyframe().
 
 #include <functional>
 #include <memory>

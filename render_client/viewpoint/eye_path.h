@@ -7,9 +7,7 @@
 // the eye is at (x, y, z) and looks at the point (look_x, look_y, look_z). Positions are world
 // coordinates in metres. Between two lines, both points are interpolated linearly. Before the first
 // line and after the last line, the eye does not move. Indices must rise. A # begins a comment.
-// Empty lines are allowed.
-//
-// Thread: different objects may be used at the same time.
+// Empty lines are allowed. Thread: different objects may be used at the same time.
 
 #include <Eigen/Core>
 #include <cstdint>

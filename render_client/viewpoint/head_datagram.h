@@ -3,9 +3,7 @@
 // Reads datagrams of opentrack's output "UDP over network". A datagram has six little-endian
 // doubles: x, y, z in centimetres, then yaw, pitch, roll in degrees. Positive x, y and z mean a
 // motion to the right, up and forward. Positive angles mean that the head turns right, turns up and
-// tilts to the right shoulder.
-//
-// Thread: pure functions.
+// tilts to the right shoulder. Thread: pure functions.
 
 #include <cstdint>
 #include <span>

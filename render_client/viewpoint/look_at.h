@@ -1,8 +1,6 @@
 #pragma once
 
-// Computes the pose of an eye that looks at a target.
-//
-// Thread: pure functions.
+// Computes the pose of an eye that looks at a target. Thread: pure functions.
 
 #include <Eigen/Core>
 

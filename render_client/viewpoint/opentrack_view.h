@@ -10,9 +10,7 @@
 //
 // The axes are those of the eye's frame (x right, y down, z forward). If a tracker's axis has the
 // opposite sign, invert it in opentrack's mapping. Invalid datagrams are counted and reported by
-// news().
-//
-// Thread: one thread at a time per object.
+// news(). Thread: one thread at a time per object.
 
 #include <cstdint>
 

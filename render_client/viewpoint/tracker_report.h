@@ -2,9 +2,7 @@
 
 // Makes the log lines about a head tracker. They say whether poses, invalid datagrams or no
 // datagrams arrive. Each kind of invalid datagram is logged at once, and then at most once a
-// minute.
-//
-// Thread: one thread at a time per object.
+// minute. Thread: one thread at a time per object.
 
 #include <array>
 #include <chrono>

@@ -1,8 +1,7 @@
 #pragma once
 
-// The viewer: the viewpoint that --view selects, and the poses of the viewer's eyes.
-//
-// Thread: one thread at a time per object.
+// The viewer: the viewpoint that --view selects, and the poses of the viewer's eyes. Thread: one
+// thread at a time per object.
 
 #include <cstdint>
 #include <memory>

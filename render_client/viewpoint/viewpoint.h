@@ -1,9 +1,7 @@
 #pragma once
 
 // The interface of everything that moves the viewer's eye: a fixed pose, a scripted path, the mouse
-// or a head tracker.
-//
-// Thread: one thread at a time per object.
+// or a head tracker. Thread: one thread at a time per object.
 
 #include <cstdint>
 #include <optional>

@@ -1,8 +1,7 @@
 #pragma once
 
-// Closes the cracks of a mesh whose neighbouring triangles differ in size (T-junctions).
-//
-// Thread: one thread at a time per object.
+// Closes the cracks of a mesh whose neighbouring triangles differ in size (T-junctions). Thread:
+// one thread at a time per object.
 
 #include <Eigen/Core>
 #include <array>

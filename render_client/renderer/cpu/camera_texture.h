@@ -2,9 +2,8 @@
 
 // Makes the texture of a camera. Red, green and blue are the corrected colour of a pixel. Alpha is
 // the weight of its fragments: cos(theta), times kFilledWeight for filled pixels. A camera without
-// colour has the gray of shade_without_color().
-//
-// Thread: different objects may be used at the same time.
+// colour has the gray of shade_without_color(). Thread: different objects may be used at the same
+// time.
 
 #include <Eigen/Core>
 #include <cstdint>

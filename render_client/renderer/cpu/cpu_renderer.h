@@ -2,10 +2,9 @@
 
 // The renderer that needs no GPU. It draws the view in tiles of rows, and merges each tile while
 // its data are in the cache. It is faster than the GL renderer on a software OpenGL.
-// docs/internals/rendering.md explains the method and states measurements.
-//
-// Thread: one thread makes, uses and destroys a renderer. It uses the workers only inside render()
-// and prepare(). The pictures do not depend on the number of workers.
+// docs/internals/rendering.md explains the method and states measurements. Thread: one thread
+// makes, uses and destroys a renderer. It uses the workers only inside render() and prepare(). The
+// pictures do not depend on the number of workers.
 
 #include <memory>
 

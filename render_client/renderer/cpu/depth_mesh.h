@@ -1,9 +1,8 @@
 #pragma once
 
 // Makes a mesh from a camera's depth image, as merge_rules.h describes. The mesh is coarse where
-// the image is planar. It is made once per frame and drawn from any pose.
-//
-// Thread: different objects may be used at the same time.
+// the image is planar. It is made once per frame and drawn from any pose. Thread: different objects
+// may be used at the same time.
 
 #include <Eigen/Core>
 #include <array>

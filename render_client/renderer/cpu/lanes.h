@@ -2,9 +2,7 @@
 
 // Vectors of eight numbers, in vector types of the compiler. They use AVX2 if the build allows it,
 // and two SSE registers otherwise. Both give equal results, since every lane follows IEEE
-// arithmetic.
-//
-// Thread: pure functions.
+// arithmetic. Thread: pure functions.
 
 #include <cstddef>
 #include <cstdint>

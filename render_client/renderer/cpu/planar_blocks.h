@@ -2,9 +2,8 @@
 
 // Finds the planar parts of a depth image. Planes of inverse depth are fitted to blocks of 2 to 16
 // pixels a side, which form a quadtree. A block includes the first pixels of its right and lower
-// neighbours, since a mesh connects those as well.
-//
-// Thread: different objects may be used at the same time.
+// neighbours, since a mesh connects those as well. Thread: different objects may be used at the
+// same time.
 
 #include <array>
 #include <cstdint>

@@ -1,9 +1,7 @@
 #pragma once
 
 // Softens silhouette edges, where a near surface ends before a far one (merge_rules.h,
-// Silhouettes).
-//
-// Thread: different tiles may be processed at the same time.
+// Silhouettes). Thread: different tiles may be processed at the same time.
 
 #include <algorithm>
 #include <cstdint>

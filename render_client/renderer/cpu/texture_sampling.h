@@ -1,9 +1,7 @@
 #pragma once
 
 // Samples a CameraTexture at eight positions at a time, in integer arithmetic. The portable code
-// and the AVX2 code give identical results.
-//
-// Thread: pure functions.
+// and the AVX2 code give identical results. Thread: pure functions.
 
 #include <array>
 #include <cstdint>

@@ -1,9 +1,7 @@
 #pragma once
 
 // Draws one camera's surface, as seen from the eye, into a tile. A tile is a few rows of the view,
-// few enough to stay in the cache.
-//
-// Thread: different tiles may be drawn at the same time.
+// few enough to stay in the cache. Thread: different tiles may be drawn at the same time.
 
 #include <cstdint>
 #include <vector>

@@ -1,9 +1,8 @@
 #pragma once
 
 // Merges the fragments of all cameras in a tile of the view, and softens silhouette edges. The
-// texture of a camera is sampled only where its fragments have a weight.
-//
-// Thread: different tiles may be merged at the same time.
+// texture of a camera is sampled only where its fragments have a weight. Thread: different tiles
+// may be merged at the same time.
 
 #include <span>
 

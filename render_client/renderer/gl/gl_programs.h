@@ -1,9 +1,8 @@
 #pragma once
 
 // The shaders of the GL renderer, one class each. The arguments of run() become the uniforms and
-// bindings of the shader. Constants of merge_rules.h are compiled in.
-//
-// Thread: the thread of the OpenGL context.
+// bindings of the shader. Constants of merge_rules.h are compiled in. Thread: the thread of the
+// OpenGL context.
 
 #include <Eigen/Core>
 #include <array>

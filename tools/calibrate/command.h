@@ -1,7 +1,7 @@
 #pragma once
 
 // The commands of the program `calibrate`, and options that several commands share. Each command is
-// a subcommand of the command line. Its source file lies in the folder of its subject.
+// a subcommand of the command line. The command's source file lies in the folder of its subject.
 
 #include <CLI/CLI.hpp>
 #include <functional>

@@ -29,7 +29,7 @@ class DepthError {
   double percent_beyond_3_steps() const { return percent(beyond_3_steps_); }
   double percent_beyond_100mm() const { return percent(beyond_100mm_); }
   /// Share of pixels at depth edges that are more than 5 disparity steps from both sides of the
-  /// edge. Such pixels are called flying pixels.
+  /// edge. They are called flying pixels.
   double percent_flying() const {
     return edges_ ? 100.0 * static_cast<double>(flying_) / static_cast<double>(edges_) : 0;
   }

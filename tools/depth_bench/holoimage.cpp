@@ -24,7 +24,7 @@ double fraction(double value) {
   return value - std::floor(value);
 }
 
-// The wave within a stair, K = 0 in equation 2.6. It does not jump between stairs.
+// The wave within a stair, K = 0 in equation 2.6. The wave does not jump between stairs.
 double wave(double stair, double phase) {
   return stair / 2 - (stair - 2) / 2 * std::cos(kPi * phase);
 }

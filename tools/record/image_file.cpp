@@ -119,7 +119,7 @@ double roughness(const cv::Mat& image, Value value) {
   return count ? sum / static_cast<double>(count) : 0;
 }
 
-// True for 8-bit depth that was scaled to 16 bits. Such depth is smooth in either byte order.
+// True for 8-bit depth that was scaled to 16 bits. Scaled depth is smooth in either byte order.
 bool has_empty_low_bytes(const cv::Mat& image) {
   for (int y = 0; y < image.rows; ++y) {
     const auto* row = image.ptr<std::uint16_t>(y);

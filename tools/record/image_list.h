@@ -28,9 +28,10 @@ struct ListedStreams {
 /// Reads the lists of a folder: associations.txt or a similar name, otherwise depth.txt and rgb.txt
 /// or color.txt. Returns nothing if there are no lists. Adds the names of the lists to `remarks`.
 ///
-/// Fields are separated by white space, commas or semicolons. A name is relative to the folder. It
-/// may be quoted, and may contain spaces if it ends with an image extension. These are ignored:
-/// comment lines with #, a byte order mark, a header line, Windows line ends and additional fields.
+/// Fields are separated by white space, commas or semicolons. A name is relative to the folder. A
+/// name may be quoted, and may contain spaces if it ends with an image extension. These are
+/// ignored: comment lines with #, a byte order mark, a header line, Windows line ends and
+/// additional fields.
 /// Fails  kInvalid for a line that cannot be read, with its number; kNotFound if an image or a list
 ///        of depth is missing.
 Result<std::optional<ListedStreams>> read_lists(const std::filesystem::path& folder,

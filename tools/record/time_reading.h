@@ -1,7 +1,7 @@
 #pragma once
 
-// Interprets numbers in lists and file names as times. Their size and steps reveal the unit.
-// Thread: free functions; concurrent calls are safe.
+// Interprets numbers in lists and file names as times. The size and steps of the numbers reveal the
+// unit. Thread: free functions; concurrent calls are safe.
 
 #include <chrono>
 #include <optional>

@@ -25,7 +25,7 @@ struct Settings {
   bool truth = false;
   std::vector<std::filesystem::path> truth_views;  ///< Path files of additional viewpoints.
   int truth_width = 1280, truth_height = 720;      ///< Size of these views, pixels.
-  double truth_fov_deg = 50;                       ///< Their vertical field of view, degrees.
+  double truth_fov_deg = 50;                       ///< Vertical field of view of these viewpoints, degrees.
 };
 
 /// Returns the settings, or an exit code: 0 after --help and --version, 2 after an invalid command

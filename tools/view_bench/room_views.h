@@ -12,8 +12,8 @@
 
 namespace copresence::view_bench {
 
-/// Names of scenes: empty, standing, walking and four. They differ in the person's motion and the
-/// number of cameras.
+/// Names of scenes: empty, standing, walking and four. The scenes differ in the person's motion and
+/// the number of cameras.
 std::vector<std::string_view> scene_names();
 
 struct RunSettings {

@@ -1,7 +1,8 @@
 #pragma once
 
 // One camera's measurement of a point: a precise ray and an imprecise depth. At 2 m a Kinect's ray
-// has an error below 1 mm, its depth one of 6 mm. So every solver here weights the two separately.
+// has an error below 1 mm, its depth one of 6 mm. So every solver here weights ray and depth
+// separately.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -11,7 +12,7 @@
 
 namespace copresence::calibrate {
 
-/// Standard deviation of 1/z for a Kinect v1, in 1/m. It is the same at every depth.
+/// Standard deviation of 1/z for a Kinect v1, in 1/m. This value is the same at every depth.
 inline constexpr double kSensorSigma = kKinectV1Noise.sigma_steps / kKinectV1Noise.disparity_constant_m;
 
 struct Observation {

@@ -1,9 +1,9 @@
 #pragma once
 
-// Computes the mean depth of a still scene, and finds planes in it.
-// Both work on 1/z, because a Kinect's noise has the same standard deviation everywhere in 1/z, and
-// 1/z of a plane is linear over the picture. So a mean of 1/z and a linear least-squares fit to 1/z
-// are the best estimates. Thread: one thread per object; the functions are pure.
+// Computes the mean depth of a still scene, and finds planes in it. Both calculations use 1/z,
+// because a Kinect's noise has the same standard deviation everywhere in 1/z, and 1/z of a plane is
+// linear over the picture. So a mean of 1/z and a linear least-squares fit to 1/z are the best
+// estimates. Thread: one thread per object; the functions are pure.
 
 #include <Eigen/Core>
 #include <Eigen/LU>

@@ -2,8 +2,8 @@
 
 // Finds the pose of one camera relative to another from points that both have measured. There are
 // two methods: rigid least squares, and the thesis's linear equations for 12 unknowns. The linear
-// method also fits scale and shear, which absorb noise. It needs points that are not in one plane.
-// Thread: pure functions.
+// method also fits scale and shear, which absorb noise. The linear method needs points that are not
+// in one plane. Thread: pure functions.
 
 #include <Eigen/Core>
 #include <span>

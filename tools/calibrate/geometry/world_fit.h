@@ -68,8 +68,8 @@ struct WorldSettings {
   std::size_t reference = 0;
   Rigid3 world_from_reference;
   Solver solver = Solver::kRigid;
-  /// True if the points are corners of one rigid board. Its known size gives better depth than a
-  /// sensor, so the layout may be smaller than check_layout() requires.
+  /// True if the points are corners of one rigid board. The board's known size gives better depth
+  /// than a sensor, so the layout may be smaller than check_layout() requires.
   bool is_board = false;
 };
 

@@ -24,7 +24,7 @@ std::string to_camera_info(const CameraInfo& camera);
 
 /// Reads files of camera_calibration and camera_info_manager, messages as `rostopic echo` and `ros2
 /// topic echo` print them, and OpenCV's YAML with the same keys. The distortion model is plumb_bob
-/// or rational_polynomial, under any of their usual names, or unnamed. It may have up to 14
+/// or rational_polynomial, under any of their usual names, or unnamed. The model may have up to 14
 /// coefficients; those after the eighth must be 0. The camera's name may contain any bytes.
 /// Fails  kCorrupt with `PATH:LINE: message`: invalid YAML, a missing key, or impossible numbers; a
 ///        fisheye or other distortion model; binned or cropped pictures.

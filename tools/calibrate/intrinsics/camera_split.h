@@ -24,7 +24,8 @@ struct CameraSplit {
 ///
 /// The method fits a mixture of two cameras, linearised at the joint fit, with the boards' poses
 /// eliminated. From many starts, it alternates between assigning views and solving for both
-/// cameras. It then fits both groups of the best result in full. A split must pass three tests:
+/// cameras. The method then fits both groups of the best result in full. A split must pass three
+/// tests:
 ///
 /// 1. Schwarz's criterion prefers two cameras.
 /// 2. Their focal lengths or principal points differ by more than their uncertainty.

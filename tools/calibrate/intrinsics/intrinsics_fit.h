@@ -35,8 +35,8 @@ struct IntrinsicsFit {
 
 inline constexpr std::size_t kFewestViews = 6;
 
-/// Largest errors of a good fit and of an accepted fit, for pictures up to kUsualWidth wide. They
-/// grow in proportion for wider pictures.
+/// Largest errors of a good fit and of an accepted fit, for pictures up to kUsualWidth wide. These
+/// limits grow in proportion for wider pictures.
 inline constexpr double kGoodRmsPx = 0.3, kMostRmsPx = 1.0, kUsualWidth = 1280;
 /// Largest accepted standard deviations: of a focal length relative to itself, and of the principal
 /// point relative to the picture's longer side.

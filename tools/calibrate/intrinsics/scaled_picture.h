@@ -12,7 +12,7 @@
 
 namespace copresence::calibrate {
 
-/// Longer sides for thorough searches, pixels. They limit the time of a search for any picture.
+/// Longer sides for thorough searches, pixels. These sizes limit the time of a search.
 inline constexpr std::array kSearchSides{1280, 2560};
 
 inline cv::Mat gray_of(const ColorImage& picture) {

@@ -26,8 +26,8 @@ std::optional<double> depth_around(const DepthAverage& depth, const Eigen::Vecto
   return 1 / median(std::move(near));
 }
 
-// The outline for the plane fit. It includes part of the marker's white rim, which returns depth
-// even if the dark cells do not.
+// The outline for the plane fit. The outline includes part of the marker's white rim, which returns
+// depth even if the dark cells do not.
 std::optional<std::vector<Eigen::Vector2d>> outline_of(const FoundMarker& marker, const CameraModel& model,
                                                        const DepthAverage& depth) {
   std::vector<Eigen::Vector2d> outline;

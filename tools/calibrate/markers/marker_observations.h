@@ -33,7 +33,8 @@ struct CameraObservations {
 };
 
 /// marker_names  names of all markers, by index; must contain every given marker.
-/// A clicked marker has no outline. Its plane is fitted to a disc of `kClickRadius` metres.
+/// A clicked marker has no outline. A clicked marker's plane is fitted to a disc of `kClickRadius`
+/// metres.
 inline constexpr double kClickRadius = 0.05;
 CameraObservations observations_of(std::size_t camera, const std::string& camera_name,
                                    const CameraModel& model, std::span<const FoundMarker> markers,

@@ -44,7 +44,7 @@ struct BlockGrid {
   }
 };
 
-// Sums the gradient by block of every camera's picture. Their covariance is the scatter.
+// Sums the gradient by block of every camera's picture. The sums' covariance is the scatter.
 class Clusters {
  public:
   Clusters(std::span<const Surface> surfaces, Eigen::Index unknowns) : unknowns_(unknowns) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Iterated closest points (ICP) for all cameras at once: moves cameras until their surfaces
-// coincide. It minimises the sum of w rho(n * (p_a - p_b)) over all matches, where p_a and p_b are
+// coincide. ICP minimises the sum of w rho(n * (p_a - p_b)) over all matches, where p_a and p_b are
 // the matched points. The normal n is the mean of both points' normals, as in the symmetric
 // point-to-plane distance (Rusinkiewicz 2019). The weight w is weight_of() the expected error. The
 // function rho is Tukey's kernel, which is constant beyond a limit. The limit shrinks from level to
@@ -58,9 +58,9 @@ struct NormalEquations {
   Eigen::MatrixXd information;  ///< J^T W J, with the Jacobian J and the weights W.
   Eigen::VectorXd gradient;     ///< J^T W r, with the residuals r.
   /// Covariance of the gradient, from the residuals. Matches that share a block of a picture have
-  /// dependent errors (dyadic clusters; Cameron and Miller 2014). So this sums g g^T over all
-  /// blocks, where g is the block's part of the gradient, and subtracts what is counted twice. Set
-  /// only with Extra::kScatter.
+  /// dependent errors (dyadic clusters; Cameron and Miller 2014). So the covariance sums g g^T over
+  /// all blocks, where g is the block's part of the gradient, and subtracts what is counted twice.
+  /// Set only with Extra::kScatter.
   Eigen::MatrixXd scatter;
   /// The Jacobian J, one row per match; 0 for matches without weight. Set only with Extra::kRows.
   Eigen::MatrixXd rows;

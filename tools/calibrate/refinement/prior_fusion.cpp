@@ -58,7 +58,7 @@ std::optional<SurfaceEstimate> estimate_at(const IcpProblem& problem, const Fixe
   if (information.info() != Eigen::Success || information.vectorD().minCoeff() <= 0) return {};
   const Eigen::MatrixXd half =
       information.solve(estimate.free.transpose() * equations.scatter * estimate.free);
-  // A fit makes residuals smaller than errors. This corrects for the degrees of freedom.
+  // A fit makes residuals smaller than errors. The factor corrects for the degrees of freedom.
   estimate.covariance = information.solve(half.transpose()) *
                         (static_cast<double>(blocks) / static_cast<double>(blocks - numbers));
   estimate.covariance.diagonal().array() += 1e-14;

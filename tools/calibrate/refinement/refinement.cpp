@@ -89,8 +89,8 @@ bool place(std::span<const Surface> surfaces, std::size_t camera, const std::vec
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
-  // Coarse results lie close together along directions that are hardly observable. Their fine
-  // scores separate them.
+  // Coarse results lie close together along directions that are hardly observable. Only their fine
+  // scores differ clearly.
   std::vector<Rigid3> followed;
   std::optional<Rigid3> best;
   double best_gain = 0;
@@ -185,7 +185,7 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
     }
     placed.push_back(camera);
     waiting.insert(waiting.end(), refused.begin(),
-                   refused.end());  // They may overlap with the placed camera.
+                   refused.end());  // Other cameras may overlap with the placed one.
     refused.clear();
     outcomes[camera] = Outcome::kRefined;
   }

@@ -28,7 +28,7 @@ struct Direction {
   Eigen::Vector3d turn;   ///< Rotation vector in the world frame, as metres at the overlap's radius.
   Eigen::Vector3d shift;  ///< Translation, world frame.
   /// Mean over the matches of the squared normal component of the motion, corrected for noise of
-  /// the normals. It is 1/3 in the corner of a room and 0 along a wall.
+  /// the normals. The value is 1/3 in the corner of a room and 0 along a wall.
   double observability = 0;
 };
 

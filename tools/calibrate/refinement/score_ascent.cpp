@@ -8,8 +8,8 @@
 namespace copresence::calibrate {
 namespace {
 
-// Matches are of whole pixels, so the score is not smooth. It is evaluated where the normal
-// equations predict a score lower by this share.
+// Matches are of whole pixels, so the score is not smooth. The score is evaluated where the normal
+// equations predict a value lower by this share.
 constexpr double kLower = 0.006;
 constexpr double kFarthest_m = 0.012;
 constexpr int kRounds = 6;
@@ -31,7 +31,7 @@ std::vector<Rigid3> stepped(const IcpProblem& problem, const Motions& motions, c
 }
 
 // Position of the maximum of the parabola through three evenly spaced values, in steps from the
-// middle value. It is limited to one step.
+// middle value. The result is limited to one step.
 double maximum(double before, double here, double after) {
   const double slope = (after - before) / 2, bend = before + after - 2 * here;
   if (bend >= 0) return slope > 0 ? 1 : slope < 0 ? -1 : 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads a camera's recording or stream of a still scene and makes surfaces of its mean depth. This
-// is the input of the commands refine and check.
+// Reads a camera's recording or stream of a still scene and makes surfaces of its mean depth. The
+// surfaces are the input of the commands refine and check.
 
 #include <optional>
 #include <span>

@@ -36,7 +36,8 @@ Result<std::vector<Nal>> split_access_unit(std::span<const std::uint8_t> access_
 /// Appends a start code and the NAL unit.
 void append_nal(std::vector<std::uint8_t>& access_unit, std::span<const std::uint8_t> nal);
 
-/// Inserts or removes emulation prevention bytes. With them a payload contains no start code.
+/// Inserts or removes emulation prevention bytes. With these bytes a payload contains no start
+/// code.
 std::vector<std::uint8_t> to_nal_bytes(std::span<const std::uint8_t> payload);
 std::vector<std::uint8_t> from_nal_bytes(std::span<const std::uint8_t> nal);
 

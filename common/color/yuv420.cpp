@@ -6,8 +6,9 @@
 namespace copresence::color {
 namespace {
 
-// Coefficients in units of 1/65536. Each row of the matrix sums to 65536 or to 0, which makes greys
-// exact. Each chroma coefficient is positive for one channel and negative for the other two.
+// Coefficients in units of 1/65536. Each row of the colour matrix sums to 65536 or to 0, which
+// makes greys exact. Each chroma coefficient is positive for one channel and negative for the other
+// two.
 constexpr int kShift = 16;
 constexpr std::uint16_t kYr = 19595, kYg = 38470, kYb = 7471;
 constexpr std::uint16_t kUr = 11058, kUg = 21710;

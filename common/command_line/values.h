@@ -28,10 +28,10 @@ namespace copresence::command_line {
 CLI::Validator must_be(std::string what, std::function<bool(const std::string&)> is_one,
                        std::string in_help = {});
 
-/// Accepts every text that is not empty. `what` describes it: "a file's name", "HOST:PORT".
+/// Accepts every text that is not empty. `what` describes the text: "a file's name", "HOST:PORT".
 CLI::Validator some(std::string what);
 
-/// Accepts every file name. It does not check whether the file exists.
+/// Accepts every file name, whether the file exists or not.
 CLI::Validator file_name();
 /// Accepts a file that can be written now: its folder exists, and neither is write-protected.
 /// Checking early avoids losing the result of a long computation.

@@ -126,7 +126,7 @@ struct Decoder::Parts {
   PixelFormat picture;
   ValidityMaskDecoder mask;
   ResidualDecoder residuals;
-  PlanarDepth exact;  // Last frame with residuals; its picture is empty after other frames.
+  PlanarDepth exact;  // Last frame with residuals; the picture is empty after other frames.
   EdgeRepair repair;
   int repair_from;  // Lowest QP at which edges are repaired.
   bool keyframe_needed = true;

@@ -11,7 +11,7 @@
 
 namespace copresence::depth {
 
-/// The shape and unit of a stream's depth. Server and client know it from the stream description.
+/// The shape and unit of a stream's depth, from the stream description.
 struct DepthFormat {
   int width = 0;  ///< In pixels; even, from 2 to 4096.
   int height = 0;
@@ -26,7 +26,7 @@ struct DepthFormat {
 /// Fails as check_noise() does, too.
 Result<void> check(const DepthFormat& format);
 
-/// Returns the codec parameter `name`. Fails with kInvalid unless its value is in [least, most].
+/// Returns the codec parameter `name`. Fails with kInvalid unless the value is in [least, most].
 Result<double> described(const DepthCodecDescription& description, std::string_view name, double least,
                          double most);
 

@@ -5,8 +5,7 @@
 // least 10 disparity steps. The flying pixel differs from both by more than 5 steps. A flying pixel
 // takes the depth of the side that is clearly nearer. Pixels near the midpoint are not changed: on
 // the wrong surface, their error would be larger. At fine QPs the repair would move more correct
-// pixels than blurred ones, so it is not used there (depth_codec.cpp). Thread: distinct objects are
-// independent.
+// pixels than blurred ones, so the codec omits it. Thread: distinct objects are independent.
 
 #include <vector>
 

@@ -16,7 +16,7 @@ class CpuStarvation {
  public:
   explicit CpuStarvation(pid_t process) : process_(process) {}
 
-  /// Returns the sum since the first call. The sum never shrinks when threads end. It misses a
+  /// Returns the sum since the first call. The sum never shrinks when threads end. The sum misses a
   /// thread's waits between the last call and the thread's end. The sum is zero if the kernel does
   /// not count waits (/proc/PID/task/TID/schedstat).
   std::chrono::nanoseconds look();
@@ -28,8 +28,7 @@ class CpuStarvation {
   std::map<pid_t, std::chrono::nanoseconds> threads_;
 };
 
-/// Silence after which a thread counts as broken: `usual` plus its time without CPU, at most
-/// `most`.
+/// A thread counts as broken after a silence of `usual` plus its time without CPU, at most `most`.
 class StallTimeout {
  public:
   constexpr StallTimeout(std::chrono::nanoseconds usual, std::chrono::nanoseconds most)

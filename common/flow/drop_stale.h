@@ -1,6 +1,7 @@
 #pragma once
 
-// Decides which frames a busy stage drops, so that it works on recent ones. Thread: pure functions.
+// Decides which frames a busy stage drops, so that the stage works on recent frames. Thread: pure
+// functions.
 
 #include "common/frame/rgbd_frame.h"
 

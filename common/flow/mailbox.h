@@ -1,8 +1,8 @@
 #pragma once
 
-// A slot for one value between threads, in which a newer value replaces an older one. It is used
-// where a lost frame is better than a late one: between sensor and encoder, and between decoder and
-// view. Thread: any number of threads may call any member at any time.
+// A slot for one value between threads, in which a newer value replaces an older one. A mailbox is
+// used where a lost frame is better than a late one: between sensor and encoder, and between
+// decoder and view. Thread: any number of threads may call any member at any time.
 
 #include <condition_variable>
 #include <cstdint>

@@ -28,7 +28,7 @@ class StopOnSignal {
   std::stop_token token() const { return stop_.get_token(); }
   std::stop_source source() const { return stop_; }
 
-  /// Requests a stop, as a signal does. Any thread may call it.
+  /// Requests a stop, as a signal does. Any thread may call this function.
   void request_stop() { stop_.request_stop(); }
 
  private:

@@ -111,7 +111,7 @@ bool is_positive(const std::array<double, kSize>& c, double end) {
 
 // True if, up to distance r from the axis, the radial distortion has no pole and a derivative
 // between 0 and kMostStretch. The distortion is r A(x) / B(x), where x = r^2 and the polynomials A
-// and B have the coefficients `a` and `b`. Its derivative is (A B + 2 x (A' B - A B')) / B^2.
+// and B have the coefficients `a` and `b`. The derivative is (A B + 2 x (A' B - A B')) / B^2.
 bool grows_smoothly(const std::array<double, 8>& k, double r) {
   // Real lenses magnify the rim of the picture at most about twice as much as its middle.
   constexpr double kMostStretch = 4;

@@ -36,7 +36,7 @@ CameraModel camera_from_field_of_view(int width, int height, double horizontal, 
 /// The same camera with square pixels. Requires `vertical` in (0, pi) radians.
 CameraModel camera_from_field_of_view(int width, int height, double vertical);
 
-/// Camera model of an uncalibrated Kinect v1. It has square pixels and the nominal field of view of
+/// Camera model of an uncalibrated Kinect v1, with square pixels and the nominal field of view of
 /// 58.1 degrees along the longer side. At 640x480, fx = fy = 575.8.
 CameraModel nominal_kinect(int width, int height);
 
@@ -55,7 +55,8 @@ Result<void> check(const CameraModel& camera);
 Eigen::Vector2d project(const CameraModel& camera, const Eigen::Vector3d& point_in_camera);
 
 /// Returns the point of the camera frame that appears at `pixel` and has depth `z_m` along the
-/// optical axis. Its pixel error is below 1e-6 px in the whole picture if check() accepts the model.
+/// optical axis. The pixel error is below 1e-6 px in the whole picture if check() accepts the
+/// model.
 Eigen::Vector3d unproject(const CameraModel& camera, const Eigen::Vector2d& pixel, double z_m);
 
 /// Returns (x, y) at z = 1 for every pixel, row by row: width * height entries. A pixel's 3-D point

@@ -32,7 +32,7 @@ struct PlanarFrame {
   StageDurations durations;
 };
 
-/// A frame as it is sent: H.264 access units in Annex B form.
+/// A frame in the form that is sent, H.264 access units in Annex B form.
 struct EncodedFrame {
   bool keyframe = false;            ///< True if the frame decodes without any earlier frame.
   std::uint64_t sequence = 0;       ///< The same number as in the metadata inside `depth`.

@@ -41,7 +41,7 @@ class Picture {
 
   /// Creates a picture whose samples are 0. Requires even sizes.
   Picture(PixelFormat format, int width, int height);
-  /// Like the constructor, but the samples are uninitialised. Use it if every sample will be
+  /// Like the constructor, but the samples are uninitialised. Use this if every sample will be
   /// written.
   static Picture uninitialised(PixelFormat format, int width, int height);
   /// Wraps planes owned by someone else without copying them, while `owner` keeps them alive. The

@@ -44,7 +44,7 @@ struct RgbdFrame {
   FrameMetadata metadata;
   DepthImage depth;                 ///< In the stream's DepthUnit; 0 exactly where state is kHole.
   StateImage state;                 ///< Same shape as depth.
-  std::optional<ColorImage> color;  ///< After registration it has the shape and camera model of depth.
+  std::optional<ColorImage> color;  ///< Registered colour has the shape and camera model of depth.
   StageDurations durations;
   SensorTimes sensor_times;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
-// Description of a stream. The server sends it to the client once, before the first frame. Values
-// that can change are sent with each frame instead.
+// Description of a stream. The server sends the description to the client once, before the first
+// frame. Values that can change are sent with each frame instead.
 
 #include <cstdint>
 #include <string>

@@ -40,13 +40,13 @@ constexpr Reader operator|(Reader a, Reader b) {
 
 class Context {
  public:
-  /// Creates a context without a window through EGL. Uses the first graphics card that supports it,
-  /// else a software renderer. Fails with kUnavailable if neither works; the message says what to
-  /// install.
+  /// Creates a context without a window through EGL. Uses the first graphics card that supports
+  /// OpenGL 4.5, else a software renderer. Fails with kUnavailable if neither works; the message
+  /// says what to install.
   static Result<std::unique_ptr<Context>> headless(Debug debug = Debug::kOff);
 
   /// Wraps the context that is current on this thread, for example a window's. That context must
-  /// outlive this object. Fails with kUnsupported if its version is below 4.5.
+  /// outlive this object. Fails with kUnsupported if the context's version is below 4.5.
   static Result<std::unique_ptr<Context>> of_current(Debug debug);
 
   ~Context();
@@ -63,7 +63,7 @@ class Context {
   /// Makes earlier shader writes to images and storage blocks visible to later operations.
   void barrier(Reader readers);
 
-  /// flush() sends all commands to the graphics card. finish() also waits until they are done.
+  /// Sends all commands to the graphics card. The function finish() also waits until they are done.
   void flush();
   void finish();
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // Owns one OpenGL name, the integer that identifies an object. A moved-from Name holds 0 and owns
-// nothing. Thread: the thread of its context. Destroy it before its context.
+// nothing. Thread: the thread of its context. Destroy the object before its context.
 
 #include <cstdint>
 #include <utility>

@@ -46,7 +46,7 @@ std::string with_defines(std::string_view source, std::span<const Define> define
   for (const Define& define : defines) {
     text += "#define " + std::string(define.name) + " " + define.value + "\n";
   }
-  text += "#line 2\n";  // The log then has the line numbers of the file.
+  text += "#line 2\n";  // Makes the compiler's log use the line numbers of the file.
   text += source.substr(line_end);
   return text;
 }

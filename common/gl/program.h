@@ -40,7 +40,7 @@ class Program {
   static Result<Program> graphics(Context& context, std::string_view vertex, std::string_view fragment,
                                   std::span<const Define> defines = {});
 
-  /// Sets a uniform. Requires that a shader uses it and that it has the type of the value.
+  /// Sets a uniform. Requires that a shader uses the uniform and that the types agree.
   void set(const char* uniform, int value);
   void set(const char* uniform, unsigned value);
   void set(const char* uniform, float value);

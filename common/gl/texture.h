@@ -69,7 +69,7 @@ class Texture {
   int width_;
   int height_;
   int layers_;
-  Image<Rgba8> widened_;  // A member, so that its memory is reused.
+  Image<Rgba8> widened_;  // Converted pixels; a member, so that the memory is reused.
 };
 
 }  // namespace copresence::gl

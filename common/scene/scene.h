@@ -1,8 +1,8 @@
 #pragma once
 
 // Reads the scene file (TOML): the cameras of a set-up, their poses and their calibration. The
-// servers, the client and `calibrate` use it. See docs/guide/scene_file.md for the keys. Thread:
-// pure functions and values.
+// servers, the client and `calibrate` use this file. See docs/guide/scene_file.md for the keys.
+// Thread: pure functions and values.
 
 #include <Eigen/Core>
 #include <filesystem>

@@ -23,8 +23,8 @@ using Entry = std::pair<std::string, std::optional<std::string>>;
 
 /// Returns all keys of one camera, in the order of docs/guide/scene_file.md. Two cameras have the
 /// same value of a key exactly if these texts are equal. `folder` is the folder of the scene file.
-/// Relative paths in `camera` are relative to the working directory, and the text has them relative
-/// to `folder`.
+/// Paths in `camera` are relative to the working directory, paths in the text are relative to
+/// `folder`.
 std::vector<Entry> entries(const Camera& camera, const std::filesystem::path& folder);
 
 /// Returns `min` and `max` of the table [clip].

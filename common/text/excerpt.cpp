@@ -7,14 +7,14 @@
 namespace copresence::text {
 namespace {
 
-/// True for characters that reverse the direction of the text after them. A name that contains them
-/// could make a log line read differently.
+/// True for characters that reverse the direction of the text after them. A name with such
+/// characters could make a log line read differently.
 bool reverses_text(std::uint32_t code) {
   return code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);
 }
 
-/// Returns the bytes of the printable character at the start of `text`, or 0 if there is none.
+/// Returns the size of the printable character at the start of `text`, or 0 if there is none.
 std::size_t printable_character(std::string_view text) {
   const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t first = byte(0);

@@ -8,9 +8,9 @@
 
 namespace copresence::text {
 
-/// True for valid UTF-8 without characters that control a terminal or split a log line. These are
-/// C0 and C1 controls, DEL, Unicode's line and paragraph separators, and characters that reverse
-/// the direction of text.
+/// True for valid UTF-8 without characters that control a terminal or split a log line. Excluded
+/// are C0 and C1 controls, DEL, Unicode's line and paragraph separators, and characters that
+/// reverse the direction of text.
 bool is_printable(std::string_view text);
 
 /// Returns the text with a `?` for every byte that is not part of a printable character. The result

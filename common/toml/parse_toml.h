@@ -17,8 +17,8 @@ namespace copresence {
 /// Largest number of parts in a dotted key, and of lists and tables inside each other.
 inline constexpr int kMostTomlLevels = 16;
 
-/// Parses `text`. Error messages name `path`. Fails with kInvalid and a bounded `PATH:LINE: reason`
-/// if the text is not TOML, exceeds text::kMostBytes or nests deeper than kMostTomlLevels.
+/// Parses `text`. Error messages name `path`. Fails with kInvalid and a short message `PATH:LINE:
+/// reason` if the text is not TOML, exceeds text::kMostBytes or nests deeper than kMostTomlLevels.
 Result<toml::table> parse_toml(std::string_view text, const std::filesystem::path& path);
 
 }  // namespace copresence

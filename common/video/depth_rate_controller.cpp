@@ -9,11 +9,11 @@ namespace {
 /// Target share of the rate, which keeps a second with a keyframe within 10 % of the rate.
 constexpr double kShare = 0.99;
 /// Size of x264's buffer, in frames. A value below 3 keeps every frame below three times the mean.
-/// It also keeps a second of small frames and a final keyframe below 1.1 times the rate.
+/// The limit also keeps a second of small frames and a final keyframe below 1.1 times the rate.
 constexpr double kBufferFrames = 2.5;
 /// Saved bits are spent within about kSpendFrames. At most kMostSaved frames' worth are saved, so
-/// that they and a keyframe fit into one second. Spending them in 8 frames would be too slow: if
-/// every picture differs from the one before, x264 leaves a quarter of its rate unused.
+/// that they and a keyframe fit into one second. Spending these bits in 8 frames would be too slow:
+/// if every picture differs from the one before, x264 leaves a quarter of its rate unused.
 constexpr double kSpendFrames = 5;
 constexpr double kMostSaved = 1.5;
 /// A keyframe fills the bucket by up to kUsualLevel frames' worth, which drains within about

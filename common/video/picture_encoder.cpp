@@ -62,10 +62,10 @@ bool can_deblock(const PictureSettings& settings) {
   return settings.rate || settings.qp - bits_offset + kPresetOffset >= kFirstIndex;
 }
 
-/// True for the first processors with AVX-512 (Skylake, Cascade Lake). These lower a core's clock
-/// for a while after their widest instructions. This slows down everything else on that core: hole
-/// filling, decoding, rendering. Without these instructions x264 writes the same bits, and two live
-/// cameras take 1 % less time in all (docs/internals/video.md).
+/// True for the first processors with AVX-512 (Skylake, Cascade Lake). Such processors lower a
+/// core's clock for a while after their widest instructions. A lower clock slows down everything
+/// else on that core: hole filling, decoding, rendering. Without these instructions x264 writes the
+/// same bits, and two live cameras take 1 % less time in all (docs/internals/video.md).
 bool slows_down_by_avx512() {
   const int flags = av_get_cpu_flags();
   return (flags & AV_CPU_FLAG_AVX512) != 0 && (flags & AV_CPU_FLAG_AVX512ICL) == 0;

@@ -60,8 +60,8 @@ class FrameServer {
   /// with the reason why no frames come. The status is empty if the camera works.
   void set_camera_status(std::string status);
 
-  /// Ends the stream after the frames that were sent. All clients get `reason`, one sentence. When
-  /// they have it, or after 0.4 s, run() returns.
+  /// Ends the stream after the frames that were sent. Every client gets `reason`, one sentence.
+  /// When all clients have `reason`, or after 0.4 s, run() returns.
   void end(std::string reason);
 
   ServerCounters counters() const;

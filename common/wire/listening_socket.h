@@ -1,7 +1,7 @@
 #pragma once
 
-// A listening TCP socket. The supervising parent process creates it, and its child process serves
-// it. So the port stays open while a crashed child is replaced. Thread: a value.
+// A listening TCP socket. The supervising parent process creates the socket, and its child process
+// serves it. So the port stays open while a crashed child is replaced. Thread: a value.
 
 #include <string>
 
@@ -11,8 +11,8 @@ namespace copresence::wire {
 
 class ListeningSocket {
  public:
-  /// Takes ownership of a descriptor that the parent process left open. Fails with kInvalid if it
-  /// is not a listening TCP socket; the descriptor then stays open.
+  /// Takes ownership of a descriptor that the parent process left open. Fails with kInvalid if the
+  /// descriptor is not a listening TCP socket; the descriptor then stays open.
   static Result<ListeningSocket> adopt(int descriptor);
 
   ListeningSocket(ListeningSocket&& other) noexcept;

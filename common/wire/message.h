@@ -26,7 +26,8 @@ inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N'
 
 inline constexpr std::size_t kHeaderBytes = 8;
 inline constexpr std::size_t kFrameHeadBytes = 96;  ///< Part of a frame's body before its access units.
-inline constexpr std::size_t kMaxMessageBytes = 8 * 1024 * 1024;  ///< The largest body, that of a frame.
+inline constexpr std::size_t kMaxMessageBytes =
+    8 * 1024 * 1024;                               ///< Largest body of a message, that of a frame.
 inline constexpr std::size_t kMaxTextBytes = 512;  ///< Longest sentence for the user, in UTF-8.
 inline constexpr std::size_t kMaxNameBytes = 64;   ///< Longest name of a camera, codec or parameter.
 inline constexpr std::size_t kMaxParameters = 64;  ///< Largest number of parameters of a depth codec.
@@ -34,7 +35,7 @@ inline constexpr std::size_t kMaxParameters = 64;  ///< Largest number of parame
 enum class MessageType : std::uint8_t {
   kHello = 1,            ///< Client: the first message.
   kKeyframeRequest = 2,  ///< Client: it cannot decode the next frames without a keyframe.
-  kFrameAck = 3,         ///< Client: it has this frame and all frames before it.
+  kFrameAck = 3,         ///< Client: it has this frame and all earlier frames.
   kPing = 4,             ///< Client: it asks for the time of the server's clock.
   kReject = 17,          ///< Server: sent instead of Welcome as the last message.
   kWelcome = 18,         ///< Server: describes the stream.
@@ -103,7 +104,7 @@ struct FrameHead {
 };
 
 /// After these reasons, the server has sent everything and does not start again by itself. After
-/// any other reason it may be started again.
+/// any other reason the server may be started again.
 inline constexpr std::string_view kRecordingIsOver = "the recording is over";
 inline constexpr std::string_view kAllFramesAreSent = "all frames that --frames asked for are sent";
 

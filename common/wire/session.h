@@ -48,7 +48,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(std::unique_ptr<Connection> connection, Stream& stream);
 
   void start();
-  /// Queues the frame if the client can accept it. Otherwise counts it as skipped.
+  /// Queues the frame if the client can accept it. Otherwise counts the frame as skipped.
   void offer(const OutboundFrame& frame);
   void skip(std::uint64_t frames);
   void send_status(const Bytes& message);

@@ -1,8 +1,8 @@
 #pragma once
 
-// Chooses the value that the four pixels of one chroma sample share in 4:2:0. If they lie on two
-// surfaces, their mean would be a third depth. Therefore the mean of the majority is used. Thread:
-// pure.
+// Chooses the value that the four pixels of one chroma sample share in 4:2:0. If the pixels lie on
+// two surfaces, their mean would be a third depth. Therefore the mean of the majority is used.
+// Thread: pure.
 
 #include <algorithm>
 #include <array>

@@ -252,8 +252,8 @@ class SpiralDecoder final : public PlaneDecoder {
     }
   }
 
-  // Marks samples whose neighbours have other upper bits. Their upper bits may be wrong for some
-  // pixels.
+  // Marks samples whose neighbours have other upper bits. Upper bits of such samples may be wrong
+  // for some pixels.
   void doubt_votes() {
     const int width = upper_.width(), height = upper_.height();
     for (int y = 0; y < height; ++y) {

@@ -42,7 +42,7 @@ int side(const std::uint16_t* row, const DepthState* states, int x) {
   return row && states[x] != DepthState::kHole ? int{row[x]} : kNone;
 }
 
-// Corrects the pixel at x. Its chroma sample has the columns first_x to end_x - 1.
+// Corrects the pixel at x, whose chroma sample has the columns first_x to end_x - 1.
 void correct(const Rows& rows, int x, int first_x, int end_x, bool fold) {
   if (rows.states[x] == DepthState::kHole) return;
   const int here = rows.here[x];

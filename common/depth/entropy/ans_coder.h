@@ -18,7 +18,8 @@
 
 namespace copresence::depth {
 
-/// A cursor into the caller's buffer. It is cheap to copy, so that a loop can keep it in registers.
+/// A cursor into the caller's buffer. The cursor is cheap to copy, so a loop can keep it in
+/// registers.
 class AnsWriter {
  public:
   static constexpr int kStreams = 2;

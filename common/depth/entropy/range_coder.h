@@ -41,7 +41,8 @@ class BinaryContext {
   std::uint16_t seen_ = 0;
 };
 
-/// A cursor into the caller's buffer. It is cheap to copy, so that a loop can keep it in registers.
+/// A cursor into the caller's buffer. The cursor is cheap to copy, so a loop can keep it in
+/// registers.
 class RangeEncoder {
  public:
   /// The buffer must have room for kMostBytes for each decision, plus kEndBytes.

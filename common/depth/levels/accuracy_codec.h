@@ -7,7 +7,7 @@
 //
 // Without video coding, the error is half a code, z² (1/near - 1/far) / (2 (N - 1)), plus half a
 // unit of rounding. Parameters: near, far in the stream's unit. Source: thesis 3.3.3.1; Khoshelham
-// and Elberink 2012 for the error's form.
+// and Elberink 2012 (form of the error).
 
 #include <memory>
 

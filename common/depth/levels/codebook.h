@@ -1,6 +1,6 @@
 #pragma once
 
-// A codebook assigns a code to each depth that a sensor can report, its depth levels. A sensor has
+// A codebook assigns a code to each depth level, a depth that a sensor can report. A sensor has
 // only some hundred levels. Codes ascend with depth, so a small error of a code gives a small error
 // of depth.
 //
@@ -38,7 +38,7 @@ class Codebook {
   /// many pixels are spaced as widely as the codes allow, up to kFinest codes a step. Rare levels
   /// are one code a step apart. `pixels` holds each level's number of pixels. A finer code and a
   /// coarser QP cost the same bits. With the finer code, H.264 errs by fractions of a level, which
-  /// reduces the error by a tenth. Source: thesis 3.3.3.3 for the purpose; the form is ours.
+  /// reduces the error by a tenth. Source: thesis 3.3.3.3 for the idea; the formula is ours.
   std::vector<double> scene_spacing(std::span<const std::uint16_t> levels,
                                     std::span<const std::uint32_t> pixels) const;
   static constexpr double kFinest = 4.0;  ///< In codes per disparity step; finer codes gained nothing.
@@ -50,14 +50,15 @@ class Codebook {
   void assign(std::span<const std::uint16_t> levels, std::span<const double> distance);
 
   /// Replaces all levels by kCodes levels, even in 1/z over `range`, a part of the codebook's
-  /// range. A coarse unit gives fewer levels. This is for depth with more levels than codes.
+  /// range. If the unit is coarse, there are fewer levels. Use this function for depth with more
+  /// levels than codes.
   void assign_evenly(DepthRangeUnits range);
 
   /// Gives `level` a code between its neighbours' codes, and moves as few other levels as possible.
   /// Returns false if all codes are taken. Requires a level within the range that has no code yet.
   bool insert(std::uint16_t level);
 
-  /// Appends the change that turns `earlier` into this codebook. Appends nothing if they are equal.
+  /// Appends the change that turns `earlier` into this codebook. Appends nothing if both are equal.
   void write_change(const Codebook& earlier, std::vector<std::uint8_t>& out) const;
 
   /// Applies a change. No bytes mean no change. Fails with kCorrupt and changes nothing if the

@@ -11,7 +11,7 @@
 namespace copresence::depth {
 namespace {
 
-// A run with unexpected states is halved until it is shorter than twice kLeastRun.
+// A run with unexpected states is halved until its length is below twice kLeastRun.
 constexpr int kLeastRun = 8;
 constexpr int kStretch = 48;  // Number of pixels that are coded with one set of windows.
 constexpr std::size_t kMostDecisions =
@@ -20,7 +20,7 @@ constexpr std::size_t kMostDecisions =
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;
   std::array<BinaryContext, 1 << 12> filled;
-  // Indexed by expected state, whether the run is known to be mixed, and its bit length.
+  // Indexed by expected state, whether the run is known to be mixed, and its length in bits.
   std::array<std::array<std::array<BinaryContext, 14>, 2>, 3> as_expected;
   BinaryContext any_filled;
 };
@@ -57,7 +57,7 @@ class Scan {
     left_measured_ = left_filled_ = 0;
     std::uint64_t* const measured = now_.measured.row(y);
     std::uint64_t* const filled = now_.filled.row(y);
-    int mixed_until = 0;  // Before this column, some pixels have another state.
+    int mixed_until = 0;  // Before this column, some pixels differ from the expected state.
     for (int x = 0; x < width_;) {
       const int state = state_to_the_left();
       const bool mixed = x < mixed_until;

@@ -10,8 +10,8 @@
 // `wants_until()`: the client requests another frame. The allowance is 8 frame periods. If every
 // frame of half a second was delayed longer, the queue never empties, and the allowance becomes 2
 // periods. The allowance then grows by one period per half second. If 2 periods do not help, the
-// client requests nothing until the path is empty. This distinguishes a longer path from a queue.
-// The encoder pauses if no client requests a frame.
+// client requests nothing until the path is empty. This pause distinguishes a longer path from a
+// queue. The encoder pauses if no client requests a frame.
 //
 // `can_accept()`: the client accepts a frame that was encoded for others, since skipping it would
 // cost a keyframe. The allowance is 500 ms, and up to 300 ms more behind a slow keyframe.
@@ -49,8 +49,8 @@ class ClientWindow {
   bool fell_behind() const { return !in_sync_ && has_begun_; }
   /// True if the client can accept only a keyframe: it is not in sync, and no frame is in flight.
   bool awaits_keyframe() const { return !in_sync_ && in_flight_.empty(); }
-  /// Returns until when a client in sync requests another frame if nothing changes. The time is in
-  /// the past if the client requests no frame.
+  /// Returns the time until which a client in sync requests another frame if nothing changes. The
+  /// time is in the past if the client requests no frame.
   Instant wants_until() const;
   bool can_accept(bool keyframe, Instant now) const;
 
@@ -58,8 +58,8 @@ class ClientWindow {
   void sent(std::uint64_t sequence, std::size_t bytes, Instant now);
   /// Counts frames of the stream that are not sent to this client.
   void skip(std::uint64_t frames);
-  /// The client has this frame and all frames before it. Returns false if the frame is not in
-  /// flight, which is a protocol error.
+  /// The client has this frame and all earlier frames. Returns false if the frame is not in flight,
+  /// which is a protocol error.
   bool acknowledge(std::uint64_t sequence, Instant now);
 
   std::uint64_t skipped() const { return skipped_; }

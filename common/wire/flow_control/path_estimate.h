@@ -33,7 +33,8 @@ namespace copresence::wire {
 
 class PathEstimate {
  public:
-  /// `tolerance` is the normal variation of ack delays. A delay within half of it counts as near.
+  /// `tolerance` is the normal variation of ack delays. A delay within half of `tolerance` counts
+  /// as near.
   explicit PathEstimate(Duration tolerance) : tolerance_(tolerance) {}
 
   /// Facts about a sent frame that acknowledged() needs.

@@ -50,7 +50,8 @@ class Connection {
   void close();
   bool is_open() const { return socket_.is_open(); }
 
-  /// When the newest byte that was read arrived. Never decreases and is never in the future.
+  /// When the newest byte that was read arrived. This time never decreases and is never in the
+  /// future.
   Instant last_arrival() const { return last_arrival_; }
   std::uint64_t bytes_read() const { return bytes_read_; }
   /// Bytes that were written here and that the other end's kernel has not acknowledged.

@@ -34,8 +34,8 @@ struct CapturedFrame {
 /// The time that --start-at gives, converted to the steady clock. Nothing without --start-at.
 std::optional<Instant> first_frame_due(const ServerSettings& settings);
 
-/// Opens the source on the capture thread. After a crash of the previous child process it waits for
-/// a camera that is missing or still held by its driver, and logs that it waits.
+/// Opens the source on the capture thread. After a crash of the previous child process, the camera
+/// may be missing or still held by its driver. The function then waits for it and logs that.
 /// Fails as sensor::open_source() does, and with kEndOfStream on a stop request.
 Result<std::unique_ptr<sensor::FrameSource>> open_source(const ServerSettings& settings,
                                                          std::optional<Instant> begin,

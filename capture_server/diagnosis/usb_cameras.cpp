@@ -94,8 +94,8 @@ bool is_blank(const std::string& serial) {
   return serial.find_first_not_of('0') == std::string::npos;
 }
 
-// The camera of a Kinect 1473 or Kinect for Windows has zeros as its serial number. libfreenect
-// instead reports the serial number of the audio device on the same hub.
+// The camera of a Kinect 1473 or Kinect for Windows has zeros as its serial number. So libfreenect
+// reports the serial number of the audio device on the same hub.
 std::string serial_of(const Device& device, const std::vector<Device>& devices) {
   if (device.vendor != kMicrosoft || !is_blank(device.serial)) return device.serial;
   const auto audio = std::find_if(devices.begin(), devices.end(), [&](const Device& other) {

@@ -17,9 +17,9 @@ class BilateralFilling final : public HoleFiller {
 
   std::string_view name() const override { return "cpu"; }
 
-  /// Sets each hole p to the sum of G(|p - q|) d(q) over the measured pixels q around it, divided
-  /// by the sum of G(|p - q|). G is a Gaussian and d is depth. The sums run first along columns,
-  /// then along rows.
+  /// Sets each hole p to a mean over the measured pixels q around it: the sum of G(|p - q|) d(q),
+  /// divided by the sum of G(|p - q|). G is a Gaussian and d is depth. The sums run first along
+  /// columns, then along rows.
   /// Source: thesis appendix A.1 without the range kernel, since a hole has no depth to compare.
   Result<void> fill(RgbdFrame& frame) override;
 

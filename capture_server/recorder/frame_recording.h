@@ -22,9 +22,9 @@
 
 namespace copresence::server {
 
-/// Converts the sensor's times into a recording's times, which never decrease. If the sensor's
-/// clock restarts because the camera was plugged in again, the recording continues at its last time
-/// plus the time that has passed on this process's clock.
+/// Converts the sensor's times into a recording's times, which never decrease. The sensor's clock
+/// restarts if the camera is plugged in again. The recording then continues at its last time plus
+/// the time that has passed on this process's clock.
 class RecordingClock {
  public:
   /// Offset from the sensor's times to the recording's, for this frame and later frames.

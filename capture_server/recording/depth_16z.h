@@ -7,7 +7,7 @@
 //   then, for each further pixel, d = previous index - this index (16zP: depths instead of indices):
 //     |d| <= 6        the nibble d + 6, two to a byte, the first in the high half
 //     7 <= |d| <= 63  escape, byte d + 192
-//     larger          escape, high byte of the index or depth (below 0x80), low byte
+//     larger          escape, high byte of the index or depth (below 0x80), low byte.
 //   The escape is the byte 0xFF, or the nibble 0xF if the low half of a byte comes next.
 //   The byte 0x66 (two pixels equal to the previous one) is run-length coded: 0xE1 to 0xEF stand for
 //   1 to 15 of it. If the last byte lacks its low half, that half is 0xD.

@@ -48,7 +48,7 @@ struct RecordedStream {
   int height = 0;
   int frames_per_second = 0;                ///< Nominal frame rate.
   DepthUnit unit = DepthUnit::kMillimetre;  ///< Unit of depth. Unused for other streams.
-  /// The angles of depth, and of colour if the recorder knew them.
+  /// Field of view of depth. For colour, it is set only if the recorder knew it.
   std::optional<FieldOfView> field_of_view;
   /// All depths that the sensor can report, in ascending order. The list is empty if the recording
   /// does not state them.
@@ -86,9 +86,9 @@ std::size_t steps_without_time(const RecordedStream& stream);
 Result<void> check_playable(const RecordedStream& depth, std::string_view name);
 
 /// Parses the record chain of the file at `path`. Frames' payloads are skipped.
-/// Fails with kNotFound if the file does not exist or cannot be read. Fails with kCorrupt and the
-/// place if it is no recording, cut off or damaged. Fails with kUnsupported without depth, or if a
-/// stream is cropped, of odd size or in an unknown format.
+/// Fails with kNotFound if the file does not exist or cannot be read. Fails with kCorrupt if the
+/// file is no recording, cut off or damaged; the message names the place. Fails with kUnsupported
+/// without depth, or if a stream is cropped, of odd size or in an unknown format.
 Result<RecordingSummary> check(const std::string& path);
 
 /// Runs check() and check_playable() on a file that was just written. Every writer calls this

@@ -28,10 +28,10 @@ struct FooterStream {
 
 enum class SeekTables { kNo, kYes };
 
-/// Appends a footer for at least one stream. The function then makes this footer valid by writing
-/// counts, times and, if requested, positions of seek tables at the front of the file.
-/// `earlier_footers` are the positions of these streams' former footers, all without seek tables.
-/// Returns the new footer's position.
+/// Appends a footer for `streams`, which must not be empty. The function then makes this footer
+/// valid by writing counts, times and, if requested, positions of seek tables at the front of the
+/// file. `earlier_footers` are the positions of these streams' former footers, all without seek
+/// tables. Returns the new footer's position.
 /// Fails as OutputFile does. The file then still ends with its former footer.
 Result<std::uint64_t> write_footer(OutputFile& file, std::span<const FooterStream> streams,
                                    SeekTables seek_tables, std::span<const std::uint64_t> earlier_footers);

@@ -44,8 +44,8 @@ struct FramePlace {
 void append_node_added(RecordBytesOut& bytes, std::uint32_t node, std::string_view name, NodeType type,
                        std::uint32_t codec);
 
-/// The last bytes of a kNodeAdded give the number of frames, their first and last time, and the
-/// position of the seek table. node_counts() returns these bytes for the given frames.
+/// The last bytes of a kNodeAdded: the number of frames, their first and last time, and the
+/// position of the seek table. The function returns these bytes for the given frames.
 inline constexpr std::size_t kNodeCountsBytes = 28;
 RecordBytesOut node_counts(std::span<const FramePlace> frames, std::uint64_t seek_table_position);
 

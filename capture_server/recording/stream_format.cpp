@@ -94,8 +94,8 @@ bool StreamFormat::apply(Kind kind, RecordType type, std::string_view key,
     return fields.whole() && is_sane(*field_of_view);
   }
   if (is_general && key == "xnRealWorldTranslationData") {
-    // Early versions of OpenNI 1 state the field of view by the distance of the zero plane, the
-    // pixel size there, and the ratio of source to depth pixels.
+    // Early versions of OpenNI 1 state the field of view by three numbers: the distance of a plane,
+    // the size of a pixel in it, and the ratio of source to depth pixels.
     const double distance = fields.f64(), pixel = fields.f64(), ratio = fields.f64();
     const auto angle = [&](std::uint32_t size) { return 2 * std::atan(pixel * ratio * size / 2 / distance); };
     field_of_view = {angle(width), angle(height)};

@@ -1,7 +1,7 @@
 #pragma once
 
-// Computes when the frames of a replay are due: by the recording's timestamps
-// (playback_schedule.h), or in sync with the other replays of its session on this machine
+// Computes when the frames of a replay are due. They are due by the recording's timestamps
+// (playback_schedule.h), or in sync with the session's other replays on this machine
 // (session_clock.h).
 // Thread: one thread at a time.
 

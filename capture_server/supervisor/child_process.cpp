@@ -27,7 +27,7 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 constexpr milliseconds kBetweenLooks{100}, kBetweenLooksWhileStopping{20};
-constexpr int kStarvedSilence = 6;  // Multiple of the usual limit, see SupervisorPolicy.
+constexpr int kStarvedSilence = 6;  // A child without CPU may be silent this many times longer.
 constexpr milliseconds kKilledWithin{2000};
 
 double seconds(nanoseconds time) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Reports from a supervised child process to its parent, in shared memory: the progress of its
-// threads, its present activity and, after a crash, the crashed thread. The parent can read them at
+// A supervised child process reports to its parent in shared memory: the progress of its threads,
+// its present activity and, after a crash, the crashed thread. The parent can read these reports at
 // any time, even after the child's death.
 // Thread: any thread of the child may call all functions. A Pulse belongs to one thread at a time.
 

@@ -30,12 +30,12 @@ struct SupervisorPolicy {
   /// no CPU is added, up to six times this value. Time in which the child was suspended or traced,
   /// or in which the parent did not run, does not count.
   std::chrono::milliseconds silence{5000};
-  std::chrono::milliseconds opening{20000};  ///< The limit while a camera is opened, until its first frame.
+  std::chrono::milliseconds opening{20000};  ///< The limit of silence while a camera is opened.
 
   /// A child that does not stop within this time is killed. The time in which the child got no CPU
   /// is added, up to `stop_starved`.
   std::chrono::milliseconds stop_within{800}, stop_starved{8000};
-  /// Signals that are closer together count as one, because timeout(1) sends two.
+  /// Stop signals that are closer together count as one, because timeout(1) sends two.
   std::chrono::milliseconds second_stop_after{150};
 
   /// Pause before a new child. The pause doubles with each crash in a row, up to `longest_pause`.
@@ -59,9 +59,9 @@ struct SupervisorPolicy {
 ///
 /// A child that ended by a crash, a hang or another process's signal is replaced. A suspended child
 /// is resumed after `silence`. A sentence on standard error reports each of these events. The
-/// supervisor gives up after a second crash or hang at the same place of a recording, a second
-/// crash during the same Heartbeat::Activity of preparing, a death while ending, or `most_in_a_row`
-/// deaths in a row.
+/// supervisor gives up after a second crash or hang at the same place of a recording, or a second
+/// crash during the same Heartbeat::Activity while preparing. It also gives up after a death while
+/// ending, or after `most_in_a_row` deaths in a row.
 ///
 /// Returns the result of `child_main`. After a stop it returns 0, even if the child crashed or was
 /// still opening its source. The result is 1, after a message, if the child did not stop in time or

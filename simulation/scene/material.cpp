@@ -178,8 +178,8 @@ void face(const Material& m, const SurfacePoints& points, const Colors& out) {
   }
 }
 
-// Returns the share of the accent colour in wood whose grain runs along u. Coordinates are cells of
-// the pattern.
+// Returns the share of the accent colour in wood whose grain runs along u. Coordinates are measured
+// in cells of the pattern.
 inline float grain(float along, float across) {
   const float rings =
       value_noise(0.35f * along, 4 * across, 11) + 0.5f * value_noise(1.2f * along, 14 * across, 12);

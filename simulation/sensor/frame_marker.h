@@ -13,9 +13,9 @@
 
 namespace copresence::simulation {
 
-/// Draws 36 cells of 16x16 pixels: a light cell, a dark cell, the 32 bits of the number from the
-/// highest (1 is light), and a checksum. The checksum is the number of ones, modulo 4. Requires a
-/// picture of at least 576x16 pixels, stored row by row.
+/// Draws 36 cells of 16x16 pixels: a light cell, a dark cell, 32 cells for the bits of the number,
+/// and two for a checksum. The highest bit comes first, and a light cell is 1. The checksum is the
+/// number of ones, modulo 4. Requires a picture of at least 576x16 pixels, stored row by row.
 void draw_marker(std::uint32_t number, std::span<Rgb8> picture, int width);
 
 /// Reads the number. Returns nothing if the fixed cells or the checksum are wrong.

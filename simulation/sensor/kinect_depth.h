@@ -7,15 +7,15 @@
 // computes the exact disparity and intensity of the pattern per pixel. KinectNoise turns them into
 // depth.
 //
-//   levels        z = kLevelConstant / k for whole k; there are 632 from 0.5 m to 5 m.
-//   errors        Errors of the disparity before rounding: a fixed pattern per camera, and a part
-//                 that changes with each frame. Both are correlated over several pixels, because
-//                 the sensor correlates windows. Together they are half a level.
-//   edges         Depth is taken from up to two pixels away, differently in each frame.
-//   weak return   Dark, shiny, transparent and grazing surfaces reflect too little light. Near the
-//                 threshold, blobs flicker.
-//   interference  Where other projectors shine, depth is lost in flickering blobs.
-//   always holes  Depth outside 0.5 m to 5 m, and the rightmost 8 columns (of 640).
+// - Levels: z = kLevelConstant / k for whole k. There are 632 levels from 0.5 m to 5 m.
+// - Errors of the disparity before rounding: a fixed pattern per camera, and a part that changes with
+//   each frame. Both are correlated over several pixels, because the sensor correlates windows.
+//   With the rounding, their standard deviation is half a level.
+// - Edges: depth is taken from up to two pixels away, differently in each frame.
+// - Weak return: dark, shiny, transparent and grazing surfaces reflect too little light. Blobs of
+//   pixels near the threshold flicker.
+// - Interference: where other projectors shine, depth is lost in flickering blobs.
+// - Holes: depth outside 0.5 m to 5 m, and the rightmost 8 of 640 columns.
 //
 // All random values are hashes of (seed, camera, frame, pixel).
 // Sources: Khoshelham and Elberink 2012 (levels, error of half a level); Barron and Malik 2013 (the
@@ -79,7 +79,7 @@ class KinectNoise {
   DepthUnit unit_;
   std::uint32_t seed_;
   Image<float> pattern_;  // The part of the disparity error that is the same in all frames, in levels.
-  Image<float> needed_intensity_;    // The part of the needed intensity that is the same in all frames.
+  Image<float> needed_intensity_;  // The part of the threshold for intensity that is the same in all frames.
   Image<float> fixed_interference_;  // The part of the random interference that is the same in all frames.
   Image<float> interference_threshold_;  // Depth is lost where a frame's interference exceeds it.
 };

@@ -4,7 +4,7 @@
 //
 // Light on static surfaces is computed once per vertex: direct light of the lamps with soft
 // shadows, and one diffuse reflection (a radiosity gather). This light is the same from every
-// viewpoint and free of noise. "Light" is the radiance of a white diffuse surface; 1 is the
+// viewpoint and free of noise. Here light is the radiance of a white diffuse surface; 1 is the
 // brightest value of a display.
 //
 // Thread: immutable, so any thread may use it.

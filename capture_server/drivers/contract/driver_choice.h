@@ -4,9 +4,9 @@
 // folder, and the shutdown of PS1080 alone takes up to 0.4 s. So the drivers of this project do
 // nothing unless they are chosen.
 //
-// The choice is passed in an environment variable, set before OpenNI2 is initialised, because a
-// driver is a separate library and shares nothing else with its process. If the variable is not
-// set, all drivers are active, so that other programs (NiViewer2) find every camera.
+// An environment variable passes the choice, because a driver is a separate library and shares
+// nothing else with its process. The variable is set before OpenNI2 is initialised. If the variable
+// is not set, all drivers are active, so that other programs (NiViewer2) find every camera.
 //
 
 #include <algorithm>

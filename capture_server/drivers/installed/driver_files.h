@@ -14,9 +14,9 @@ namespace copresence::drivers {
 std::vector<std::string> driver_folders(const std::string& system_folder);
 
 /// Full paths of the drivers in these folders, sorted within each folder. Of two drivers with the
-/// same name, the one in the first folder is used. The list leaves out drivers for cameras that
-/// this project's drivers serve (PS1080, FreenectDriver), the player of recordings (OniFile),
-/// OpenNI2's example (DummyDevice), and this project's drivers.
+/// same name, the one in the first folder is used. The list leaves out this project's drivers and
+/// drivers for the same cameras (PS1080, FreenectDriver). It also leaves out OpenNI2's player
+/// (OniFile) and its example (DummyDevice).
 std::vector<std::string> installed_drivers(const std::vector<std::string>& folders);
 
 }  // namespace copresence::drivers

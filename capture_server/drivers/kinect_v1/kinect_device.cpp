@@ -71,8 +71,7 @@ void KinectDevice::deliver(bool is_depth, const void* picture, std::uint32_t tic
   std::uint64_t now_us;
   int index;
   {
-    const std::lock_guard lock(
-        running_mutex_);  // The lock is needed because a stream that ends waits for its picture.
+    const std::lock_guard lock(running_mutex_);  // With this lock, a stream that ends waits for its picture.
     Running& running = is_depth ? depth_ : video_;
     now_us = clock_.to_us(ticks, host_us());
     if (!running.stream) return;

@@ -24,10 +24,10 @@ namespace copresence::bitstream {
 
 struct SideData {
   std::uint64_t sequence = 0;
-  std::uint64_t previous = 0;               ///< Sequence of the frame that this one needs; 0 in a keyframe.
-  Instant captured_at{};                    ///< On the capture process's monotonic clock; never negative.
-  std::uint8_t qp = 0;                      ///< QP of the depth picture; 0 means lossless.
-  bool has_color = false;                   ///< True if this frame has a colour access unit.
+  std::uint64_t previous = 0;  ///< Sequence of the frame that this one needs; 0 in a keyframe.
+  Instant captured_at{};       ///< Capture time on the capture process's monotonic clock, never negative.
+  std::uint8_t qp = 0;         ///< QP of the depth picture; 0 means lossless.
+  bool has_color = false;      ///< True if this frame has a colour access unit.
   std::optional<Rigid3> world_from_camera;  ///< Absent if unchanged since the frame before.
   std::vector<std::uint8_t> table;
   std::vector<std::uint8_t> residuals;  ///< Losslessly coded depth; the picture is then blank.

@@ -27,9 +27,8 @@ std::span<const CodecEntry> codec_catalogue();
 /// Fails with kInvalid for an unknown name. The message lists the known names.
 Result<const CodecEntry*> find_codec(std::string_view name);
 
-/// Makes the encoder for a command line's text: NAME or, for codecs with a period,
-/// NAME:period=METRES. Fails with kInvalid for an unknown name or parameter, or an unsuitable
-/// period.
+/// Makes the encoder that `text` from a command line names, NAME or NAME:period=METRES. Fails with
+/// kInvalid for an unknown name or parameter, or an unsuitable period.
 Result<std::unique_ptr<PlaneEncoder>> make_encoder(std::string_view text, const DepthFormat& format);
 
 }  // namespace copresence::depth

@@ -4,9 +4,9 @@
 // codecs of docs/internals/codecs.md. The stream description has the codec's name and parameters.
 //
 // Every codec keeps states exactly: a hole is never decoded as depth, nor depth as a hole. All
-// decoded depth lies within the stream's range. Each codec's header states its error. Depth is in
-// the stream's DepthUnit along the optical axis. Thread: distinct objects are independent; one
-// object is used by one thread at a time.
+// decoded depth lies within the stream's range. Each codec's header file states its coding error.
+// Depth is in the stream's DepthUnit along the optical axis. Thread: distinct objects are
+// independent; one object is used by one thread at a time.
 
 #include <cstdint>
 #include <memory>
@@ -45,8 +45,8 @@ class Encoder {
 
   /// Converts depth and states to a picture and side data. Depth 0 and depth outside the range
   /// become holes. The result is a keyframe if `keyframe` is set, for the first frame, or if the
-  /// codec decides so. Requires the shape of the format. Fails with kUnsupported if lossless coding
-  /// is impossible for this depth; the next frame is then a keyframe.
+  /// codec decides so. Requires images of the format's shape. Fails with kUnsupported if lossless
+  /// coding is impossible for this depth; the next frame is then a keyframe.
   Result<PlanarDepth> encode(const DepthImage& depth, const StateImage& states, bool keyframe);
 
  private:

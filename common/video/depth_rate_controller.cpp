@@ -25,7 +25,7 @@ constexpr double kUsualLevel = 2;
 /// Highest level of the bucket, in frames. The limit lets the picture recover within a second after
 /// the side data alone has exceeded the rate.
 constexpr double kMostLevel = 30;
-/// Share of the picture if the side data alone exceeds the rate, since x264 needs some bits.
+/// The picture's share if the side data alone exceeds the rate, since x264 needs some bits.
 constexpr double kLeastShare = 0.05;
 
 }  // namespace

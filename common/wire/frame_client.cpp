@@ -23,7 +23,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kFirstPings{100}, kPings{1000};
 constexpr int kFirst = 8;  // Number of pings at the short interval, for an early clock offset.
 constexpr std::size_t kMaxUnsent = 64 * 1024;
-// Limit of status messages between two frames. Plugging a camera by hand causes a few.
+// Limit of status messages between two frames. Plugging a camera by hand causes a few such
+// messages.
 constexpr int kMostStatuses = 100;
 
 }  // namespace

@@ -6,7 +6,7 @@
 //   Code of depth d (eq. 3.8, with the whole range used): d' = round(8191 (d - near) / (far - near)).
 //   Samples: Y = d' mod 256, (U, V) = point[d' / 256].
 //   Spiral (eq. 3.9 with a = 0): radius r = b t, where the angle t starts at 5.
-//   Points (eq. 3.12): equal steps of the arc length b/2 (t sqrt(t² + 1) + asinh t).
+//   Points (eq. 3.12): placed at equal steps of the arc length b/2 (t sqrt(t² + 1) + asinh t).
 //
 // The distance between the turns, 2 pi b, equals the distance between the points. Variants:
 //

@@ -108,7 +108,8 @@ class RangeDecoder {
   bool decode(BinaryContext& model) {
     const std::uint32_t split = RangeEncoder::split_of(range_, model);
     const bool bit = code_ < split;
-    // Most decisions are well predicted. Without a branch, later instructions would wait.
+    // Most decisions are well predicted. Without a branch, later instructions would wait for each
+    // decision.
     if (bit) {
       range_ = split;
     } else {

@@ -13,9 +13,8 @@ namespace {
 
 // A run with unexpected states is halved until its length is below twice kLeastRun.
 constexpr int kLeastRun = 8;
-constexpr int kStretch = 48;  // Number of pixels that are coded with one set of windows.
-constexpr std::size_t kMostDecisions =
-    4;  // Decisions per pixel: measured, filled, and less than two for runs.
+constexpr int kStretch = 48;               // Number of pixels that are coded with one set of windows.
+constexpr std::size_t kMostDecisions = 4;  // Per pixel: two for its state, and less than two for runs.
 
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;

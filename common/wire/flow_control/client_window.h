@@ -77,7 +77,7 @@ class ClientWindow {
   };
   struct Limits {
     Duration allowance;
-    int overdue_periods;  // Least time until overdue, in frame periods.
+    int overdue_periods;  // Least delay that counts as overdue, in frame periods.
     std::size_t frames_on_unknown_path;
   };
   Instant room_until(const Limits& limits) const;

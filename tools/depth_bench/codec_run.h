@@ -26,7 +26,7 @@ struct Snapshot {
   DepthImage depth, back;
 };
 
-/// Codes and decodes all frames. Fails as the codecs, and if a frame decodes only in part.
+/// Codes and decodes all frames. Fails as the encoders and decoders.
 Result<Row> run_codec(const DepthRecording& recording, const std::string& codec, const Setting& setting,
                       Snapshot* snapshot = nullptr);
 

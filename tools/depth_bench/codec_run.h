@@ -15,7 +15,7 @@
 namespace copresence::depth_bench {
 
 struct Setting {
-  std::optional<int> qp, kbps;  ///< Exactly one of both is set.
+  std::optional<int> qp, kbps;  ///< Exactly one of the two is set.
   video::Preset preset = video::Preset::kLive;
   std::string text() const;  ///< Such as "qp=12" or "kbps=1000".
 };

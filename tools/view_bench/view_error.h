@@ -28,9 +28,9 @@ struct ViewVolume {
 struct TrueEyeView {
   ColorImage color;
   Image<float> depth_m;
-  Image<std::uint8_t> reachable;      ///< 1 if a camera could have shown the pixel's surface.
-  Image<std::uint8_t> at_silhouette;  ///< 1 within kSilhouettePixels of a depth edge.
-  Image<std::uint8_t> is_flat;        ///< 1 where depth and colour are smooth within kSeamPixels.
+  Image<std::uint8_t> reachable;      ///< Is 1 if a camera could have shown the surface.
+  Image<std::uint8_t> at_silhouette;  ///< Is 1 within kSilhouettePixels of a depth edge.
+  Image<std::uint8_t> is_flat;        ///< Is 1 where depth and colour are smooth within kSeamPixels.
 };
 
 inline constexpr int kSilhouettePixels = 12;

@@ -24,13 +24,11 @@ struct CameraSplit {
 ///
 /// The method fits a mixture of two cameras, linearised at the joint fit, with the boards' poses
 /// eliminated. From many starts, it alternates between assigning views and solving for both
-/// cameras. The method then fits both groups of the best result in full. A split must pass three
-/// tests:
+/// cameras. The method then fits both groups of the best result in full.
 ///
-/// 1. Schwarz's criterion prefers two cameras.
-/// 2. Their focal lengths or principal points differ by more than their uncertainty.
-/// 3. The parameters of the two cameras differ much more than those of the views in a group. A bent
-///    board fails this test.
+/// A split must pass three tests. Schwarz's criterion prefers two cameras. The focal lengths or
+/// principal points differ by more than their uncertainty. The parameters of the two cameras differ
+/// much more than those of the views in a group. A bent board fails this last test.
 ///
 /// joint      the fit of all `views` by one camera, in the same order.
 /// fit_group  fits a camera with the same distortion coefficients to some views, from `start`.

@@ -243,8 +243,7 @@ Result<SideData> extract_side_data(std::span<const std::uint8_t> depth, std::spa
   data.validity_mask.assign(mask.begin(), mask.end());
   if (reader.ended_early()) return fail(ErrorCode::kCorrupt, "the side data of an access unit ends early");
   if (data.has_color == color.empty()) {
-    return fail(ErrorCode::kCorrupt,
-                "a frame's colour picture is missing, or it has one that its depth does not belong to");
+    return fail(ErrorCode::kCorrupt, "a frame's colour picture is missing or belongs to another frame");
   }
   return data;
 }

@@ -167,7 +167,7 @@ Result<void> Decoder::decode(const PlanarDepth& planes, DepthImage& depth, State
   parts.mask.decode(mask.subspan(1), planes.keyframe, states);
   if (exact) {
     if (!planes.keyframe && parts.exact.picture.empty())
-      return fail(ErrorCode::kCorrupt, "residuals build on frames that had none");
+      return fail(ErrorCode::kCorrupt, "residuals depend on an earlier frame without residuals");
     parts.exact.keyframe = planes.keyframe;
     parts.exact.table = planes.table;
     parts.residuals.decode(planes.residuals, states, planes.keyframe, parts.exact.picture);

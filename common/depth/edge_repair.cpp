@@ -38,8 +38,8 @@ void EdgeRepair::repair(DepthImage& depth) {
 
 void EdgeRepair::repair_row(std::uint16_t* row, const std::uint16_t* before, const std::uint16_t* here,
                             const std::uint16_t* behind, int count) const {
-  // Test |a - b| S / (a b) > k steps as |a - b| S > k a b, without a division, so that the compiler
-  // uses vector instructions. S converts to disparity steps. Most blocks have no edge.
+  // Without a division, the compiler uses vector instructions. So |a - b| S / (a b) > k is tested
+  // as |a - b| S > k a b, where S converts to disparity steps. Most blocks have no edge.
   const float S = steps_per_inverse_unit_;
   for (int first = 0; first < count; first += kBlock) {
     const int end = std::min(first + kBlock, count);

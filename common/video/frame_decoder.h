@@ -2,9 +2,10 @@
 
 // Decodes H.264 to frames; the inverse of FrameEncoder. Each call decodes one frame or fails.
 //
-// A call fails if the frame is damaged, cut or out of order, if an earlier frame is missing, or if
-// the two pictures belong to different frames. All later calls fail until the next keyframe, so a
-// wrong picture is never returned. Thread: one at a time; different decoders are independent.
+// A call fails if the frame is damaged, cut or out of order, or if an earlier frame is missing. A
+// call fails, too, if the two pictures belong to different frames. All later calls fail until the
+// next keyframe, so a wrong picture is never returned. Thread: one at a time; different decoders
+// are independent.
 
 #include <cstdint>
 #include <optional>

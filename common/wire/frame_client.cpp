@@ -75,7 +75,7 @@ class FrameClient::Protocol {
     while (!done()) {
       if (failure_) return fail(*failure_);
       if (stop.stop_requested())
-        return fail(ErrorCode::kUnavailable, address_ + ": stopped waiting, as asked");
+        return fail(ErrorCode::kUnavailable, address_ + ": stopped waiting on request");
       if (!deadline) {
         io_.run_one();
         continue;
@@ -274,7 +274,7 @@ class FrameClient::Protocol {
                          error == asio::error::broken_pipe;
     fail_with(ErrorCode::kUnavailable, hung_up ? "the server hung up" : error.message());
   }
-  void protocol_error() { fail_with(ErrorCode::kCorrupt, "a message that does not belong here"); }
+  void protocol_error() { fail_with(ErrorCode::kCorrupt, "a message that is not allowed here"); }
   void fail_with(const Error& error) { fail_with(error.code, error.what); }
   void fail_with(ErrorCode code, std::string what) {
     if (failure_) return;  // Later errors are consequences of the first error.

@@ -63,7 +63,7 @@ std::array<ChromaPoint, kSpiralPoints> spiral_points() {
 constexpr int kMoved = 8;
 constexpr std::uint8_t kOffPoint = 0x80;
 
-// Returns, for every UV at u * 256 + v, the index of the nearest point. kOffPoint is set if UV is
+// Returns, for every UV at u * 256 + v, the index of the nearest point. Sets kOffPoint if UV is
 // farther than kMoved from that point.
 std::vector<std::uint8_t> nearest_spiral_point() {
   const auto points = spiral_points();

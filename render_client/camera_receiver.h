@@ -1,8 +1,7 @@
 #pragma once
 
-// Receives the frames of one camera, decodes, filters and clips them, and puts them into the
-// camera's mailbox. Thread: call run() on a thread of its own. Mailboxes, states and statistics may
-// be shared.
+// Receives, decodes, filters and clips the frames of one camera, and puts them into a mailbox.
+// Thread: call run() on a thread of its own. Mailboxes, states and statistics may be shared.
 
 #include <memory>
 #include <optional>
@@ -31,8 +30,7 @@ class CameraReceiver {
                  flow::Mailboxes<CameraFrame>& mailboxes, statistics::CameraStatistics& statistics,
                  stream::CameraStates& states);
 
-  /// Runs until a stop is requested, or until the server refuses the protocol version of this
-  /// program.
+  /// Runs until a stop is requested or the server refuses this program's protocol version.
   void run(const std::stop_token& stop);
 
  private:

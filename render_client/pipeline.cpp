@@ -124,8 +124,7 @@ class Pipeline {
         .run(stop_.get_token());
   }
 
-  /// Draws views when they are due. A headless client ends once every camera has ended and its last
-  /// frame is shown.
+  /// Draws views when they are due. A headless client ends after the last frame of every camera.
   Result<void> render_views() {
     std::optional<Instant> wanted;  // Time of the next view according to the RenderPacer.
     while (!finished() && !display_->is_closed()) {
@@ -185,7 +184,6 @@ class Pipeline {
     return {};
   }
 
-  /// Renders a picture for each of `poses_`.
   Result<void> render(Instant begin) {
     const auto views = cameras_.views(begin);
     // The pictures of the GL renderer are not copied from the graphics card.

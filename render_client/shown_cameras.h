@@ -29,13 +29,11 @@ renderer::CameraView camera_view(const CameraFrame& frame, std::uint64_t version
 
 class ShownCameras {
  public:
-  /// `addresses` are those of the cameras' servers. All referenced objects must outlive this
-  /// object.
+  /// `addresses` are those of the cameras' servers. All references must outlive this object.
   ShownCameras(const ClientSettings& settings, const std::vector<std::string>& addresses,
                const stream::CameraStates& states, std::deque<statistics::CameraStatistics>& statistics,
                color_matching::LiveColorMatching& colors);
 
-  /// The arrival of a camera's new frame.
   struct Arrival {
     std::size_t camera;
     Instant arrived_at;
@@ -59,11 +57,9 @@ class ShownCameras {
 
   /// Call it after a view of these cameras was begun at `begin` and shown at `end`.
   void displayed(Instant begin, Instant end);
-  /// Returns when the last view was begun.
   std::optional<Instant> last_view_at() const { return last_view_at_; }
 
-  /// Returns whether the view shows at least one camera, and all listed cameras that are not left
-  /// out.
+  /// Returns whether the view shows a camera, and all listed cameras that are not left out.
   bool are_complete() const;
   /// Returns whether live matching has set the colours for the first time, is not needed or has
   /// given up. Earlier views are not counted, since their colours may still change. Call it only

@@ -1,8 +1,7 @@
 #version 450 core
 // checked with: -DBLOCK=4 -DOWN_SURFACE=0.02
 //
-// Computes the surface of each block of the view (extension_rules.h, Block). Each invocation
-// handles one block.
+// Computes the surface of one block of the view per invocation (extension_rules.h, Block).
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2D color;

@@ -1,8 +1,7 @@
 #version 450 core
 // checked with: -DSAME_SURFACE=0.045
 //
-// Smooths the estimated blocks once (extension_rules.h, Estimate). Each invocation handles one
-// block.
+// Smooths one estimated block per invocation (extension_rules.h, Estimate).
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2D estimates;  // As `surfaces` in extend_blocks.comp.

@@ -1,8 +1,7 @@
 #version 450 core
 // checked with: -DWIDEST_GAP=40 -DBORDER=28
 //
-// Finds the holes that are narrow enough to be filled (fillable.h). Each invocation handles one
-// pixel.
+// Finds the holes that are narrow enough to be filled, one pixel per invocation (fillable.h).
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform usampler2D depth;

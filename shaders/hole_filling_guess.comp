@@ -6,7 +6,7 @@
 layout(local_size_x = 64) in;
 
 layout(binding = 2) uniform sampler2D color;
-uniform ivec2 grid;  // Columns and rows of cells.
+uniform ivec2 grid;
 
 struct Cell {  // As in hole_filling_cells.comp.
   float far, near;
@@ -141,8 +141,7 @@ void main() {
   const ivec2 at = ivec2(index % grid.x, index / grid.x);
   look_around(at);
 
-  // Walks from far to near. A group ends where the next observation is more than LINKED steps
-  // nearer.
+  // From far to near, a group ends where the next observation is more than LINKED steps nearer.
   const float none = 1e9;
   const Group nothing = Group(none, none, 0.0);
   Group far = nothing, near = nothing, group = nothing;

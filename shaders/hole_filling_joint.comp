@@ -1,15 +1,14 @@
 #version 450 core
 // checked with: -DSTEPS_TIMES_UNITS=351300.0 -DSAME_SURFACE=3.0 -DGUESS_WEIGHT=0.5 -DCOLOR_SIGMA=24.0
 //
-// Fills the holes of the listed cells (joint_filling.h). Each invocation handles one pixel, 16 per
-// cell.
+// Fills the holes of the listed cells (joint_filling.h). Each invocation handles one pixel.
 layout(local_size_x = 256) in;
 
 layout(binding = 0) uniform usampler2D depth;
 layout(binding = 1) uniform usampler2D fillable;
 layout(binding = 2) uniform sampler2D color;
 layout(binding = 0, r16ui) writeonly uniform uimage2D filled;
-uniform ivec2 grid;   // Columns and rows of cells.
+uniform ivec2 grid;
 uniform vec2 range;  // Range of valid depth in depth units, both ends included.
 uniform int has_color;
 

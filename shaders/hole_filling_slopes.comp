@@ -5,7 +5,7 @@
 // invocation handles one cell.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-uniform ivec2 grid;  // Columns and rows of cells.
+uniform ivec2 grid;
 
 struct Cell {  // As in hole_filling_cells.comp.
   float far, near;
@@ -20,8 +20,7 @@ const int kApart = 2;  // Cells.
 
 bool is_smooth(Cell cell) { return cell.near_count == 0 && cell.far_count >= CELL_ENOUGH; }
 
-// Adds the change of depth and the distance from `cell` to the cell in `direction`, if both lie on
-// one surface.
+// Adds change of depth and distance from `cell` to another cell, if both lie on one surface.
 void add_side(Cell cell, ivec2 at, ivec2 axis, int direction, inout float rise, inout float run) {
   const ivec2 there = at + axis * (kApart * direction);
   if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, grid))) return;

@@ -112,8 +112,7 @@ void stitch_edge(int level, ivec2 corner, ivec2 direction) {
   }
 }
 
-// Stitches large blocks first, because the border of a small block must follow that of a larger
-// one.
+// Stitches large blocks first, because a small block's border must follow that of a larger one.
 void stitch_planar_blocks(int invocation) {
   for (int level = 2; level >= 0; --level) {
     const int blocks = blocks_across(level);

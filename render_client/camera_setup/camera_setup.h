@@ -44,8 +44,7 @@ CameraSetup resolve_setup(const StreamDescription& stream, const scene::Scene* s
 /// A decoded frame that is ready to be displayed, with the setup of its camera.
 struct CameraFrame {
   RgbdFrame frame;
-  /// Capture time on this process's clock, or the arrival time if the server's times are
-  /// implausible.
+  /// Capture time on this process's clock, or arrival time if the server's times are implausible.
   Instant captured_at;
   Instant arrived_at;                               ///< Time when the frame was ready for display.
   std::shared_ptr<const StreamDescription> stream;  ///< Changes with every new connection.

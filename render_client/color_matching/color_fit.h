@@ -2,8 +2,7 @@
 
 // Fits a colour correction to pairs of colours, many of which may be wrong. RANSAC finds gain and
 // offset of each channel (Fischler and Bolles 1981). Least squares over the pairs that agree then
-// finds all twelve numbers (thesis 2.6.2). Thread: pure functions. The same pairs give the same
-// correction.
+// finds all twelve numbers (thesis 2.6.2). Thread: pure functions.
 
 #include <Eigen/Core>
 #include <optional>
@@ -49,8 +48,7 @@ inline constexpr std::size_t kMostInliers = 1500;
 std::optional<ColorFit> fit_color_correction(std::span<const ColorPair> pairs);
 
 /// Fits all twelve numbers by least squares, regularised towards `near`. So `near` decides for
-/// colours that the scene does not contain, for example for red in a grey room. Requires at least
-/// one pair.
+/// colours that the scene does not contain. Requires at least one pair.
 ColorCorrection refine_color_correction(std::span<const ColorPair> pairs, const ColorCorrection& near);
 
 }  // namespace copresence::color_matching

@@ -37,7 +37,6 @@ std::vector<Overlap> find_overlaps(std::span<const PosedFrame> frames) {
   return overlaps;
 }
 
-// Returns the correction in the opposite direction.
 ColorCorrection inverse(const Overlap& overlap) {
   std::vector<ColorPair> back;
   for (const ColorPair& pair : overlap.fit.inliers) back.push_back({pair.to, pair.from});

@@ -16,9 +16,9 @@
 
 namespace copresence::color_matching {
 
-/// Returns the corrections of the cameras of `frames`; the first camera is the reference. A camera
-/// that no chain of overlaps connects to the reference gets nothing. Null frames and frames without
-/// colour are ignored.
+/// Returns the corrections of the cameras. The first camera is the reference. A camera that no
+/// chain of overlaps connects to the reference gets nothing. Null frames and those without colour
+/// are ignored.
 std::vector<std::optional<ColorCorrection>> match_colors(std::span<const PosedFrame> frames);
 
 /// Filters the corrections over time, so that the noise of a fit does not become flicker. The first

@@ -9,8 +9,7 @@
 namespace copresence::color_matching {
 namespace {
 
-// Time between comparisons. Exposure changes over seconds, and a comparison costs a few
-// milliseconds.
+// Time between comparisons. Exposure changes within seconds, and a comparison takes a few ms.
 constexpr std::chrono::milliseconds kPeriod{500};
 // Time between comparisons while a camera has taken part in none.
 constexpr std::chrono::milliseconds kFirstPeriod{50};

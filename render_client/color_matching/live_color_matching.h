@@ -42,7 +42,6 @@ class LiveColorMatching {
   /// identity as long as no correction is known.
   ColorCorrection correction(std::size_t camera) const;
 
-  /// Compares frames until a stop is requested.
   void run(std::stop_token stop);
 
  private:

@@ -22,7 +22,6 @@ constexpr float kMostTolerance = std::numeric_limits<std::int16_t>::max() / (2 *
 /// as if it were slightly farther.
 constexpr float kFarthest = std::numeric_limits<std::uint16_t>::max();
 
-/// The greatest difference in depth between a pixel and a neighbour on the same surface.
 void find_tolerances(const std::uint16_t* __restrict depth, float per_square, int width,
                      std::uint16_t* __restrict out) {
   for (int x = 0; x < width; ++x) {

@@ -1,7 +1,6 @@
 #pragma once
 
-// Filters, clips and smooths a decoded frame before it is rendered. Thread: one thread at a time
-// per object.
+// Filters, clips and smooths a decoded frame before it is rendered. Thread: one at a time.
 
 #include <Eigen/Core>
 #include <optional>
@@ -22,8 +21,7 @@ class Clipper {
   /// `box` has world coordinates in metres.
   Clipper(const client::CameraSetup& setup, const scene::Box& box);
 
-  /// Turns pixels whose world point lies outside the box into holes. Requires images of the setup's
-  /// size.
+  /// Turns pixels outside the box into holes. Requires images of the setup's size.
   void apply(RgbdFrame& frame) const;
 
  private:

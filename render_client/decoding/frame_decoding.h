@@ -27,7 +27,6 @@ class FrameDecoding {
   /// request a keyframe. The result has no colour if the server sent no colour with this frame.
   Result<RgbdFrame> decode(const EncodedFrame& encoded, Durations& durations);
 
-  /// An old colour picture is repeated for at most this time.
   static constexpr std::chrono::milliseconds kLongestRepeat{1000};
 
   /// Gives a frame without colour the newest colour picture of the stream, so that the view does

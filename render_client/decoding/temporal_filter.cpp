@@ -237,12 +237,10 @@ void TemporalFilter::mix_color(ColorImage& color, int y) {
 
 void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise) {
   step_per_square_ = static_cast<float>(noise.step_m(1.0) * metres_per_unit(unit));
-  // Lost frames count as well.
   frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.metadata.sequence - sequence_, 1, 255));
   sequence_ = frame.metadata.sequence;
   if (!fits(frame)) return begin(frame);
-  // Colour that was missing starts again. The depth filter continues, since missing colour does not
-  // mean motion.
+  // Colour that was missing starts again. Missing colour does not affect the depth filter.
   if (frame.color && !has_color_) begin_color(*frame.color);
   has_color_ = frame.color.has_value();
   // A few blocks are enough to detect that a moving camera still moves.

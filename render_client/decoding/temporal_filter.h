@@ -1,8 +1,7 @@
 #pragma once
 
 // Removes the noise of static surfaces by averaging over time. A Kinect's depth levels, hole rims
-// and silhouette edges flicker, and its colours have grain. In a view from the side all of this
-// looks like motion.
+// and silhouette edges flicker, and its colours have grain. In other views this looks like motion.
 //
 // As long as a block of 8 x 8 pixels is static, each of its pixels shows its mean depth and colour
 // over the last frames. A surface that moves closer changes the mean depth of its block; noise
@@ -17,8 +16,7 @@
 //
 // The filter of librealsense also keeps a depth value until a change lasts longer than noise would.
 // Unlike that filter, this one decides for whole blocks and uses colour to detect motion. The
-// constants suit the noise of a Kinect v1 (docs/internals/simulation.md). Thread: one thread at a
-// time per object.
+// constants suit the noise of a Kinect v1 (docs/internals/simulation.md). Thread: one at a time.
 
 #include <cstdint>
 #include <vector>
@@ -52,8 +50,7 @@ class TemporalFilter {
 
   /// Replaces depth, state and colour by the filtered values. Depth that is kept without a
   /// measurement keeps its state. The first frame and every change of size reset the filter. A
-  /// frame without colour is filtered by its depth alone. The next frame with colour resets the
-  /// colours.
+  /// frame without colour is filtered by its depth alone.
   void apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise);
 
  private:

@@ -19,7 +19,6 @@
 
 namespace copresence::display {
 
-/// The next view to draw.
 struct NextView {
   Instant display_time;                      ///< Time at which the view will be visible.
   std::vector<Rigid3> head_from_eyes;        ///< Pose of each eye, metres. Each eye gets a picture.
@@ -40,21 +39,18 @@ class Display {
   virtual std::optional<NextView> wait_for_next(std::optional<Instant> wanted,
                                                 const std::function<void(Instant)>& wait) = 0;
 
-  /// Shows the pictures of all eyes. A picture is a texture of context(), or host pixels if it has
-  /// no texture.
+  /// Shows the pictures of all eyes, as textures of context() or as host pixels.
   virtual void show(std::span<const renderer::MergedView> eyes) = 0;
 
   /// Shows the last view again. Requires that its textures still exist.
   virtual void show_again() = 0;
 
-  /// Returns whether the user has closed the window.
   virtual bool is_closed() const = 0;
 
   virtual void set_title(const std::string& title) = 0;
 };
 
-/// Opens a window. Fails with kUnavailable without a screen, and with kUnsupported without OpenGL
-/// 4.5.
+/// Opens a window. Fails with kUnavailable without a screen, kUnsupported without OpenGL 4.5.
 Result<std::unique_ptr<Display>> open_window(const std::string& title, int width, int height);
 
 /// Selects whether a headless display has an OpenGL context.

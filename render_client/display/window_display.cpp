@@ -19,8 +19,7 @@ class WindowDisplay final : public Display {
 
   std::optional<NextView> wait_for_next(std::optional<Instant>,
                                         const std::function<void(Instant)>&) override {
-    // Usually, the last show() has waited for the screen. This wait is for drivers that do not
-    // block there.
+    // Most drivers block in show() until the next refresh. This wait is for the others.
     std::this_thread::sleep_until(next_poll_at_);
     const auto events = window_->poll();
     obey_keys(events);

@@ -26,7 +26,7 @@ class ArrivalClock {
 
   int count_ = 0;    // Arrivals since the estimate began, at most kSettledCount.
   int skipped_ = 0;  // Consecutive intervals of more than one period.
-  Instant last_{};   // The last arrival.
+  Instant last_{};
   Instant phase_{};  // The last arrival without its jitter.
   Duration period_{};
   Duration jitter_{};  // Mean absolute error of the predicted arrivals.

@@ -13,8 +13,7 @@ constexpr int kStoppedAfter = 3;
 constexpr Duration kLongestPeriod = std::chrono::milliseconds(250);
 constexpr Duration kShortestPeriod = std::chrono::milliseconds(1);
 // A camera's period is the second longest of this many newest times between its frames, so that a
-// single lost frame does not matter. The announced rate is not used, since the real rate may be
-// half.
+// single lost frame does not matter. The announced rate may be wrong.
 constexpr std::size_t kGaps = 5;
 
 Duration announced_period(const StreamDescription& stream) {

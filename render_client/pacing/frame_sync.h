@@ -22,7 +22,6 @@ class FrameSync {
   FrameSync(std::size_t cameras, bool sync, std::function<void(std::size_t)> passed_over)
       : sync_(sync), cameras_(cameras), passed_over_(std::move(passed_over)) {}
 
-  /// Takes the frames that have arrived.
   void gather(flow::Mailboxes<client::CameraFrame>& mailboxes, Instant now);
 
   /// Returns the camera's frame for the next view if it differs from that of the last view. Its
@@ -32,8 +31,7 @@ class FrameSync {
   /// Returns whether frames are waiting for frames of other cameras.
   bool has_waiting() const;
 
-  /// Returns when to call gather() next: at `deadline`, or earlier if a waiting frame must be
-  /// shown.
+  /// Returns when to call gather() next: `deadline`, or earlier if a waiting frame must be shown.
   Instant wake_by(Instant deadline) const;
 
  private:

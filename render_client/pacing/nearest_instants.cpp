@@ -9,8 +9,7 @@ namespace {
 // Choices whose spans differ by less than 1 / kJitterShare of a period count as equally good.
 constexpr int kJitterShare = 8;
 
-/// The newest frames of all delivering cameras up to `end`. Of all choices that end there, this one
-/// has the smallest span.
+/// The newest frames of all delivering cameras up to `end`, which have the smallest span there.
 struct Candidate {
   Instant end;
   Duration span{};

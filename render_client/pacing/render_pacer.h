@@ -1,7 +1,6 @@
 #pragma once
 
-// Decides when the client renders, so that frames of several cameras wait for a view as briefly as
-// possible.
+// Decides when the client renders, so that the frames of all cameras wait only briefly for a view.
 //
 // The cameras have the same frame rate but different phases. If the view rate equals the frame
 // rate, each view shows one frame of every camera, and most frames have to wait for it. The longest

@@ -4,9 +4,8 @@
 //
 // A camera is stale if its newest frame arrived longer ago than a third of the time of --stale, by
 // default 1 s. Then its opacity falls linearly. It is 0 after the time of --stale, by default 3 s.
-// A slow but steady connection is not stale, since the arrival time counts and not the capture
-// time. A camera with a low frame rate starts to fade after two frame periods and is gone after
-// three. Thread: one thread at a time per object.
+// The arrival time counts, so a slow but steady connection is not stale. A camera with a low frame
+// rate starts to fade after two frame periods and is gone after three. Thread: one at a time.
 
 #include <cstddef>
 #include <optional>
@@ -21,8 +20,7 @@ class StaleCameras {
   /// Requires gone_after > 0.
   StaleCameras(std::size_t cameras, Duration gone_after) : gone_after_(gone_after), cameras_(cameras) {}
 
-  /// Call it when a frame of the camera has arrived. `period` is the nominal time between its
-  /// frames.
+  /// Call it when a frame has arrived. `period` is the camera's nominal frame period.
   void frame_arrived(std::size_t camera, Duration period, Instant now);
 
   /// Returns the opacity of the camera, from 0 to 1. It is 1 before the camera's first frame.

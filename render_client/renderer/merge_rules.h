@@ -71,8 +71,7 @@ struct SurfaceLimits {
   float curvature;
 };
 
-/// Returns whether three neighbouring pixels lie on one surface. `a`, `b` and `c` are their inverse
-/// depths, > 0.
+/// Returns whether three neighbouring pixels with inverse depths a, b, c > 0 lie on one surface.
 inline bool connected(float a, float b, float c, const SurfaceLimits& limits) {
   const float nearest = std::max({a, b, c});
   const float farthest = std::min({a, b, c});
@@ -90,8 +89,7 @@ inline constexpr float kUnknownIncidence = 0.25F;
 /// Returns cos(theta) in (0, 1], where theta is the angle between the surface normal and the ray
 /// (x, y, 1) to the surface. The thesis uses the camera's axis in place of the ray (figure 2.9),
 /// but then every floor would have 0 for a level camera. `w` > 0 is the inverse depth at the middle
-/// of the cell, 1/m. `dw_dx` and `dw_dy` are its derivatives by x and y: the change per pixel times
-/// fx and fy.
+/// of the cell, 1/m. `dw_dx` and `dw_dy` are its derivatives by x and y.
 inline float cos_theta(float w, float dw_dx, float dw_dy, float x, float y) {
   // On the plane n.P = 1, w = n.(x, y, 1). So n = (dw_dx, dw_dy, w - x dw_dx - y dw_dy).
   const float n_z = w - x * dw_dx - y * dw_dy;
@@ -122,16 +120,14 @@ inline float precision(const DepthNoise& noise) {
 }
 
 /// Returns the quality index of a fragment (thesis eq. 2.5), 1/m^2. `z_m` > 0 is its depth along
-/// the camera's axis. The factor precision(), which eq. 2.5 lacks, makes different sensors
-/// comparable.
+/// the camera's axis. The factor precision() is added to make different sensors comparable.
 inline float quality_index(float incidence, float z_m, DepthState state, const DepthNoise& noise) {
   return precision(noise) * (incidence / (z_m * z_m)) * (state == DepthState::kFilled ? kFilledWeight : 1.0F);
 }
 
 /// Returns the weight of a fragment in the merge. `behind_m` >= 0 is its distance behind the
 /// nearest fragment, `range_m` > 0 the uncertainty range. Up to half the range, the weight is the
-/// quality. Then it falls linearly to 0 at the end of the range, so that noise causes no sudden
-/// changes.
+/// quality. Then it falls linearly to 0, so that noise causes no sudden changes.
 inline float blend_weight(float quality, float behind_m, float range_m) {
   return quality * std::clamp(2.0F - 2.0F * behind_m / range_m, 0.0F, 1.0F);
 }

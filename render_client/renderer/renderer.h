@@ -1,7 +1,6 @@
 #pragma once
 
-// The interface of both renderers. A renderer draws the newest frames of all cameras, merged, as
-// seen from one pose.
+// The interface of both renderers. A renderer merges the newest frames of all cameras into a view.
 //
 // Each camera's depth image becomes a mesh without triangles across depth discontinuities. The
 // meshes are drawn from the eye's pose, and the drawings are merged pixel by pixel. Among the
@@ -82,7 +81,6 @@ struct HostPixels {
   bool depth = false;  ///< Also selects camera, quality and origin.
 };
 
-/// A view of the merged scene.
 struct MergedView {
   /// Set by the caller, from 0 up. The pictures of different targets exist at the same time. Use
   /// one target for each eye.

@@ -99,12 +99,11 @@ class ViewStatistics {
   std::uint64_t frames_ = 0;
   Instant first_{}, last_{};
   flow::LatencyHistogram render_time_, skew_;
-  double seen_ = 0, extended_ = 0, empty_ = 0;  // Sums of OriginShares.
+  double seen_ = 0, extended_ = 0, empty_ = 0;
   std::uint64_t views_with_origins_ = 0;
   std::optional<viewpoint::OpentrackView::Counters> head_tracker_;
 };
 
-/// One camera in the JSON.
 struct CameraReport {
   std::string name;      ///< The camera's name, or its address as long as the name is unknown.
   std::string left_out;  ///< The reason why no view shows the camera, or empty.

@@ -32,8 +32,7 @@ class CameraStates {
 
   void connected(std::size_t camera, std::string name);
 
-  /// Sets the camera status that the server has sent: the reason why no frames come, or an empty
-  /// text.
+  /// Sets the server's camera status: the reason why no frames come, or an empty text.
   void status(std::size_t camera, std::string text);
 
   /// Call it when the server has ended for good, because its recording is over.

@@ -1,8 +1,7 @@
 #pragma once
 
 // Limits the log lines about one camera. All lines that a server causes are logged through this
-// class. Otherwise a hostile or broken server could fill the disk. Thread: one thread at a time per
-// object.
+// class. Otherwise a hostile or broken server could fill the disk. Thread: one at a time.
 
 #include <array>
 #include <cstdint>
@@ -37,7 +36,6 @@ class LimitedLog {
   /// Writes lines that were held back and are due. Call it about once a second.
   void catch_up(Instant now);
 
-  /// Writes all lines that were held back.
   void finish();
 
  private:

@@ -110,8 +110,7 @@ void ReconnectingSource::publish() {
   published_ = now;
   published_reason_ = reason;
   states_.availability(slot_, now, reason);
-  // If all cameras are refused, the program ends and prints the reasons, so they are not logged
-  // here.
+  // If all cameras are refused, the program ends and prints the reasons itself.
   if (is_out && !states_.all_refused()) {
     say(Topic::kAvailability, Severity::kWarning, reason + "; this camera is left out of the view");
   } else if (is_left_out(before) && now == Availability::kShown) {

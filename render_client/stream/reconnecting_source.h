@@ -18,11 +18,9 @@ namespace copresence::stream {
 
 class ReconnectingSource final : public FrameSource {
  public:
-  /// A function that makes one connection.
   using Connect = std::function<Result<std::unique_ptr<FrameSource>>(const std::stop_token&)>;
   /// A function that prepares for the frames of a new connection. It returns a remark for the log,
-  /// or an empty text. It fails if this program cannot decode the stream. Then the connection is
-  /// closed.
+  /// or an empty text. If it fails, the connection is closed.
   using Begin = std::function<Result<std::string>(const StreamDescription&)>;
 
   /// `address` names the camera in the log. `slot` is its number in `states`. The referenced

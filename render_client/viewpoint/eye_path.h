@@ -1,7 +1,6 @@
 #pragma once
 
-// A scripted path of the eye, for `--view path:FILE` of render_client and `--truth FILE` of
-// simulate_kinect.
+// A scripted path of the eye (render_client --view path:FILE, simulate_kinect --truth FILE).
 //
 // Each line of the file is `view x y z look_x look_y look_z`. At the view with the index `view`,
 // the eye is at (x, y, z) and looks at the point (look_x, look_y, look_z). Positions are world

@@ -55,8 +55,7 @@ std::optional<std::size_t> first_wrong(const Values& values) {
 }
 
 /// In the wrong byte order, common numbers become denormal: 128 becomes 1.2e-319. A tracker may
-/// also send a tiny number on purpose, but then the number is not plausible in the other byte
-/// order.
+/// also send tiny numbers, but these are not plausible in the other byte order.
 bool is_swapped(const Values& values, const Values& swapped) {
   constexpr double kTooSmall = 1e-100, kLeast = 1e-6;
   const bool is_odd = first_wrong(values) || std::any_of(values.begin(), values.end(), [](double value) {

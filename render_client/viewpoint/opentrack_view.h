@@ -34,16 +34,15 @@ class OpentrackView final : public Viewpoint {
     std::uint64_t wrong_size = 0, wrong_byte_order = 0, not_finite = 0, out_of_range = 0;
   };
 
-  /// Listens on the loopback interface. Port 0 means any free port. Fails with kUnavailable if the
-  /// port is in use.
+  /// Listens on the loopback interface. Port 0 means any free one. Fails with kUnavailable if it is
+  /// in use.
   static Result<OpentrackView> open(const CameraModel& intrinsics, std::uint16_t port);
 
   OpentrackView(OpentrackView&& other) noexcept;
   OpentrackView& operator=(OpentrackView&& other) noexcept;
   ~OpentrackView() override;
 
-  /// Returns the pose of the newest valid datagram, without extrapolation to `display_time`. Never
-  /// waits.
+  /// Returns the pose of the newest valid datagram, without extrapolation. Never waits.
   ViewPose at(std::uint64_t view_index, Instant display_time) override;
   /// Once a head pose has come, the first reset pose stays, so that the view does not jump.
   void set_reset_pose(const Rigid3& world_from_eye) override;

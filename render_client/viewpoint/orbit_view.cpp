@@ -57,8 +57,7 @@ void OrbitView::turn_about_pivot(const Eigen::Vector3d& axis, double angle) {
 
 void OrbitView::orbit(const Orbit& by) {
   turn_about_pivot(up_, -by.right * kTurnPerHeight);
-  // When the pointer moves up, the front of the scene turns up: the eye sinks and looks more
-  // upward.
+  // When the pointer moves up, the front of the scene turns up: the eye sinks and looks upward.
   const double from_up = std::acos(std::clamp(world_from_eye_.rotation.col(2).dot(up_), -1.0, 1.0));
   const double lowest = std::min(kClosestToPole, from_up);
   const double highest = std::max(std::numbers::pi - kClosestToPole, from_up);

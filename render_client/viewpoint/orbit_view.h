@@ -1,7 +1,6 @@
 #pragma once
 
-// An eye that is moved by hand. It orbits around a pivot, moves sideways, and moves closer or
-// farther.
+// An eye that is moved by hand: around a pivot, sideways, closer or farther.
 //
 // Distances in gestures are fractions of the picture's height, so that the scene follows the
 // pointer at any window size.

@@ -21,8 +21,8 @@ namespace copresence::viewpoint {
 struct ViewChoice {
   enum class Kind { kFixed, kMouse, kPath, kOpentrack };
   Kind kind = Kind::kFixed;
-  std::string path_file;                              ///< For kPath.
-  std::uint16_t tracker_port = OpentrackView::kPort;  ///< For kOpentrack.
+  std::string path_file;
+  std::uint16_t tracker_port = OpentrackView::kPort;
 };
 
 /// The size and field of view of the views.

@@ -37,8 +37,7 @@ class Viewpoint {
   explicit Viewpoint(const CameraModel& intrinsics) : intrinsics_(intrinsics) {}
   virtual ~Viewpoint() = default;
 
-  /// Returns pose and projection of the view that is displayed at `display_time`. `view_index`
-  /// counts views from 0.
+  /// Returns the pose and projection of view `view_index` (from 0), displayed at `display_time`.
   virtual ViewPose at(std::uint64_t view_index, Instant display_time) = 0;
 
   /// Sets the pose of the eye before any motion: the pose of the first camera, once it is known.

@@ -76,8 +76,7 @@ fs::path kinect() {
   return bus ? fs::path(bus) / "BENCH1" : fs::path();
 }
 
-// Returns whether `uri` can be opened. A fake Kinect is plugged in first: `words` is written to its
-// file.
+// Returns whether `uri` can be opened. First plugs in a fake Kinect by writing `words` to its file.
 bool plug_in(const std::string& uri, const std::string& words = "") {
   if (!uri.starts_with("freenect")) return true;
   if (kinect().empty()) return false;

@@ -1,8 +1,7 @@
 // Draws a picture that compares the hole fillers, as in thesis figures 3.4 and 3.5. Usage:
 // filler_pictures OUT.jpg
 //
-// It shows a camera in the simulated room: colour, measured depth, true depth and each filler's
-// depth.
+// It shows colour, measured depth, true depth and each filler's depth in the simulated room.
 
 #include <fmt/format.h>
 

@@ -1,6 +1,5 @@
 // Measures encoding and decoding of video in milliseconds per 640x480 frame. As in the capture
-// server, recordings pass hole filling and depth coding first. Counters are Mbit/s at 30 frames a
-// second.
+// server, recordings pass hole filling and depth coding first. Counters are Mbit/s at 30 frames/s.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>

@@ -33,9 +33,8 @@ void welcome_round_trip(benchmark::State& state) {
 }
 BENCHMARK(welcome_round_trip);
 
-/// Sends single frames to all clients, 30 per second as a camera does, so that both ends sleep
-/// between frames. "Time" ends when the last client has the frame's last byte. "CPU" is the time of
-/// all threads per frame.
+/// Sends 30 frames a second to all clients, so that both ends sleep between frames. "Time" ends
+/// when the last client has the frame's last byte. "CPU" is the time of all threads per frame.
 void loopback(benchmark::State& state) {
   const auto bytes = static_cast<std::size_t>(state.range(0)) * 2 / 3;  // Colour has half of this.
   Served served;

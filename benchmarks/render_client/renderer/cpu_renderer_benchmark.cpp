@@ -21,8 +21,7 @@
 namespace copresence::renderer {
 namespace {
 
-// Returns two walls, a floor, a person and some round objects, as seen by a camera that is shifted
-// sideways by `x_m`.
+// Returns a room with a person, as seen by a camera that is shifted sideways by `x_m`.
 Surface room_seen_from(double x_m) {
   std::vector<Surface> parts = {wall(3.5), plane({0, 1, 0}, 1.1), plane({-1, 0, 0}, 1.6 + x_m)};
   parts.push_back(sphere({0.1 - x_m, -0.35, 1.9}, 0.13));

@@ -22,7 +22,6 @@ bool is_same_surface(float w, float other) {
   return std::abs(w - other) <= kSameSurface;
 }
 
-// A weighted mean of blocks.
 struct Mean {
   float w = 0, r = 0, g = 0, b = 0, weight = 0;
 

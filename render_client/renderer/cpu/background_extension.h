@@ -60,8 +60,8 @@ class BackgroundExtension {
   int width_ = 0, height_ = 0;  // In blocks.
   std::vector<Picture> pictures_;
   std::vector<Block> blocks_, estimates_, smoothed_;
-  std::array<std::vector<Source>, 8> sources_;  // By direction.
-  std::vector<std::size_t> filled_;             // Number of filled pixels by row of blocks.
+  std::array<std::vector<Source>, 8> sources_;
+  std::vector<std::size_t> filled_;  // Number of filled pixels by row of blocks.
 };
 
 }  // namespace copresence::renderer

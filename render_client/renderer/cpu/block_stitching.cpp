@@ -10,8 +10,7 @@ namespace {
 constexpr int kStripRows = 16;  // The height of a patch. MeshBlocks is ordered by patches.
 }
 
-// Draws the borders of one level's blocks. Addresses are unchecked, because this code handles most
-// pixels of a frame.
+// Draws the borders of one level's blocks. Addresses are unchecked, because most pixels pass here.
 class BlockStitching::Level {
  public:
   Level(const PlanarBlocks& planar, int level, const MeshBlocks& blocks, InverseDepth& inverse,
@@ -59,8 +58,7 @@ class BlockStitching::Level {
   int x_of(int i) const { return std::min(i * size_, last_x_); }
   int y_of(int j) const { return std::min(j * size_, last_y_); }
 
-  // Only two strips and the row below are in use. Memory of earlier strips is reused while it is in
-  // the cache.
+  // Only two strips and the row below are in use. Their memory is reused while it is in the cache.
   Corner& corner_at(int i, int j) { return corners_[(j & (corner_rows_ - 1)) * corner_row_ + i]; }
 
   void add_corners(const MeshBlocks::Planar& planar) {
@@ -83,8 +81,7 @@ class BlockStitching::Level {
     corner = {};
   }
 
-  // Writes w if `is_due` and if the pixel is not drawn yet. The code has no branch, since it would
-  // be unpredictable.
+  // Writes w if `is_due` and if the pixel is not drawn yet. A branch would be unpredictable.
   void draw_pixel(int at, float w, bool is_due) {
     const std::uint32_t draws = -static_cast<std::uint32_t>(is_due & (drawn_[at] == 0));
     w_[at] = std::bit_cast<float>((std::bit_cast<std::uint32_t>(w) & draws) |
@@ -92,8 +89,7 @@ class BlockStitching::Level {
     drawn_[at] |= static_cast<std::uint8_t>(is_due);
   }
 
-  // Draws the four borders of a block of 2, one pixel each. Some borders need no drawing, but
-  // testing would take longer.
+  // Draws the four borders of a block of 2. Testing whether a border is needed would take longer.
   void draw_middles(const MeshBlock& block) {
     const int x0 = x_of(block.i), x1 = x_of(block.i + 1), y0 = y_of(block.j), y1 = y_of(block.j + 1);
     const int at = y0 * row_ + x0, below = y1 * row_ + x0;

@@ -12,7 +12,7 @@
 namespace copresence::renderer {
 namespace {
 
-constexpr int kCellLevel = 2;  // Level of PlanarBlocks.
+constexpr int kCellLevel = 2;
 static_assert(kBlockSizes[kCellLevel] == kCell);
 
 // Fits a plane to the pixels of a cell that have depth, by least squares. Returns w = 0 if these

@@ -59,7 +59,6 @@ class CameraSurface {
     project_patches(mesh, 0, mesh.patches.size(), matrix, static_cast<float>(eye.near_m), vertices, extents);
   }
 
-  // Lists the patches that lie in each tile.
   void sort_into_tiles(int width, int height) {
     tiles.resize((height + kTileRows - 1) / kTileRows);
     for (auto& tile : tiles) tile.clear();
@@ -81,7 +80,6 @@ class CameraSurface {
     }
   }
 
-  // Removes the surface from all tiles.
   void hide() { tiles.clear(); }
 
   DepthMesh mesh;

@@ -72,7 +72,6 @@ class PatchBuilder {
         slope_(limits.slope),
         mesh_(mesh) {}
 
-  // Appends the patch whose first pixel is (left, top).
   void build(int left, int top, std::span<const MeshBlocks::Part> parts) {
     left_ = left;
     top_ = top;
@@ -95,7 +94,6 @@ class PatchBuilder {
     first_vertex_ += vertices_;
   }
 
-  // Resizes the mesh to the elements that are used.
   void finish() {
     for (auto* numbers : {&mesh_.x, &mesh_.y, &mesh_.w, &mesh_.u, &mesh_.v}) {
       numbers->resize(first_vertex_ + DepthMesh::kSpare);
@@ -225,8 +223,7 @@ void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const Pix
   assert(rays.of_pixels.size() == static_cast<std::size_t>(inverse.width) * inverse.height);
   assert(blocks.ends.size() == static_cast<std::size_t>(inverse.patches_x()) * inverse.patches_y());
   // The largest mesh has 9 vertices and 4 quads or triangles per block of 2. A planar block has 4
-  // vertices and one quad. One spare element receives the writes of shapes without a quad or
-  // triangle.
+  // vertices and one quad. One spare element receives writes of shapes without quad or triangle.
   const std::size_t parts = blocks.parts.size();
   for (auto* numbers : {&mesh.x, &mesh.y, &mesh.w, &mesh.u, &mesh.v})
     numbers->resize(9 * parts + DepthMesh::kSpare);

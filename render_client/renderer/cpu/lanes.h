@@ -25,7 +25,6 @@ using Ints = std::int32_t __attribute__((vector_size(kLanes * 4)));
 using UnsignedInts = std::uint32_t __attribute__((vector_size(kLanes * 4)));
 using Words = std::uint16_t __attribute__((vector_size(kLanes * 4)));  // Two per lane.
 
-/// Vectors of four numbers.
 using Four = float __attribute__((vector_size(16)));
 using FourInts = std::int32_t __attribute__((vector_size(16)));
 

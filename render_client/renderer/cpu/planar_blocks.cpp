@@ -22,8 +22,7 @@ bool too_steep(const Plane& plane, const SurfaceLimits& limits) {
 // Values of one row of blocks of 4, for every column of the padded image. So the compiler can
 // process eight columns at a time, although only every fourth plane belongs to a block.
 struct Columns {
-  // Sums over a column's five pixels. `moment` is weighted by the row's distance from the middle
-  // row.
+  // Sums over a column's five pixels. `moment` is weighted by the distance from the middle row.
   std::vector<float> sum, moment;
   std::vector<float> w, dx, dy;  // The plane fitted to the five columns that begin here.
   // The plane of the block that contains the column: w in the middle row, and its derivatives.
@@ -101,8 +100,7 @@ void find_blocks_of_4(const InverseDepth& inverse, const SurfaceLimits& limits, 
   }
 }
 
-// Fits planes to the four blocks of 2 in the block of 4 at pixel (x, y). Each fit uses 3 x 3
-// pixels.
+// Fits planes to the four blocks of 2 from pixel (x, y) on. Each fit uses 3 x 3 pixels.
 void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, const SurfaceLimits& limits,
                      Image<Plane>& planes) {
   std::array<std::array<Four, 3>, 3> pixels;  // Indexed by row and column within each block.
@@ -181,8 +179,7 @@ void invert_row(const std::uint16_t* from, int width, float per_unit, float* to)
   }
 }
 
-// Descends the quadtree of each patch. One template instance per level, so that the level is a
-// compile-time constant.
+// Descends the quadtree of each patch. The level is a template parameter to make it a constant.
 class BlockLister {
  public:
   BlockLister(const InverseDepth& inverse, const PlanarBlocks& planar, int largest_block, MeshBlocks& blocks)

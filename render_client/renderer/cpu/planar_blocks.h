@@ -2,8 +2,7 @@
 
 // Finds the planar parts of a depth image. Planes of inverse depth are fitted to blocks of 2 to 16
 // pixels a side, which form a quadtree. A block includes the first pixels of its right and lower
-// neighbours, since a mesh connects those as well. Thread: different objects may be used at the
-// same time.
+// neighbours, since a mesh connects those as well. Thread: different objects are independent.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +13,6 @@
 
 namespace copresence::renderer {
 
-/// Inverse depth of every pixel.
 struct InverseDepth {
   int width = 0;  ///< Size of the depth image.
   int height = 0;
@@ -59,8 +57,7 @@ struct MeshBlock {
 
 /// The leaves of the quadtree of blocks, in the order of a mesh.
 struct MeshBlocks {
-  /// A leaf: a planar block that lies in no larger planar block, or a block of 2 whose pixels are
-  /// connected one by one.
+  /// A leaf: a largest planar block, or a block of 2 whose pixels are connected one by one.
   struct Part {
     MeshBlock block;
     std::uint8_t level;

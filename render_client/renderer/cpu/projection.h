@@ -46,8 +46,7 @@ ViewVertex to_view(const ClipVertex& vertex);
 
 /// The bounds of a patch in the view.
 struct PatchExtent {
-  /// Whether the whole patch is in front of the near plane. If not, some of its vertices have no
-  /// position in the view.
+  /// Whether the whole patch is in front of the near plane. If not, some vertices have no pixel.
   bool in_front = true;
   bool behind = true;  ///< Whether the whole patch is behind the near plane.
   // The bounds of the vertices that are in front.

@@ -24,9 +24,8 @@ class TextureSampler {
  public:
   explicit TextureSampler(const CameraTexture& texture) : texels_(texture.data()), width_(texture.width()) {}
 
-  /// Samples at eight texture coordinates in the format of Tile::texels(). The result has the
-  /// layout of a texel. Red, green and blue are bilinear and rounded. Alpha is that of the nearest
-  /// texel.
+  /// Returns the texels at eight coordinates in the format of Tile::texels(). Red, green and blue
+  /// are bilinear and rounded. Alpha is that of the nearest texel.
   Ints at(const Ints& coordinates) const;
 
  private:

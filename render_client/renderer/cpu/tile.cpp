@@ -27,8 +27,7 @@ class Tile::Polygon {
     }
   }
 
-  /// inside() returns the smallest edge function at a pixel. Its arguments are results of column()
-  /// and row().
+  /// inside() returns the smallest edge function at a pixel. Arguments: column() and row().
   template <class X>
   std::array<X, kEdges> column(const X& x) const {
     std::array<X, kEdges> result;

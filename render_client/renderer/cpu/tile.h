@@ -18,8 +18,7 @@ using Attributes = float __attribute__((vector_size(16)));
 class Tile {
  public:
   /// Empties the tile and sets its size in pixels. `camera_width` and `camera_height` are the size
-  /// of the camera's images. Fragments farther than `far_m` are not drawn. The tile's memory is
-  /// reused.
+  /// of the camera's images. Fragments farther than `far_m` are not drawn.
   void begin(int width, int top, int rows, float far_m, int camera_width, int camera_height);
 
   /// Draws the part of a triangle that lies in the tile and is nearer than earlier fragments. Back
@@ -32,8 +31,7 @@ class Tile {
   /// These are far below the sensor's noise, since DepthMesh connects only points of one surface.
   void draw(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c, const ViewVertex& d);
 
-  /// Removes the fragments of all pixels that have a fragment in `live`. Requires a tile of the
-  /// same rows.
+  /// Removes the fragments of pixels that have one in `live`. Requires a tile of the same rows.
   void give_way_to(const Tile& live);
 
   int width() const { return width_; }

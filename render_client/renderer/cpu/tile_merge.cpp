@@ -18,8 +18,7 @@ constexpr float kNothing = 1e-30F;       // Less than any weight.
 constexpr std::uint16_t kHalf = 1 << 7;  // One half in units of 1/256.
 
 // A row is merged in spans of this many pixels, and each span in three short passes. One long loop
-// body would be slower: its instructions depend on each other, and a processor reorders only a few
-// hundred instructions.
+// body would be slower, since a processor reorders only a few hundred instructions.
 constexpr int kSpan = 64;
 constexpr int kGroups = kSpan / kLanes;
 
@@ -57,8 +56,7 @@ class SpanMerge {
     for (std::size_t i = 0; i < count(); ++i) noise_per_square_[i] = uncertainty_per_square(cameras[i].noise);
   }
 
-  // Merges `groups` groups of eight pixels from (x, y) on. The last group may reach beyond the
-  // view.
+  // Merges `groups` groups of eight pixels from (x, y) on. The last one may reach beyond the view.
   void run(int x, int y, int groups, HostPixels wanted) {
     y_ = y;
     for (std::size_t i = 0; i < count(); ++i) {
@@ -322,8 +320,7 @@ template <std::size_t kCount>
 void merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
                  MergedView& view, Image<float>& inverse) {
   SpanMerge<kCount> merge(cameras, tiles, view, inverse);
-  // The tile is merged in columns of spans, since the next row of a span reads nearly the same
-  // texels.
+  // A tile is merged in columns of spans, since rows of a column read nearly the same texels.
   for (int x = 0; x < view.width; x += kSpan) {
     const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
     for (int y = tiles[0].top(); y < tiles[0].top() + tiles[0].rows(); ++y) merge.run(x, y, groups, wanted);

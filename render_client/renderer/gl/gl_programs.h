@@ -1,8 +1,7 @@
 #pragma once
 
-// The shaders of the GL renderer, one class each. The arguments of run() become the uniforms and
-// bindings of the shader. Constants of merge_rules.h are compiled in. Thread: the thread of the
-// OpenGL context.
+// The shaders of the GL renderer, one class each. The arguments of run() become uniforms and
+// bindings. Constants of merge_rules.h are compiled in. Thread: that of the OpenGL context.
 
 #include <Eigen/Core>
 #include <array>
@@ -25,8 +24,7 @@ namespace copresence::renderer {
 
 /// PlanarBlocks on the graphics card: planes for blocks of 4, 8 and 16 pixels (kRgba32f).
 using GlPlanes = std::array<gl::Texture, 3>;
-/// The index of blocks of 4 in kBlockSizes. On a graphics card, blocks of 2 cost more than they
-/// save.
+/// Index of blocks of 4 in kBlockSizes. On a graphics card, blocks of 2 cost more than they save.
 inline constexpr int kFirstGlLevel = 1;
 
 /// Finds planes in depth (kR16ui): find_planar_blocks.comp.
@@ -53,8 +51,8 @@ class MeasureIncidence {
   gl::Program program_;
 };
 
-/// Computes corrected colours and weights (kRgba8): make_camera_texture.comp. The colours are gray
-/// if `color` is null.
+/// Computes corrected colours, or gray if `color` is null, and weights (kRgba8):
+/// make_camera_texture.comp.
 class MakeCameraTexture {
  public:
   static Result<MakeCameraTexture> make(gl::Context& context);
@@ -125,8 +123,7 @@ struct ViewUniforms {
   Eigen::Vector4f ray_from_pixel;  ///< The ray (x, y) at z = 1 is xy * pixel + zw.
 };
 
-/// Merges the layers into the view: merge_layers.comp. A shader is compiled once for each number of
-/// cameras.
+/// Merges the layers into the view: merge_layers.comp. It compiles a shader per number of cameras.
 class MergeLayers {
  public:
   struct Camera {

@@ -22,8 +22,8 @@ std::size_t find_start_code(std::span<const std::uint8_t> bytes, std::size_t fro
   return bytes.size();
 }
 
-/// Returns the position of the first two zeros that another byte follows, at or after `from`.
-/// Returns the size if there are none.
+/// Returns the position of the first two zeros that another byte follows, at or after `from`. If
+/// there are none, returns the size of `bytes`.
 std::size_t find_zeros(std::span<const std::uint8_t> bytes, std::size_t from) {
   for (std::size_t at = from; at + 3 <= bytes.size(); ++at) {
     const void* zero = std::memchr(bytes.data() + at, 0, bytes.size() - 2 - at);

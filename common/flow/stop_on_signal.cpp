@@ -70,8 +70,8 @@ void StopOnSignal::wait_for_stop(const std::stop_token& own_end) {
     const int signal = next_of(awaited);
     if (own_end.stop_requested()) return;
     if (signal == SIGINT) {
-      // Do this before the stop request, since callbacks of the stop token may block. Only this
-      // thread unblocks the signal, but the signal ends the whole process.
+      // Let SIGINT end the process before the stop request, since callbacks of the stop token may
+      // block. Only this thread unblocks the signal, but the signal ends the whole process.
       sigdelset(&awaited, SIGINT);
       let_interrupts_kill();
     }

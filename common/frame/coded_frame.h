@@ -20,7 +20,7 @@ struct PlanarDepth {
   Picture picture;
   /// QP of the encoded picture, on H.264's scale for its bit depth; 0 if the coding was lossless.
   int qp = 0;
-  std::vector<std::uint8_t> residuals;      ///< Losslessly coded picture; replaces `picture`.
+  std::vector<std::uint8_t> residuals;      ///< Losslessly coded picture, used instead of `picture`.
   std::vector<std::uint8_t> validity_mask;  ///< Losslessly coded states of all pixels.
   std::vector<std::uint8_t> table;          ///< Coded codebook change; empty for codecs without a codebook.
 };

@@ -38,8 +38,8 @@ struct ReceivedFrame {
 
 class FrameClient {
  public:
-  /// Connects and exchanges the first messages within `timeout`. The host name is looked up before
-  /// that, without a time limit. A stop request returns kUnavailable at once.
+  /// Connects and exchanges the first messages within `timeout`. The lookup of the host name comes
+  /// first and has no time limit. A stop request returns kUnavailable at once.
   static Result<FrameClient> connect(const std::string& host_port, std::chrono::milliseconds timeout,
                                      std::stop_token stop);
   FrameClient(FrameClient&&) noexcept;

@@ -12,8 +12,9 @@
 //     Y = 255 x / (far - near).
 //
 // In the thesis, the last term of Y in eq. 2.7 has a plus sign, so Y jumps by almost 2 S at each
-// period. With a minus sign, as here, Y rises only by 2 there, so video coding has no edge to blur.
-// The thesis's K, the number of local fringes, is 0 here, which gives the smoothest Y.
+// period. This codec uses a minus sign, so Y rises only by 2 at a period, and video coding has no
+// edge to blur. The thesis's K, the number of local fringes, is 0 here, which gives the smoothest
+// Y.
 //
 // Both decoders find the phase first and then round the number of periods in Y accordingly. So Y
 // may be wrong by up to half a period. The published decoding of eq. 2.9 by sections (Pece et al.

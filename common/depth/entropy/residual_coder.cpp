@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kStreams = AnsWriter::kStreams;
 constexpr unsigned kEscape = AdaptiveCdf::kSymbols - 1;  // Marks differences without their own symbol.
-constexpr int kReach = 2;                                // Contexts clamp differences to this.
+constexpr int kReach = 2;                                // Contexts clamp differences to at most this.
 constexpr int kSteps = 2 * kReach + 1;
 constexpr int kContexts = kSteps * kSteps * kSteps * kSteps;
 constexpr int kMiddle = 7;               // The symbol for a difference of 0.

@@ -24,7 +24,7 @@
 
 namespace copresence::depth {
 
-struct ResidualMemory;  // State between frames, the same on both sides.
+struct ResidualMemory;  // State kept between frames, the same in encoder and decoder.
 
 class ResidualEncoder {
  public:

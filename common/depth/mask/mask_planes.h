@@ -88,7 +88,7 @@ class MaskContext {
  public:
   explicit MaskContext(int width);
 
-  /// Finds these pixels in row y of `now`. The frame before is `earlier`.
+  /// Finds these pixels in row y of `now`. `earlier` has the previous frame.
   void find(const MaskPlanes& now, const MaskPlanes& earlier, int y);
 
   /// Pixels whose neighbourhood has this state everywhere.

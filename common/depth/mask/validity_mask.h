@@ -23,7 +23,7 @@
 
 namespace copresence::depth {
 
-struct ValidityMaskMemory;  // State between frames, the same on both sides.
+struct ValidityMaskMemory;  // State kept between frames, the same in encoder and decoder.
 
 class ValidityMaskEncoder {
  public:

@@ -58,8 +58,8 @@ class ClientWindow {
   void sent(std::uint64_t sequence, std::size_t bytes, Instant now);
   /// Counts frames of the stream that are not sent to this client.
   void skip(std::uint64_t frames);
-  /// The client has this frame and all earlier frames. Returns false if the frame is not in flight,
-  /// which is a protocol error.
+  /// Reports that the client has this frame and all earlier frames. Returns false if the frame is
+  /// not in flight, which is a protocol error.
   bool acknowledge(std::uint64_t sequence, Instant now);
 
   std::uint64_t skipped() const { return skipped_; }

@@ -44,7 +44,7 @@ class PathEstimate {
     bool alone;  ///< True if no other frame was in flight.
   };
 
-  /// The client has this frame. Call this in the order of sending.
+  /// Reports that the client has this frame. Call this in the order of sending.
   void acknowledged(const Sent& frame, Instant now);
 
   /// In bytes per second. The rate is known once two frames that were in flight together are

@@ -1,7 +1,8 @@
 #pragma once
 
-// The fixture of every test that needs OpenGL: a headless debug context per test. A complaint of the driver
-// fails the test. Without OpenGL the test is skipped, loudly; on CI, Context.ExistsOnCi fails instead.
+// The fixture of all tests that need OpenGL. Each test gets a headless debug context, and any
+// complaint of the driver fails the test. Without OpenGL the tests are skipped with a message. On
+// CI, Context.ExistsOnCi fails instead.
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// A recording as OpenNI 1.0 to 1.3 wrote it, made of one of today's format.
+// Converts a recording to the format of OpenNI 1.0 to 1.3.
 
 #include <cstdint>
 #include <map>
@@ -10,7 +10,8 @@
 
 namespace copresence::test {
 
-/// `build` is 4, 5 or 6: the version 1.0.0.`build`. Seek tables are left out, as those recorders could.
+/// `build` is 4, 5 or 6 and stands for version 1.0.0.`build`. Seek tables are left out, because
+/// those recorders did not always write them.
 inline std::vector<std::uint8_t> as_old_version(const std::vector<std::uint8_t>& bytes, std::uint32_t build) {
   using recording::RecordType;
   constexpr std::size_t kUndoBytes = 8, kCountsBytes = 28, kSeekPositionBytes = 8;
@@ -34,7 +35,7 @@ inline std::vector<std::uint8_t> as_old_version(const std::vector<std::uint8_t>&
       if (build == 6) fields.insert(fields.end(), 4, std::uint8_t{0});
     }
     if (type == RecordType::kDataBegin && build == 4) {
-      const auto& count = counts[record.node];  // frames, first and last time, seek table
+      const auto& count = counts[record.node];  // Frames, first and last time, and seek table.
       fields.assign(count.begin(), count.begin() + 4);
       fields.insert(fields.end(), count.begin() + 12, count.begin() + 20);
     }

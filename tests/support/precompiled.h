@@ -1,7 +1,7 @@
 #pragma once
 
-// What most tests include, parsed once instead of by each: cmake/module.cmake puts it before every one of them. A test names what it
-// uses nevertheless.
+// Precompiled header with what most tests include. cmake/module.cmake adds it to every test. A test
+// still includes all that it uses.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

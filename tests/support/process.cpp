@@ -64,7 +64,7 @@ Process::Process(const std::vector<std::string>& arguments, const std::vector<st
     execv(argv[0], argv.data());
     _exit(127);
   }
-  setpgid(pid_, pid_);  // whichever of the two comes first: signal_group() must find the group
+  setpgid(pid_, pid_);  // Parent and child both do this, because signal_group() must find the group.
 }
 
 Process::~Process() {

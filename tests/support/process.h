@@ -1,6 +1,6 @@
 #pragma once
 
-// Real processes for tests: start one, read what it says, end it.
+// Starts real programs for tests, reads their output and ends them.
 
 #include <sys/types.h>
 
@@ -12,13 +12,13 @@
 
 namespace copresence::testing {
 
-/// build/<preset>/bin/NAME of this build.
+/// Returns build/<preset>/bin/NAME of this build.
 std::filesystem::path program(const std::string& name);
 
-/// The project's data/recordings.
+/// Returns the project's folder data/recordings.
 std::filesystem::path recordings();
 
-/// A new empty folder, removed with everything in it at the end.
+/// A new empty folder. The destructor removes it with its content.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -31,14 +31,14 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A TCP port of the loopback address that was free a moment ago.
+/// Returns a TCP port of the loopback address that was free a moment ago.
 int free_port();
 
-/// A running program; killed, children and all, when this goes.
+/// A running program. The destructor kills it and its children.
 class Process {
  public:
-  /// `arguments[0]` is the program. Its standard output and error go to one file that output() reads.
-  /// `environment`: variables that it gets besides those of the test, NAME=VALUE.
+  /// `arguments[0]` is the program. Its standard output and error go to one file, which output()
+  /// reads. `environment` has additional variables as NAME=VALUE.
   explicit Process(const std::vector<std::string>& arguments,
                    const std::vector<std::string>& environment = {});
   ~Process();
@@ -47,18 +47,19 @@ class Process {
 
   pid_t pid() const { return pid_; }
   void signal(int number) const;
-  void signal_group(int number) const;  ///< the program and its children
+  void signal_group(int number) const;  ///< Signals the program and its children.
 
-  /// Its only child; waits for one, and fails the test where none comes within ten seconds.
+  /// Returns the only child. Waits for it, and fails the test if there is none within ten seconds.
   pid_t child() const;
 
-  /// Exit code; 128 + the signal's number where one ended it; nothing when it still runs after `timeout`.
+  /// Returns the exit code, or 128 plus the number of the signal that ended the program. Returns
+  /// nothing if the program still runs after `timeout`.
   std::optional<int> wait(std::chrono::milliseconds timeout);
 
-  /// Everything it has said so far.
+  /// Returns all output so far.
   std::string output() const;
 
-  /// Whether it says `text` within `timeout`.
+  /// Returns true once the output contains `text`, or false after `timeout`.
   bool says(const std::string& text, std::chrono::milliseconds timeout) const;
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
-// Where recordings of real sensors lie, for tests and benchmarks that need reality. They are no part of the project.
+// Finds recordings of real sensors for tests and benchmarks. These recordings are not part of the
+// project.
 
 #include <cstdlib>
 #include <filesystem>
@@ -9,8 +10,9 @@
 
 namespace copresence::test {
 
-/// The path of one of them: in $COPRESENCE_RECORDINGS, else in ../shared/recordings seen from the project's root.
-/// Nothing where this machine has none; then skip loudly.
+/// Returns the path of one of these recordings, in the folder $COPRESENCE_RECORDINGS or in
+/// ../shared/recordings beside the project. Returns nothing if this machine has none; then skip the
+/// test with a message.
 inline std::optional<std::string> real_recording(const std::string& name) {
   const char* folder = std::getenv("COPRESENCE_RECORDINGS");
   const std::filesystem::path path = std::filesystem::path(folder ? folder : "../shared/recordings") / name;

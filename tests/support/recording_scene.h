@@ -1,6 +1,6 @@
 #pragma once
 
-// Small recordings with known pictures, to be played, cut and damaged.
+// Makes small recordings with known pictures, which tests play, cut and damage.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -20,9 +20,9 @@
 
 namespace copresence::test {
 
-constexpr std::uint32_t kDepthNode = 1, kColorNode = 2;  // as OniWriter numbers them
+constexpr std::uint32_t kDepthNode = 1, kColorNode = 2;  // Numbers of the nodes, as in OniWriter.
 
-/// A folder of its own for each test, gone afterwards.
+/// A folder for one test. The destructor removes it.
 class TemporaryFolder {
  public:
   TemporaryFolder()
@@ -42,20 +42,20 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// What write_recording() writes.
+/// Content of the recording that write_recording() writes.
 struct RecordingScene {
   int width = 64, height = 48;
   int frames = 12;
   std::int64_t period_us = 33'333;
   std::int64_t first_us = 5'000'000;
-  std::int64_t color_after_us = 7'000;  ///< a colour picture's time minus that of its depth picture
-  bool color_first = false;             ///< in the file
+  std::int64_t color_after_us = 7'000;  ///< Time of a colour picture minus that of its depth picture.
+  bool color_first = false;             ///< Colour comes first in the file.
   recording::DepthCoding depth = recording::DepthCoding::k16z;
   std::optional<recording::ColorCoding> color = recording::ColorCoding::kRaw;
-  std::vector<int> without_color = {};  ///< frames, from 0, whose colour picture is missing
+  std::vector<int> without_color = {};  ///< Frames, from 0, whose colour picture is missing.
   DepthUnit unit = DepthUnit::kMillimetre;
 
-  /// Every frame differs from every other, and a ninth of it are holes.
+  /// Draws frames that all differ. A ninth of each frame is holes.
   DepthImage depth_of(int frame) const {
     DepthImage image(width, height);
     for (int i = 0; i < width * height; ++i) {
@@ -117,7 +117,7 @@ void set_number_at(std::vector<std::uint8_t>& bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
 
-/// Where a record lies in a whole recording's bytes.
+/// The position of a record in the bytes of a complete recording.
 struct RecordPlace {
   recording::RecordType type{};
   std::uint32_t node = 0;
@@ -125,7 +125,7 @@ struct RecordPlace {
   std::size_t end() const { return payload_at + payload_bytes; }
 };
 
-/// The records of a whole recording, in order.
+/// Returns the records of a complete recording, in order.
 inline std::vector<RecordPlace> records_of(const std::vector<std::uint8_t>& bytes) {
   using recording::RecordType;
   std::vector<RecordPlace> records;
@@ -144,7 +144,7 @@ inline std::vector<RecordPlace> records_of(const std::vector<std::uint8_t>& byte
   return records;
 }
 
-/// The records of one type and node.
+/// Returns the records of one type and node.
 inline std::vector<RecordPlace> records_of(const std::vector<std::uint8_t>& bytes, recording::RecordType type,
                                            std::uint32_t node) {
   std::vector<RecordPlace> records = records_of(bytes);
@@ -152,7 +152,7 @@ inline std::vector<RecordPlace> records_of(const std::vector<std::uint8_t>& byte
   return records;
 }
 
-/// Where the value of a property of a node lies.
+/// Returns the position of the value of a node's property.
 inline std::size_t property_value_at(const std::vector<std::uint8_t>& bytes, std::uint32_t node,
                                      const std::string& key) {
   for (const RecordPlace& record : records_of(bytes)) {

@@ -1,6 +1,6 @@
-// Stands in for libFuzzer where there is none: runs a fuzz function on every file of a corpus, on every
-// beginning of it and on it with every single bit flipped (large files: on evenly spaced ones). Nothing to
-// report but a crash.
+// Replaces libFuzzer where it is missing. Runs a fuzz function on each file of a corpus, on each
+// prefix of the file, and on the file with each single bit flipped. Large files are cut and flipped
+// at evenly spaced places. Only a crash is a failure.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,9 +14,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace {
 
-constexpr std::size_t kVariations = 4096;  // of each kind and file
+constexpr std::size_t kVariations = 4096;  // Number of variations of each kind and file.
 
-// A copy of exactly its own size each time, so that the address sanitizer sees one byte too many.
+// The copy has exactly the input's size, so that the address sanitizer notices a read past the end.
 void run(const std::uint8_t* data, std::size_t size) {
   const std::vector<std::uint8_t> input(data, data + size);
   LLVMFuzzerTestOneInput(input.data(), input.size());

@@ -1,7 +1,7 @@
 #pragma once
 
-// An X server of the test's own without a screen (Xvfb), so that windows can be tested anywhere and nobody's
-// desktop is touched. Sets DISPLAY while it lives.
+// A virtual X server without a screen (Xvfb) for one test. Window tests then run anywhere and do
+// not disturb the user's desktop. Sets DISPLAY as long as it exists.
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -29,8 +29,8 @@ class VirtualDisplay {
       _exit(127);
     }
     close(ends[1]);
-    // The server writes its display's number once it takes connections; the pipe ends empty if it cannot
-    // start.
+    // The server writes its display number once it accepts connections. If it cannot start, the
+    // pipe ends without data.
     std::string number;
     for (char digit = 0; read(ends[0], &digit, 1) == 1 && digit != '\n';) number += digit;
     close(ends[0]);
@@ -50,7 +50,7 @@ class VirtualDisplay {
   VirtualDisplay(const VirtualDisplay&) = delete;
   VirtualDisplay& operator=(const VirtualDisplay&) = delete;
 
-  bool is_there() const { return is_there_; }  ///< false where Xvfb is not installed
+  bool is_there() const { return is_there_; }  ///< False if Xvfb is not installed.
 
  private:
   pid_t server_ = -1;

@@ -1,20 +1,28 @@
-// A libfreenect without USB: the functions that the Kinect driver calls, with the same names and the same manners, over
-// Kinects that are files. It is built as libfreenect.so.0.5 and found first through LD_LIBRARY_PATH.
+// A fake libfreenect without USB for tests. It has the functions that the Kinect driver calls, with
+// the same names and behaviour. Its Kinects are files. It is built as libfreenect.so.0.5, and
+// LD_LIBRARY_PATH puts it before the real one.
 //
-// COPRESENCE_FAKE_KINECTS names a folder; each file in it is a Kinect that is plugged in, called like its serial number.
-// Words in the file make it fail, while they stand there:
+// COPRESENCE_FAKE_KINECTS names a folder. Each file in the folder is a Kinect that is plugged in,
+// and the file's name is its serial number. Removing the file unplugs the Kinect. Words in the file
+// make the Kinect fail as long as they are there:
 //
-//   stall           no pictures and no error              slow_start   the first picture after two seconds
-//   transfer_error  processing events fails               short_frame  packets are lost: the lower half is empty
-//   busy            it does not open                      no_motor     it opens only without its motor
-//   windows         it is one for Windows: near mode      crash        the process dies inside the library
-//   still           every picture is a stream's first: drawing costs nothing, for benchmarks
-//   slow_open=S     opening takes S seconds               blocked      no control transfer returns: opening, starting,
-//                                                                      stopping, settings
-//   1473            it is a model 1473: its camera has no serial number, and libfreenect calls it by that of its audio
-//                   device, which is AUDIO and the file's name
+//   stall            It sends no pictures and reports no error.
+//   slow_start       The first picture comes after two seconds.
+//   transfer_error   Processing of events fails.
+//   short_frame      Packets are lost, so the lower half of each picture is empty.
+//   busy             It cannot be opened.
+//   no_motor         It can be opened only without its motor.
+//   windows          It is a Kinect for Windows, which has a near mode.
+//   crash            The process crashes inside the library.
+//   still            All pictures of a stream equal its first one, so that benchmarks exclude
+//                    drawing.
+//   slow_open=S      Opening takes S seconds.
+//   blocked          Control transfers do not return: opening, starting, stopping and settings
+//                    block.
+//   1473             It is a model 1473. Its camera has no serial number, so libfreenect uses that
+//                    of the audio device: AUDIO and the file's name.
 //
-// Removing the file unplugs the Kinect. Its clock wraps half a second after its start.
+// The Kinect's clock wraps half a second after the Kinect starts.
 
 #include <libfreenect.h>
 #include <libfreenect_registration.h>
@@ -50,8 +58,8 @@ namespace {
 struct Stream {
   bool running = false;
   steady_clock::time_point begin;
-  std::uint64_t next = 0;  // frame
-  microseconds offset{0};  // colour is exposed later
+  std::uint64_t next = 0;  // Number of the next frame.
+  microseconds offset{0};  // Colour is exposed later than depth.
   std::vector<std::uint8_t> picture;
 
   steady_clock::time_point due() const {
@@ -74,7 +82,8 @@ struct _freenect_device {
   bool dead = false;
   bool has_motor = true;
   freenect_raw_tilt_state tilt{};
-  // Its file as it was a moment ago: reading it at every call would cost more than what is measured here.
+  // The file's content is cached for a moment, because reading the file at every call would
+  // dominate the measured time.
   steady_clock::time_point looked{};
   bool there = true;
   std::vector<std::string> words;
@@ -102,12 +111,12 @@ constexpr std::string_view kAudio = "AUDIO";
 
 bool says(const std::string& serial, const char* word);
 
-// What libfreenect calls the Kinect of a file.
+// Returns the serial number by which libfreenect names the Kinect of a file.
 std::string announced(const std::string& file) {
   return says(file, "1473") ? std::string(kAudio) + file : file;
 }
 
-// The file of a Kinect; a name that no file has where there is none.
+// Returns the file of a Kinect, or a name that no file has if there is no such Kinect.
 std::string file_of(const std::string& serial) {
   if (!serial.starts_with(kAudio)) return says(serial, "1473") ? "" : serial;
   const std::string file = serial.substr(kAudio.size());
@@ -134,7 +143,7 @@ bool says(const std::string& serial, const char* word) {
   return says(words_of(serial), word);
 }
 
-// A control transfer of libfreenect has no time limit.
+// Blocks like a control transfer of libfreenect, which has no time limit.
 void transfer(const std::string& serial) {
   while (says(serial, "blocked")) std::this_thread::sleep_for(kLookEvery);
 }
@@ -179,13 +188,13 @@ void draw_video(freenect_device& device) {
   }
 }
 
-// Its 60 MHz clock, half a second before it wraps when the device is opened.
+// The Kinect's 60 MHz clock. When the device is opened, the clock is half a second before it wraps.
 std::uint32_t ticks_at(const freenect_device& device, steady_clock::time_point when) {
   const auto us = std::chrono::duration_cast<microseconds>(when - device.powered).count();
   return static_cast<std::uint32_t>(us * 60 - 30'000'000);
 }
 
-// Delivers what is due; false when the device is gone.
+// Delivers the pictures that are due. Returns false if the device was unplugged.
 bool work(freenect_device& device, steady_clock::time_point now) {
   if (now - device.looked >= kLookEvery) {
     device.looked = now;
@@ -200,7 +209,8 @@ bool work(freenect_device& device, steady_clock::time_point now) {
   const bool stalled = says(device.words, "stall");
   const bool loses_packets = says(device.words, "short_frame"), is_still = says(device.words, "still");
   for (Stream* stream : {&device.depth, &device.video}) {
-    // On a machine without a core to spare the newest picture is delivered: who draws them all never catches up.
+    // On a busy machine, only the newest picture is delivered: drawing all pictures would never
+    // catch up.
     constexpr std::uint64_t kMostLate = 5;
     const auto late =
         stream->running ? std::max<std::int64_t>((now - stream->due()) / microseconds(33'333), 0) : 0;

@@ -1,5 +1,5 @@
-// A name server that does not answer, for LD_PRELOAD: getaddrinfo() first makes the file that
-// SLOW_RESOLVER_ASKED names and then takes two minutes.
+// Simulates a name server that does not answer, through LD_PRELOAD. getaddrinfo() creates the file
+// that SLOW_RESOLVER_ASKED names, and then takes two minutes.
 
 #include <fcntl.h>
 #include <netdb.h>

@@ -1,9 +1,9 @@
-// Library calls that stand still, for programs that are started with this library in LD_PRELOAD.
-// COPRESENCE_STALLS names a folder. While a file of one of these names is in it, the call does not return:
+// Makes library calls block in programs that load this library with LD_PRELOAD. COPRESENCE_STALLS
+// names a folder. While the folder has a file with one of these names, the call does not return:
 //
-//   disk     writing to a recording (pwrite)
-//   encoder  encoding a picture (avcodec_send_frame)
-//   wire     waiting for the network, on the thread "wire" (epoll_wait)
+//   disk     Writing to a recording (pwrite).
+//   encoder  Encoding a picture (avcodec_send_frame).
+//   wire     Waiting for the network in the thread "wire" (epoll_wait).
 
 #include <dlfcn.h>
 #include <sys/epoll.h>

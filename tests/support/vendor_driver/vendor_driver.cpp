@@ -1,6 +1,6 @@
-// A driver for OpenNI2 as a camera's vendor ships it: a library that knows nothing of this project's choice
-// of drivers and announces one camera, 2bc5/0401@1/7, depth only. COPRESENCE_VENDOR_LOG names a file to which
-// it adds its name when it is loaded.
+// An OpenNI2 driver for tests, like that of a camera vendor. It does not know this project, and
+// reports one camera, 2bc5/0401@1/7, with depth only. When it is loaded, it appends its name to the
+// file that COPRESENCE_VENDOR_LOG names.
 
 #include <chrono>
 #include <cstdio>

@@ -1,6 +1,7 @@
 #pragma once
 
-// Encodes each picture at once to one H.264 access unit. Uses libx264 without B frames and threads.
+// Encodes each picture at once to one H.264 access unit. Uses libx264 without B frames, lookahead
+// or threads.
 //
 // The first picture is a keyframe (IDR, with its parameter sets). Later keyframes are made only on
 // request. Samples are full range and are not copied for x264. Equal inputs give equal outputs. At

@@ -96,7 +96,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Stage stage_ = Stage::kStranger;
   Ending ending_ = Ending::kHungUp;
   Instant began_at_, overdue_at_;
-  int unacknowledged_bytes_ = 0;  // The bytes at the last call of sweep().
+  int unacknowledged_bytes_ = 0;  // Unacknowledged bytes at the last sweep().
   std::array<std::uint8_t, kHeaderBytes> header_;
   Bytes body_;
   std::deque<Outgoing> out_;

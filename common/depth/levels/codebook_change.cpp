@@ -16,7 +16,7 @@ namespace copresence::depth {
 namespace {
 
 constexpr int kNumberBits = 17;   // Numbers are below 2^17 - 1.
-constexpr std::size_t kBase = 8;  // Distance of the two entries that predict the next entry.
+constexpr std::size_t kBase = 8;  // Distance in entries of the two that predict the next entry.
 
 // Codes a number: the bit length of number + 1 in unary, then its bits below the leading one.
 class NumberModel {

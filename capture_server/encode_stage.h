@@ -2,8 +2,7 @@
 
 // The second stage of the pipeline, between capture and network. The stage encodes captured frames
 // and passes them to the frame server.
-// Thread: call run() on the thread that opened the encoding, since a graphics context may belong to
-// it.
+// Thread: call run() on the thread that opened the encoding, which may own a graphics context.
 
 #include <cstdint>
 #include <optional>
@@ -20,8 +19,7 @@ namespace copresence::server {
 
 class EncodeStage {
  public:
-  /// `changes` holds encoder settings that take effect at the next frame. All arguments outlive
-  /// this object.
+  /// `changes` holds settings for the next frame. All arguments outlive this object.
   EncodeStage(const ServerSettings& settings, FrameEncoding& encoding, wire::FrameServer& server,
               flow::Mailbox<EncoderSettings>& changes)
       : settings_(settings),
@@ -30,8 +28,7 @@ class EncodeStage {
         changes_(changes),
         current_(settings.encoder) {}
 
-  /// Encodes until `captured` is closed and empty. Fails only if no later frame can be encoded
-  /// either.
+  /// Encodes until `captured` is closed and empty. Fails only if all later frames would fail.
   Result<void> run(flow::Mailbox<CapturedFrame>& captured, Pulse pulse);
 
  private:

@@ -14,8 +14,8 @@
 namespace copresence::server {
 namespace {
 
-// The latest time that --start-at accepts, in Unix seconds: the year 3000. A larger number is
-// probably in milliseconds.
+// The latest time that --start-at accepts, in Unix seconds: the year 3000. Larger numbers are
+// probably milliseconds.
 constexpr double kLatestStart = 32'503'680'000;
 
 /// Parses "K/N" or "K/N:MS": time slot K (from 1) of N slots of MS milliseconds each.

@@ -11,8 +11,8 @@
 namespace copresence::server {
 namespace {
 
-/// Editors write a file in pieces, or empty it first. Only content that is the same in two readings
-/// in a row is used.
+/// Editors write a file in pieces, or empty it first. Only content that two readings in a row agree
+/// on is used.
 constexpr std::chrono::milliseconds kBetweenLooks{50};
 constexpr int kMostLooks = 5;
 

@@ -13,8 +13,7 @@
 
 namespace copresence::server {
 
-/// The difference between running and new settings. Only encoder settings take effect without a
-/// restart.
+/// Difference between running and new settings. Only encoder settings need no restart.
 struct SettingsChange {
   ServerSettings settings;                   ///< The running settings with the new encoder settings.
   std::vector<std::string> at_once;          ///< Changes that take effect, such as "depth-kbps 4000 -> 1500".
@@ -34,8 +33,7 @@ class RunningSettings {
   RunningSettings(int argc, const char* const* argv, ServerSettings begun_with);
 
   /// Reads the settings file again, applies the changes and logs them. An invalid file is logged
-  /// and changes nothing. If the file is just being written, the function waits for it, at most 0.2
-  /// s.
+  /// and changes nothing. If the file is being written, the function waits for at most 0.2 s.
   void read_again();
 
   ServerSettings now() const;

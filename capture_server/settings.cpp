@@ -78,8 +78,7 @@ tl::expected<const scene::Camera*, Reject> camera_in(const scene::Scene& scene, 
   return camera;
 }
 
-/// Takes the source and the listening address from the scene file, unless the command line or the
-/// settings file has them.
+/// Takes source and listening address from the scene file, unless they are given elsewhere.
 tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) {
   CLI::Option& source = *app.get_option("--source");
   CLI::Option& listen = *app.get_option("--listen");
@@ -100,8 +99,7 @@ tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) 
   return {};
 }
 
-/// Applies the settings of a file. The command line has priority over the file, also where it has
-/// the opposite flag.
+/// Applies the settings of a file. Flags on the command line, and their opposites, have priority.
 /// Fails with a message that starts with FILE:LINE.
 Result<void> apply_file(CLI::App& app, const std::filesystem::path& path) {
   const auto settings = load_settings(path);
@@ -150,7 +148,7 @@ std::map<std::string, std::string> texts_of(const CLI::App& app) {
   return texts;
 }
 
-/// Reads all settings. A mistake in a file gives a Reject, a mistake on the command line throws a
+/// Reads all settings. A mistake in a file gives a Reject, one on the command line a
 /// CLI::ParseError.
 tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* const* argv) {
   ServerSettings settings;

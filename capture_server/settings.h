@@ -37,8 +37,7 @@ struct ServerSettings : EncodingSettings {
   /// is empty if the setting is not set. The map is used for messages about changed settings.
   std::map<std::string, std::string> texts;
 
-  /// True if a recording is played as fast as frames can be encoded and sent, so that no frame is
-  /// dropped.
+  /// True if a recording is played as fast as frames can be sent, without dropping any.
   bool keeps_every_frame() const;
 };
 
@@ -47,10 +46,9 @@ void add_flags(CLI::App& app, ServerSettings& settings);
 
 /// Reads the command line, the file of --config and the scene file, in this order of priority. The
 /// scene file contributes only the source and the listening address. The keys in the file of
-/// --config are the flags' names (settings_file.h). A relative path in that file is relative to its
-/// folder.
-/// Returns the settings. After --help, --version or a mistake, it prints the text or the reason and
-/// returns the exit code: 0, 1 or 2.
+/// --config are the flags' names (settings_file.h). Relative paths in it are relative to its
+/// folder. Returns the settings. After --help, --version or a mistake, it prints the text or the
+/// reason and returns the exit code: 0, 1 or 2.
 tl::expected<ServerSettings, int> read_command_line(int argc, const char* const* argv);
 
 /// Reads the settings again, with the present content of the files. Requires a command line that

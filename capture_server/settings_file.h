@@ -1,8 +1,7 @@
 #pragma once
 
 // Reads a file with settings of the server. The file is one TOML table of keys with plain values,
-// such as `depth-kbps = 1500`. This file reads keys and values with their lines; settings.h checks
-// the keys.
+// such as `depth-kbps = 1500`. settings.h checks the keys.
 // Thread: pure functions, safe anywhere.
 
 #include <filesystem>
@@ -27,8 +26,7 @@ struct Setting {
 /// a value is neither a text, a number, true nor false.
 Result<std::vector<Setting>> parse_settings(std::string_view text, const std::filesystem::path& path);
 
-/// Parses the file at `path`. Fails with kNotFound if the file does not exist, and as
-/// parse_settings() does.
+/// Parses the file at `path`. Fails with kNotFound, and as parse_settings() does.
 Result<std::vector<Setting>> load_settings(const std::filesystem::path& path);
 
 }  // namespace copresence::server

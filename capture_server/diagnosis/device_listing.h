@@ -28,9 +28,8 @@ struct DeviceListing {
 Result<std::vector<DeviceListing>> list_devices(const UsbPaths& paths = {});
 
 /// Adds the problems that the bus shows to the listed cameras, and lists cameras with a problem
-/// that no driver has found. A camera is matched by its serial number, else by its bus address,
-/// else as the only unmatched camera of its kind on either side. So a working camera is listed
-/// once.
+/// that no driver has found. A camera is matched by its serial number, its bus address, or as the
+/// only unmatched camera of its kind. So a working camera is listed once.
 void add_bus_facts(std::vector<DeviceListing>& listing, const std::vector<UsbCamera>& bus);
 
 }  // namespace copresence::diagnosis

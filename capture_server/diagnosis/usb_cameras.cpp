@@ -69,7 +69,7 @@ const Known* known(const Device& device) {
   return found == std::end(kCameras) ? nullptr : found;
 }
 
-// The process that has the node open, as "name (process 123)". Only root can see other users'
+// The process that has the node open, as "name (process 123)". Only root sees other users'
 // processes.
 std::optional<std::string> holder(const std::string& node, const std::string& processes) {
   std::error_code none;

@@ -1,8 +1,7 @@
 #pragma once
 
 // Fills holes with the mean of the depth around them, weighted by pixel distance alone (thesis
-// section 3.2, second version). The method smears foreground into background and is kept for
-// comparison.
+// section 3.2, second version). It smears foreground into background and is kept for comparison.
 // Thread: one thread at a time per object.
 
 #include <vector>
@@ -18,8 +17,8 @@ class BilateralFilling final : public HoleFiller {
   std::string_view name() const override { return "cpu"; }
 
   /// Sets each hole p to a mean over the measured pixels q around it: the sum of G(|p - q|) d(q),
-  /// divided by the sum of G(|p - q|). G is a Gaussian and d is depth. The sums run first along
-  /// columns, then along rows.
+  /// divided by the sum of G(|p - q|). G is a Gaussian and d is depth. The sums run along columns,
+  /// then rows.
   /// Source: thesis appendix A.1 without the range kernel, since a hole has no depth to compare.
   Result<void> fill(RgbdFrame& frame) override;
 

@@ -101,8 +101,7 @@ void Cells::add_row(std::span<const std::uint16_t> depth, std::span<const std::u
   }
 }
 
-// Adds up the sixteen pixels of each cell. Each sum has its own loop, so that compilers vectorise
-// over cells.
+// Adds up the sixteen pixels of each cell. One loop per sum lets compilers vectorise over cells.
 void Cells::add_up_cells(std::size_t first) {
   static_assert(kCellPx == 4);
   const auto columns = static_cast<std::size_t>(columns_);
@@ -199,8 +198,7 @@ void Cells::split(int cell, int column, int row) {
   near_count[cell] = static_cast<std::uint8_t>(near_pixels);
 }
 
-/// Computes slopes from the differences to the neighbouring cells on both sides, if these lie on
-/// the same surface.
+/// Computes slopes from the neighbouring cells on both sides, if these lie on the same surface.
 void Cells::find_slopes() {
   constexpr int kApart = 2;
   constexpr float kMostApart = kSteepest * kApart * kCellPx;
@@ -235,8 +233,7 @@ void Cells::move_to_middles() {
 }
 
 void Cells::find_reach() {
-  // This local copy helps, since the compiler must assume that stores through uint8_t change
-  // members.
+  // A local copy, since compilers must assume that stores through uint8_t change members.
   const int columns = columns_;
   for (std::size_t d = 0; d < kDirections.size(); ++d) {
     const int towards = offset(kDirections[d]);

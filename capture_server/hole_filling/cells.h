@@ -1,8 +1,7 @@
 #pragma once
 
 // A depth image divided into cells of 4x4 pixels. Each cell has its surfaces and their slopes. Wide
-// holes are filled from cells, because cells are sixteen times fewer than pixels and four times
-// less noisy.
+// holes are filled from cells: they are sixteen times fewer and four times less noisy than pixels.
 // Thread: one thread at a time per object.
 
 #include <array>
@@ -32,13 +31,12 @@ class Cells {
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  /// Index of a cell in the arrays below. Requires column from -kMargin to columns() + kMargin - 1,
-  /// and row likewise.
+  /// Index of a cell in the arrays below. Requires -kMargin <= column < columns() + kMargin, and
+  /// row likewise.
   int at(int column, int row) const { return (row + kMargin) * stride_ + column + kMargin; }
   int offset(Direction direction) const { return direction.dy * stride_ + direction.dx; }
 
-  /// Replaces the content by that of a new picture. Requires images of the size given to the
-  /// constructor.
+  /// Replaces the content by that of a new picture. Requires images of the constructor's size.
   void see(const DepthImage& depth, const Image<std::uint8_t>& fillable, float steps_times_units);
 
   /// Points to the depth of pixel (x, y) in disparity steps. A depth is 0 in a hole or outside the
@@ -49,16 +47,14 @@ class Cells {
 
   // The following arrays have one element per cell. A cell whose depths differ by more than
   // kOneSurface holds two surfaces, split at the middle of its depth range.
-  /// Depths of the two surfaces at the cell's middle, in steps. The value is meaningless if the
-  /// cell lacks that surface.
+  /// Depths of the two surfaces at the cell's middle, in steps. Meaningless without that surface.
   std::vector<float> far, near;
   /// Number of measured pixels on each surface. `near_count` is 0 if the cell holds one surface.
   std::vector<std::uint8_t> far_count, near_count;
   std::vector<float> slope_x, slope_y;  ///< Slope in steps per pixel; 0 if unknown.
   std::vector<std::uint8_t> wanted;     ///< The value is 1 if the cell has fillable holes, else 0.
 
-  /// Per direction and cell: distance in cells to the next cell with depth, or 0 if there is none
-  /// within kReachCells.
+  /// Per direction and cell: distance to the next cell with depth, in cells; 0 beyond kReachCells.
   std::array<std::vector<std::uint8_t>, 8> reach;
 
  private:

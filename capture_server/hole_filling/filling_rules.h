@@ -1,7 +1,6 @@
 #pragma once
 
-// The constants of all hole filling methods, for CPU and GL. docs/internals/hole_filling.md
-// explains them.
+// Constants of all hole filling methods, explained in docs/internals/hole_filling.md.
 //
 // The methods measure depth in disparity steps: s = c / z, where z is depth and c the disparity
 // constant (DepthNoise). Neighbouring depth levels of the sensor are one step apart at every

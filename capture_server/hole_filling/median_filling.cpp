@@ -90,8 +90,7 @@ void MedianFilling::pass(const Window& window, RgbdFrame& frame) {
       }
       if (std::none_of(wanted.begin(), wanted.end(), [](bool want) { return want; })) continue;
 
-      // Binary search for the median in the range from low + 1 to high: counting pixels halves the
-      // range in each step.
+      // Binary search for the median from low + 1 to high: each count of pixels halves the range.
       Lanes low, high = highest;
       for (int i = 0; i < kLanes; ++i) low[i] = static_cast<std::uint16_t>(lowest[i] - 1);
       for (int range = widest + 1; range > 1; range -= range / 2) {

@@ -18,11 +18,11 @@ class MedianFilling final : public HoleFiller {
   std::string_view name() const override { return "cpu"; }
 
   /// Sets each hole to the median of the window's pixels with depth. Of two middle values, the
-  /// lower one is used.
+  /// lower one.
   /// Source: Maimone and Fuchs 2011. The large window fills a hole if its depths differ little and
   /// if enough pixels of the window and of its rim hold depth. The condition on the rim keeps
-  /// silhouettes from growing. The second pass of the paper also smooths measured depth; this one
-  /// does not.
+  /// silhouettes from growing. The paper's second pass also smooths measured depth; this one does
+  /// not.
   Result<void> fill(RgbdFrame& frame) override;
 
  private:

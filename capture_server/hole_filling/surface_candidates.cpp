@@ -19,8 +19,8 @@ struct Observation {
   int direction;    // Direction of the search, or -1 for the cell itself.
 };
 
-/// The surfaces observed around a cell. Branches on this data would be unpredictable, so this code
-/// avoids branches.
+/// The surfaces observed around a cell. The code avoids branches, which this data makes
+/// unpredictable.
 struct Observations {
   static constexpr int kMost = 2 + 2 * 8;
   static constexpr int kLanes = 8;
@@ -49,8 +49,7 @@ struct Observations {
   void find_order() {
     for (int i = 0; i < count; ++i) order[i] = static_cast<std::uint8_t>(i);
     if (nearest - farthest <= kLinked) return;
-    // The rank of an entry is the number of entries before it. The rank is computed for eight
-    // entries at a time.
+    // An entry's rank is the number of entries before it. Eight ranks are computed at a time.
     for (int first = 0; first < count; first += kLanes) {
       Steps these;
       std::memcpy(&these, &steps[first], sizeof these);

@@ -1,7 +1,6 @@
 #pragma once
 
-// Finds the surfaces that may continue into a hole, from the measured cells around it in eight
-// directions.
+// Finds surfaces that may continue into a hole, from measured cells in eight directions around it.
 // Thread: pure functions, safe anywhere.
 
 #include "capture_server/hole_filling/cells.h"
@@ -14,12 +13,10 @@ struct Plane {
   float slope_x = 0, slope_y = 0;  ///< In steps per pixel.
 };
 
-/// The candidate surfaces for the holes of one cell. `near` is set only if there are two
-/// candidates.
+/// The candidate surfaces for the holes of one cell. `near` is set if there are two.
 struct SurfaceCandidates {
   Plane far, near;
-  /// Mean colours, 0 to 255. The colours are valid only if there are two candidates and colour is
-  /// known.
+  /// Mean colours, 0 to 255. Valid if there are two candidates and colour is known.
   std::array<float, 3> far_color{}, near_color{};
   bool prefers_near = false;  ///< The choice if neither pixels nor colour decide.
 };

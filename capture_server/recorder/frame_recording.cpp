@@ -67,8 +67,7 @@ Result<void> FrameRecording::write(const RgbdFrame& frame) {
   if (auto written = writer_.write_depth(times.depth + offset, frame.depth); !written) return written;
   ++frames_;
   if (!has_color_ || !frame.color || times.color_is_repeated) return {};
-  // A colour picture from before a restart of the sensor's clock gets the time of the previous
-  // colour picture.
+  // Colour from before a restart of the sensor's clock gets the previous colour picture's time.
   last_color_ = std::max(times.color + offset, last_color_);
   return writer_.write_color(last_color_, *frame.color);
 }

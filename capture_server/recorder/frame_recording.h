@@ -39,8 +39,7 @@ class RecordingClock {
 class FrameRecording {
  public:
   /// `camera_name` becomes part of the camera metadata. The start of the recording (UTC) is written
-  /// with its first frame. A copy of a recording keeps the original's start; every other recording
-  /// starts now.
+  /// with its first frame. A copy of a recording keeps the original's start.
   /// Fails with kUnavailable or kInvalid if the file cannot be created.
   static Result<FrameRecording> open(const std::string& path, const sensor::SensorDescription& sensor,
                                      const std::string& camera_name);

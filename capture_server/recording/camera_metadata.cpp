@@ -43,8 +43,7 @@ bool read(const Json& rows, Rigid3& out) {
   return out.is_rigid();
 }
 
-// Reads a camera model's members from an object. Returns a description of the first mistake, or an
-// empty text.
+// Reads a camera model's members from an object. Returns the first mistake, or an empty text.
 std::string read(const Json& object, CameraModel& m) {
   if (!read(find(object, "width"), m.width) || !read(find(object, "height"), m.height) ||
       !read(find(object, "fx"), m.fx) || !read(find(object, "fy"), m.fy) || !read(find(object, "cx"), m.cx) ||

@@ -24,16 +24,14 @@
 namespace copresence::recording {
 
 /// Appends the frame as 16zT to `bytes`. Requires at least one pixel.
-/// Fails with kUnsupported if the frame holds more than 32767 distinct depths, because a table
-/// index has 15 bits.
+/// Fails with kUnsupported on more than 32767 distinct depths, because a table index has 15 bits.
 Result<void> append_depth_16z(const DepthImage& depth, std::vector<std::uint8_t>& bytes);
 
 /// Differences are between table indices (kEmbedded, 16zT) or between depths (kNone, 16zP).
 enum class DepthTable { kEmbedded, kNone };
 
 /// Decodes both codings from untrusted bytes into `depth`, whose size the caller sets.
-/// Fails with kCorrupt if the bytes do not hold exactly that many pixels. `depth` is then
-/// unspecified.
+/// Fails with kCorrupt if the bytes do not hold exactly that many pixels.
 Result<void> expand_depth_16z(std::span<const std::uint8_t> bytes, DepthTable table, DepthImage& depth);
 
 }  // namespace copresence::recording

@@ -23,8 +23,8 @@ class InputFile {
 
   std::uint64_t size() const { return size_; }
 
-  /// Fills `into` with the bytes from `offset` on. Returns false if the file does not contain them
-  /// or the disk fails.
+  /// Fills `into` with the bytes from `offset` on. Returns false beyond the file's end or if the
+  /// disk fails.
   bool read(std::uint64_t offset, std::span<std::uint8_t> into) const;
 
   /// Returns access to this file's bytes for a parser. The InputFile must outlive the result.

@@ -38,8 +38,7 @@ bool decode_jpeg(std::span<const std::uint8_t> bytes, ColorImage& image) {
   }
   if (width != image.width() || height != image.height()) return false;
   auto* const to = reinterpret_cast<std::uint8_t*>(image.data());
-  // The number of scans is limited, because each scan passes over the whole picture and needs few
-  // bytes.
+  // The number of scans is limited, since each one costs much time and few bytes.
   return tjDecompress2(codec.get(), bytes.data(), bytes.size(), to, width, 0, height, TJPF_RGB,
                        TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS) == 0 ||
          tjGetErrorCode(codec.get()) == TJERR_WARNING;

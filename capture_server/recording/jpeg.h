@@ -1,8 +1,8 @@
 #pragma once
 
 // Encodes and decodes the JPEG pictures of recordings, by libjpeg-turbo with its exact transform.
-// All programs that use this library write the same bytes. Decoded pixels are the same as in
-// OpenNI2's player.
+// All programs that use this library write the same bytes. OpenNI2's player decodes the same
+// pixels.
 // Thread: one thread at a time per object.
 
 #include <cstdint>

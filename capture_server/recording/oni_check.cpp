@@ -28,8 +28,7 @@ std::size_t steps_without_time(const RecordedStream& stream) {
 double usual_period_us(const RecordedStream& stream) {
   const auto& times = stream.timestamps_us;
   const double nominal = 1e6 / std::max(stream.frames_per_second, 1);
-  // If more than a fourth of the times do not increase, the other steps are no frame periods
-  // either.
+  // If more than a fourth of the times do not increase, no step is a usable frame period.
   if (times.size() < 2 || 4 * steps_without_time(stream) > times.size() - 1) return nominal;
   std::vector<std::uint64_t> steps;
   for (std::size_t i = 1; i < times.size(); ++i) {

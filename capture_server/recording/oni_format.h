@@ -1,6 +1,6 @@
 #pragma once
 
-// The .oni file format of OpenNI 2, as far as this project reads and writes it. All numbers are
+// The .oni file format of OpenNI 2, as far as this project reads and writes it. Numbers are
 // little-endian.
 //
 //   file     header, then records up to kEnd

@@ -54,8 +54,7 @@ struct RecoveredRecording {
 };
 
 /// Searches a recording of `bytes.size()` bytes. `name` is the recording's name in messages.
-/// Fails with kCorrupt or kUnsupported if it is no recording, or damaged before the first stream is
-/// defined.
+/// Fails with kCorrupt or kUnsupported if no stream of a recording is defined in it.
 Result<RecoveredRecording> recover(RecordBytes& bytes, const std::string& name);
 
 }  // namespace copresence::recording

@@ -35,7 +35,7 @@ struct OniContent {
   std::optional<ColorCoding> color = ColorCoding::kJpeg;
   int jpeg_quality = 90;  ///< Quality of JPEG colour, 1 to 100.
   int frames_per_second = 30;
-  /// Largest depth value, by which viewers size tables. The default is kMaxDepthMillimetre or
+  /// Largest depth value, by which viewers size tables. By default kMaxDepthMillimetre or
   /// kMaxDepth100Micrometres.
   std::optional<std::uint16_t> max_depth = std::nullopt;
   /// Microseconds from 1970 (UTC) to the recording's time zero, if known before the first frame.
@@ -59,11 +59,11 @@ class OniWriter {
   Result<void> note_unix_zero(std::int64_t unix_zero_us);
 
   /// Writes one depth picture in the unit and size of the content. `timestamp` is on the device's
-  /// clock, at least 0 and not before that of the stream's previous frame. After a failure the file
-  /// is unchanged.
+  /// clock, at least 0 and not before the stream's previous frame. After a failure the file is
+  /// unchanged.
   /// Fails with kInvalid on a wrong size, time or depth. Fails with kUnsupported if the coding
-  /// cannot represent the picture. Fails with kUnavailable if the disk is full or the file has its
-  /// maximum size.
+  /// cannot represent the picture. Fails with kUnavailable if the disk is full or the file too
+  /// large.
   Result<void> write_depth(std::chrono::microseconds timestamp, const DepthImage& depth);
 
   /// Writes one colour picture of the colour camera's size. Requires that the content has colour.
@@ -74,9 +74,9 @@ class OniWriter {
   /// bytes are stored unchanged. Requires ColorCoding::kJpeg.
   Result<void> write_jpeg(std::chrono::microseconds timestamp, std::span<const std::uint8_t> jpeg);
 
-  /// Completes the file up to here, so that it plays even if the program dies. A call takes a
-  /// hundred bytes of the file if frames were written since the last call. Fails with kUnavailable
-  /// if the disk is full.
+  /// Completes the file up to here, so that it plays even after a crash. A call takes a hundred
+  /// bytes of the file if frames were written since the last call. Fails with kUnavailable if the
+  /// disk is full.
   Result<void> checkpoint();
 
   /// Writes seek tables and counts, and closes the file. Call it once, last. If the disk has no

@@ -1,7 +1,7 @@
 #pragma once
 
-// Writes the file of a recording. Bytes are appended or overwritten. Every failure has a sentence
-// for the user.
+// Writes the file of a recording. Bytes are appended or overwritten. Failures are sentences for the
+// user.
 // Thread: one thread at a time.
 
 #include <cstdint>
@@ -21,13 +21,12 @@ enum class Existing {
 class OutputFile {
  public:
   /// Creates the file. If several processes create the same name with kKeep, exactly one of them
-  /// succeeds. A device or a named pipe is opened without being emptied.
-  /// Fails with kInvalid if the file exists and `existing` is kKeep. Fails with kUnavailable if the
-  /// file cannot be written.
+  /// succeeds. Devices and named pipes are opened without being emptied.
+  /// Fails with kInvalid if the file exists and `existing` is kKeep. Fails with kUnavailable if
+  /// writing fails.
   static Result<OutputFile> create(const std::string& path, Existing existing = Existing::kKeep);
   /// Creates `path`, or the first of `name-2.ext`, `name-3.ext` and so on that does not exist yet.
-  /// Fails with kInvalid if 10 000 names are taken, and with kUnavailable if the file cannot be
-  /// written.
+  /// Fails with kInvalid if 10 000 names are taken, and with kUnavailable on a failed write.
   static Result<OutputFile> create_numbered(const std::string& path);
   /// Opens an existing file to change it in place. Fails with kNotFound or kUnavailable.
   static Result<OutputFile> open(const std::string& path);
@@ -43,8 +42,7 @@ class OutputFile {
   /// Fails with kUnavailable if the disk is full or removed, or if the file has its maximum size.
   Result<void> append(std::span<const std::uint8_t> bytes);
 
-  /// Overwrites bytes of the file. Requires offset + bytes.size() <= size(). Fails as append()
-  /// does.
+  /// Overwrites bytes of the file. Requires offset + bytes.size() <= size(). Fails like append().
   Result<void> write_at(std::uint64_t offset, std::span<const std::uint8_t> bytes);
 
   /// Cuts the file off at `size`. Requires size <= size().
@@ -54,7 +52,7 @@ class OutputFile {
   Result<void> close();
 
   /// Deletes a file that could not be completed. Call discard() instead of close(). Devices and
-  /// named pipes stay.
+  /// pipes stay.
   void discard();
 
  private:

@@ -1,7 +1,6 @@
 #pragma once
 
-// Gives parsers access to the bytes of a recording in any order, with bounds checks and little
-// memory.
+// Gives parsers access to a recording's bytes in any order, with bounds checks and little memory.
 // Thread: one thread at a time.
 
 #include <cstdint>
@@ -40,8 +39,8 @@ class RecordBytes {
   std::uint64_t window_at_ = 0;
 };
 
-/// Reads the fields of one record in order, little-endian. After a read beyond the end, ok() and
-/// whole() stay false.
+/// Reads the fields of one record in order, little-endian. After a read beyond the end, ok() is
+/// false.
 class FieldReader {
  public:
   explicit FieldReader(std::span<const std::uint8_t> fields) : left_(fields) {}
@@ -50,8 +49,7 @@ class FieldReader {
   std::uint64_t u64() { return number(8); }
   double f64();
 
-  /// Reads a length that includes the final NUL, then printable ASCII text. Returns the text
-  /// without the NUL.
+  /// Reads a length that includes the final NUL, then printable ASCII text. Returns the text only.
   std::string_view text();
 
   /// Reads a length and then that many bytes.

@@ -101,8 +101,7 @@ bool StreamFormat::apply(Kind kind, RecordType type, std::string_view key,
     field_of_view = {angle(width), angle(height)};
     return fields.whole() && is_sane(*field_of_view);
   }
-  // The player looks only at the key, so it would misread a property of another type with one of
-  // these keys.
+  // The player looks only at these keys, so it would misread a property of another type.
   constexpr std::string_view kKnown[] = {"xnMapOutputMode",      "xnPixelFormat", "oniPixelFormat",
                                          "oniRequiredFrameSize", "xnCropping",    "xnFOV",
                                          "xnDeviceMaxDepth"};

@@ -28,14 +28,14 @@ struct StreamFormat {
   bool apply(RecordedStream::Kind kind, RecordType type, std::string_view key,
              std::span<const std::uint8_t> value);
 
-  /// Fills in `stream` once all its properties have been applied. `stream` must already have its
-  /// kind and codec.
+  /// Fills in `stream` once all its properties have been applied. Requires the kind and codec of
+  /// `stream`.
   /// Fails with kCorrupt or kUnsupported. The message is a phrase that begins with the stream's
   /// name, for a sentence about the file.
   Result<void> describe(RecordedStream& stream) const;
 
-  /// The maximum size of a coded frame in bytes. With codec NONE the size is exact. Requires that
-  /// describe() succeeded.
+  /// The maximum size of a coded frame in bytes. With codec NONE the size is exact. Call describe()
+  /// first.
   std::uint64_t max_payload(std::string_view codec, RecordedStream::Kind kind) const;
 
   friend bool operator==(const StreamFormat&, const StreamFormat&) = default;

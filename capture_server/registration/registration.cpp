@@ -24,8 +24,7 @@ int rounded(float value) {
   return static_cast<int>(value + 0.5f);  // NOLINT(bugprone-incorrect-roundings)
 }
 
-/// The bilinearly interpolated colour at (u, v). Requires u from 0 to width - 1 and v from 0 to
-/// height - 1.
+/// The bilinearly interpolated colour at (u, v). Requires 0 <= u <= width - 1, and v likewise.
 Rgb8 sample(const ColorImage& color, float u, float v) {
   const int x = std::min(static_cast<int>(u), color.width() - 2),
             y = std::min(static_cast<int>(v), color.height() - 2);

@@ -4,8 +4,7 @@
 // is looked up where its point appears in the colour camera. Depth is never resampled: levels,
 // states and holes stay as they were measured, as depth codecs require.
 //
-// If the driver delivers depth as seen by the colour camera, or if there is no colour, frames pass
-// unchanged.
+// Frames pass unchanged if there is no colour or if depth is already seen by the colour camera.
 //
 // Thread: one thread at a time per object.
 
@@ -42,13 +41,11 @@ class Registration {
   bool passes_through() const { return mapping_ == Mapping::kNone; }
 
   /// Returns the frame with colour of the same size and camera model as its depth. Depth and states
-  /// are unchanged. Requires a depth image of model()'s size. Colour of an unexpected size is
-  /// dropped.
+  /// are unchanged. Requires a depth image of model()'s size. Other sizes of colour are dropped.
   ///
   /// The colour camera cannot see a pixel that lies outside its picture or behind something nearer.
   /// The pixel then takes the colour of the nearest visible pixel of its row at a similar depth. A
-  /// hole is assumed to lie on the farther of the surfaces next to it in its row, as an occlusion
-  /// shadow does.
+  /// hole is assumed to lie on the farther of the surfaces next to it in its row.
   /// Source: thesis section 3.1 (last part), equations 2.1 to 2.4.
   RgbdFrame apply(RgbdFrame frame);
 
@@ -74,8 +71,7 @@ class Registration {
   /// Size of one depth pixel in the nearest-depth image: width and height in pixels.
   int footprint_ = 2;
 
-  // Per depth pixel, row by row: its ray in the colour camera's frame, and its position in the
-  // colour picture.
+  // Per depth pixel: its ray in the colour camera's frame and its position in the colour picture.
   std::vector<float> ray_x_, ray_y_, ray_z_;
   std::vector<float> u_, v_, z_;
   std::vector<float> row_z_;  ///< Assumed depths of one row, metres.

@@ -19,11 +19,10 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr Duration kStallAfter = std::chrono::seconds(1);
-// The first frame takes longer than later ones, since a Kinect's projector and exposure have to
-// settle.
+// The first frame takes longer, since a Kinect's projector and exposure have to settle.
 constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
 constexpr int kSliceMs = 50;  // Longest delay of a stop request.
-// The longest silence that a single wait can count as. A longer wait means that the process was
+// The longest silence that a single wait can count as. If it took longer, the process was
 // suspended.
 constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;
@@ -49,8 +48,7 @@ class GoneListener final : public openni::OpenNI::DeviceDisconnectedListener {
   std::atomic<bool> gone_ = false;
 };
 
-// The drivers that a process needs for one camera. An installed driver may also serve PrimeSense's
-// cameras.
+// The drivers that a process needs for one camera. Installed drivers may serve PrimeSense cameras.
 std::string_view drivers_for(std::string_view uri) {
   if (uri.empty()) return drivers::kRealCameras;
   const std::string_view driver = drivers::driver_of(uri);
@@ -219,8 +217,7 @@ Result<void> DeviceSource::begin_projector() {
 Result<void> DeviceSource::begin_controls() {
   if (!controls_.exposure && !controls_.white_balance) return {};
   openni::CameraSettings* settings = description_.has_color ? color_.getCameraSettings() : nullptr;
-  // Automatic exposure and white balance run until they have settled; fix_controls() then fixes
-  // their values.
+  // Automatic exposure and white balance run until fix_controls() fixes the settled values.
   if (!settings || (controls_.exposure && settings->setAutoExposureEnabled(true) != openni::STATUS_OK) ||
       (controls_.white_balance && settings->setAutoWhiteBalanceEnabled(true) != openni::STATUS_OK)) {
     return fail(
@@ -283,8 +280,8 @@ Result<DeviceSource::Synchronizer::Pair> DeviceSource::next_pair(const std::stop
       time.look(kMostALook) + others + (counters_.frames ? kStallAfter : kFirstFrameAfter);
   Instant waits_until = Instant::max();  // End of the wait for colour.
   while (true) {
-    // A camera may send no depth while its projector is off. The gap in the camera's frame numbers
-    // is then no loss.
+    // A camera may send no depth while its projector is off. The gap in its frame numbers is then
+    // no loss.
     if (projector_ && projector_->follow_schedule()) last_index_[0] = 0;
     const Instant now = steady_clock::now();
     const bool may_wait = description_.has_color && now < waits_until;
@@ -349,8 +346,7 @@ Result<std::unique_ptr<FrameSource>> open_device(const std::string& uri, const C
 
 Result<std::unique_ptr<FrameSource>> open_reconnecting_device(const std::string& uri,
                                                               const CameraControls& controls) {
-  // OpenNI2 and its drivers stay active while the camera is absent, so that they notice when it
-  // returns.
+  // OpenNI2 and its drivers stay active while the camera is absent, to notice its return.
   const auto session = std::make_shared<const OpenNiSession>(drivers_for(uri));
   return ReconnectingSource::open([session, wanted = uri, controls]() mutable {
     auto source = open_device(wanted, controls);

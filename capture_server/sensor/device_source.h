@@ -13,8 +13,8 @@ namespace copresence::sensor {
 
 /// Opens a camera. `uri` is a URI that capture_server --list shows after "openni:", or empty for
 /// the first camera found. The modes are depth at 640x480 and 30 frames a second, or the nearest
-/// mode, and RGB888 of the same size. If the device can, it registers depth to colour and exposes
-/// both at the same time.
+/// mode, and RGB888 of the same size. Depth is registered to colour and both are exposed at once,
+/// if the device can do so.
 /// Fails with kNotFound if there is no such camera. Fails with kUnavailable if another program
 /// holds it or a permission is missing. Fails with kUnsupported without depth, without a requested
 /// control, or if OpenNI2 does not start.

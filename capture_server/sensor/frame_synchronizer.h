@@ -36,13 +36,12 @@ class FrameSynchronizer {
             pair.color_again};
   }
 
-  /// Pictures within half a depth period belong to one instant. A colour picture up to `reuse_us`
-  /// away may be repeated.
+  /// Pictures within half a depth period belong to one instant. Colour up to `reuse_us` away is
+  /// repeated.
   FrameSynchronizer(std::int64_t half_period_us, std::int64_t reuse_us)
       : half_period_us_(half_period_us), reuse_us_(reuse_us) {}
 
-  /// Adds a picture. Timestamps of one stream must not decrease, and both streams have the same
-  /// time zero.
+  /// Adds a picture. Timestamps of a stream must not decrease; both streams have one time zero.
   void add_depth(std::int64_t timestamp_us, Picture picture) {
     depth_.push_back({timestamp_us, std::move(picture), false});
   }
@@ -54,8 +53,7 @@ class FrameSynchronizer {
   bool has_depth() const { return !depth_.empty(); }
   std::size_t waiting() const { return depth_.size(); }
 
-  /// Takes the oldest depth picture. Returns nothing if `may_wait` is true and the picture has to
-  /// wait for colour.
+  /// Takes the oldest depth picture. Nothing if `may_wait` is true and it has to wait for colour.
   std::optional<Pair> take(bool may_wait) {
     if (depth_.empty()) return std::nullopt;
     const std::int64_t timestamp = depth_.front().timestamp_us;

@@ -103,8 +103,7 @@ std::optional<Rigid3> pose_of(const openni::Device& device) {
 
 std::vector<std::uint16_t> levels_of(const openni::VideoStream& depth) {
   // Some drivers require exactly the size of their table, which is 2048 entries in all drivers
-  // seen. Other drivers ignore the size that they are given, so the buffer has room for the largest
-  // table.
+  // seen. Other drivers ignore the given size, so the buffer has room for the largest table.
   constexpr std::size_t kUsual = 2048, kLargest = 65536;
   std::vector<std::uint16_t> levels(kLargest);
   for (const std::size_t entries : {kUsual, kLargest}) {

@@ -17,8 +17,7 @@
 namespace copresence::sensor {
 
 /// OpenNI2 is initialised while at least one object of this class exists. The first object decides
-/// which camera drivers are active (drivers/contract/driver_choice.h) until the last object is
-/// destroyed.
+/// until the last one is destroyed which camera drivers are active (driver_choice.h).
 /// Thread: while the first object is created, no other thread may read or write the environment.
 class OpenNiSession {
  public:
@@ -38,8 +37,7 @@ class OpenNiSession {
 };
 
 /// Gives the driver's threads time to leave the streams of a device. It waits until this process's
-/// threads had 50 ms of CPU time, at most 400 ms. Call this function between stopping streams and
-/// destroying them.
+/// threads had 50 ms of CPU time, at most 400 ms. Call it between stopping and destroying streams.
 void let_threads_leave();
 
 /// OpenNI2's message about its last error on one line, or "no reason given".
@@ -53,8 +51,8 @@ bool is_usable(const openni::VideoMode& mode, bool is_depth);
 std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
                                              int height);
 
-/// The stream's camera model, from the device's intrinsics or its field of view. Without either,
-/// the model is a Kinect's.
+/// The stream's camera model, from the device's intrinsics or its field of view. Otherwise it is a
+/// Kinect's.
 CameraModel camera_of(const openni::VideoStream& stream);
 
 /// The pose world_from_camera. Returns nothing if the device does not know its pose.
@@ -67,8 +65,7 @@ std::vector<std::uint16_t> levels_of(const openni::VideoStream& depth);
 /// True if a frame has the size that its stream advertised. OpenNI2 also delivers truncated frames.
 bool is_whole(const openni::VideoFrameRef& frame, const CameraModel& camera, int bytes_per_pixel);
 
-/// Copies a picture into a frame. Requires is_whole(), with 2 bytes per pixel for depth and 3 for
-/// colour.
+/// Copies a picture. Requires is_whole(), with 2 bytes per pixel for depth and 3 for colour.
 void copy_depth(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into);
 void copy_color(const openni::VideoFrameRef& frame, const CameraModel& camera, RgbdFrame& into);
 

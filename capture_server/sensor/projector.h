@@ -17,8 +17,7 @@ namespace copresence::sensor {
 
 class Projector {
  public:
-  /// `device` is open and outlives this object. `period` is the time between two frames of the
-  /// device.
+  /// `device` is open and outlives this object. `period` is the time between two frames.
   Projector(openni::Device& device, const ProjectorSlot& slot, Duration period)
       : device_(device), schedule_(slot), settles_(2 * period) {}
   /// Switches the projector on, because it was on at the start.
@@ -40,8 +39,7 @@ class Projector {
   /// True if a depth picture received at `at` was exposed while this camera's projector was on. A
   /// picture is exposed and then transferred, so the first such picture arrives two periods after
   /// the projector was switched on. The last such picture arrives with the end of the time slot.
-  /// Call this function on arrival of the picture, because the result also depends on the present
-  /// time.
+  /// Call it on arrival of the picture, since the result depends on the present time.
   bool is_exposed(Instant at) const;
 
  private:

@@ -28,8 +28,7 @@ struct ProjectorSlot {
   /// Length of a round. Every camera has one slot in each round.
   constexpr std::chrono::milliseconds round() const { return length * count; }
 
-  /// True if the slot can be used. A round must be shorter than the time after which a silent
-  /// camera counts as stalled.
+  /// True if the slot can be used. A round must be shorter than the silence of a stalled camera.
   constexpr bool is_sensible() const {
     return count >= 1 && count <= kMost && index >= 0 && index < count && length >= kShortest &&
            round() <= kLongestRound;
@@ -50,8 +49,7 @@ class ProjectorSchedule {
            now % slot_.length < slot_.length - kGuard;
   }
 
-  /// Time from `now` to the next change of is_on() or to the end of the present slot, whichever
-  /// comes first.
+  /// Time from `now` to the next change of is_on() or the end of the slot, whichever is first.
   Time until_change(Time now) const {
     const Time into_slot = now % slot_.length;
     return (is_on(now) ? slot_.length - kGuard : Time(slot_.length)) - into_slot;

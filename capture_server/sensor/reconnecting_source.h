@@ -15,8 +15,7 @@ class ReconnectingSource final : public FrameSource {
  public:
   using Open = std::function<Result<std::unique_ptr<FrameSource>>()>;
 
-  /// Time between two attempts to open a missing camera. The camera must be back within a second of
-  /// being plugged in.
+  /// Time between two attempts to open a missing camera. A camera must be back within a second.
   static constexpr std::chrono::milliseconds kBetweenTries{250};
 
   /// Fails as `open` does. A camera that is missing at the first attempt is an error.

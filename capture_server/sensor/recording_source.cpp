@@ -18,8 +18,7 @@ namespace {
 using recording::RecordedStream;
 using std::chrono::steady_clock;
 
-// next() returns after at most this time: with a frame, or with an error after which the recording
-// plays on.
+// next() returns after at most this time, with a frame or with an error that is not final.
 constexpr Duration kSignOfLife = std::chrono::seconds(1);
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::size_t kDepthsAhead = 4;  // Number of depth frames by which colour may lag behind in the file.

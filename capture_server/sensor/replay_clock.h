@@ -1,8 +1,7 @@
 #pragma once
 
-// Computes when the frames of a replay are due. They are due by the recording's timestamps
-// (playback_schedule.h), or in sync with the session's other replays on this machine
-// (session_clock.h).
+// Computes when the frames of a replay are due. They follow the timestamps (playback_schedule.h) or
+// the other replays of their session (session_clock.h).
 // Thread: one thread at a time.
 
 #include <cstdint>

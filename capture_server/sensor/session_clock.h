@@ -32,8 +32,7 @@ struct SessionSpan {
   bool overlaps(const SessionSpan& other) const { return from_us < other.to_us && other.from_us < to_us; }
 };
 
-/// Maps a session's instants to the steady clock. A replay with --loop repeats the session in
-/// rounds.
+/// Maps a session's instants to the steady clock. A replay with --loop repeats them.
 class SessionTimeline {
  public:
   /// `span` is the session's time span, and its first instant is due at `begin`.
@@ -74,8 +73,7 @@ class SessionClock {
   /// replayed or the file cannot be created. The replay is then not synchronised.
   static std::optional<SessionClock> join(const std::string& folder, const SessionSpan& own, Instant begin);
 
-  /// Returns $XDG_RUNTIME_DIR, or a folder of this user in /tmp. The result is empty if neither can
-  /// be used.
+  /// Returns $XDG_RUNTIME_DIR, or a folder of this user in /tmp. Empty if neither is usable.
   static std::string default_folder();
 
   SessionClock(SessionClock&& other) noexcept;

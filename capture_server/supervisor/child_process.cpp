@@ -266,8 +266,7 @@ std::optional<ChildEnd> ChildProcess::look_at_threads(nanoseconds step) {
   return std::nullopt;
 }
 
-// Kills the child and waits at most kKilledWithin, because the kernel may keep a process that waits
-// for a device.
+// Kills the child and waits at most kKilledWithin: a process that waits for a device may stay.
 void ChildProcess::kill_at_once() const {
   ::kill(id_, SIGKILL);
   for (const auto until = Clock::now() + kKilledWithin; Clock::now() < until;) {

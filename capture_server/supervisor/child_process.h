@@ -93,8 +93,7 @@ class Countdown {
   std::chrono::nanoseconds passed() const { return passed_; }
 
   /// Adds `step` and returns true if the limit has passed. The limit is `usual` plus the time in
-  /// which the child got no CPU, at most `most`. `starved` returns that time and is called only
-  /// after a fourth of `usual`.
+  /// which the child got no CPU, at most `most`. `starved` returns that time.
   bool is_over(std::chrono::nanoseconds step, std::chrono::nanoseconds usual, std::chrono::nanoseconds most,
                const std::function<std::chrono::nanoseconds()>& starved);
 

@@ -1,7 +1,6 @@
 #pragma once
 
-// Evaluates how child processes ended: it writes the messages and decides whether to start another
-// child.
+// Evaluates the ends of child processes and decides whether to start another child.
 // Thread: the supervisor's only thread.
 
 #include <chrono>
@@ -15,8 +14,7 @@ namespace copresence::server {
 /// Prints a sentence on standard error.
 void say(const std::string& sentence);
 
-/// Describes the end of a child as the beginning of a sentence: "x.oni: capture crashed (...) after
-/// 12 frames".
+/// Describes the end of a child in half a sentence: "x.oni: capture crashed (...) after 12 frames".
 std::string what_happened(const SupervisorPolicy& policy, const ChildEnd& end);
 
 /// The crashes and hangs of several children in a row.
@@ -24,8 +22,8 @@ class CrashHistory {
  public:
   explicit CrashHistory(const SupervisorPolicy& policy) : policy_(policy) {}
 
-  /// The reason why no other child is started, as the end of a sentence. Returns nothing if another
-  /// child is started.
+  /// The reason why no other child is started, as the end of a sentence. Nothing if another is
+  /// started.
   std::optional<std::string> verdict(const ChildEnd& end, std::chrono::nanoseconds lived);
 
   /// The pause before the next child.

@@ -29,8 +29,7 @@ void note_and_pass_on(int number, siginfo_t* info, void*) {
     noted_in->sender = was_sent ? info->si_pid : 0;
   }
   ::sigaction(number, &actions_before[number], nullptr);
-  // A fault occurs again after the return. A signal that was sent does not occur again, so it is
-  // raised again.
+  // A fault occurs again after the return. A sent signal does not, so it is raised again.
   if (info->si_code <= 0) ::raise(number);
 }
 

@@ -56,8 +56,7 @@ enum class Stage : int {
   kEnding,     ///< Completes the work in progress.
 };
 
-/// The shared memory. The parent creates the memory before the child starts. Initially all bytes
-/// are zero.
+/// The shared memory. The parent creates it before the child starts. Initially all bytes are zero.
 struct ChildReport {
   static constexpr std::size_t kMostThreads = 8;
 
@@ -121,8 +120,7 @@ class Heartbeat {
 
   void enter(Stage stage) { report_.stage = stage; }
 
-  /// Reports the number of captured frames. The number shows at which place in a recording a crash
-  /// happens.
+  /// Reports the number of captured frames. It shows where in a recording a crash happens.
   void captured(std::uint64_t frames) { report_.frames.store(frames, std::memory_order_relaxed); }
 
   const Predecessor& predecessor() const { return predecessor_; }
@@ -143,13 +141,12 @@ class Heartbeat {
     ChildReport* report_;
   };
 
-  /// Begins an activity. `what` describes the activity, such as "reading the scene file lab.toml".
-  /// `remedy` is the advice after repeated crashes, such as "mend that file". Only one activity may
-  /// exist at a time.
+  /// Begins an activity, of which only one may exist at a time. `what` describes the activity, such
+  /// as "reading the scene file lab.toml". `remedy` is the advice after repeated crashes, such as
+  /// "mend that file".
   [[nodiscard]] Activity doing(std::string_view what, std::string_view remedy);
 
-  /// Installs handlers that write fatal signals (SIGSEGV, SIGABRT and others) into the report
-  /// before the process ends.
+  /// Installs handlers that write fatal signals (SIGSEGV and others) into the report.
   void note_crashes();
 
  private:

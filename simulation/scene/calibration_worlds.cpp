@@ -16,8 +16,7 @@ constexpr float kBorder = 1.3f;        // Side of the white board, as a multiple
 constexpr float kThickness = 0.01f;    // Thickness of a hanging board, in metres.
 constexpr float kInkOffset = 0.0004f;  // Distance of the ink from the board, in metres.
 
-// The markers with ids 0 to 15 of OpenCV's DICT_4X4_50, row by row from the top left. A bit of 1 is
-// a white cell.
+// The markers with ids 0 to 15 of OpenCV's DICT_4X4_50, row by row from the top left. 1 is white.
 constexpr std::array<std::uint16_t, 16> kBits{0xB532, 0x0F9A, 0x332D, 0x9946, 0x549E, 0x79CD, 0x9E2E, 0xC4F2,
                                               0xFEDA, 0xCF56, 0xF991, 0x11A7, 0x0EB7, 0x2A0F, 0x24B1, 0x263E};
 

@@ -37,8 +37,7 @@ inline constexpr float kMovingSquare = 0.04f, kStillSquare = 0.09f;  // In metre
 /// The function adds the board's materials to `scene`.
 Figure make_moving_board(Scene& scene);
 
-/// The world "still-board": a larger chessboard in the middle of the room that faces cameras 0 and
-/// 1.
+/// The world "still-board": a larger chessboard in the room's middle that faces cameras 0 and 1.
 Scene make_still_board_room();
 
 }  // namespace copresence::simulation

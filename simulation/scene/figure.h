@@ -20,8 +20,7 @@ struct Capsule {
 };
 
 struct Figure {
-  /// Each part has its own frame. The joint of a limb is at the origin, and the limb extends along
-  /// +y.
+  /// Each part has its own frame. A limb's joint is at the origin, and the limb extends along +y.
   std::vector<Mesh> parts;
   std::vector<Capsule> capsules;  ///< One capsule per part, in the frame of the part.
 
@@ -39,8 +38,7 @@ struct Figure {
 
 struct Scene;
 
-/// An adult of 1.75 m in a plaid shirt, jeans and shoes. The function adds the person's materials
-/// to `scene`.
+/// An adult of 1.75 m in a plaid shirt, jeans and shoes. Adds its materials to `scene`.
 Figure make_person(Scene& scene);
 
 }  // namespace copresence::simulation

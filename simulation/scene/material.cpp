@@ -38,16 +38,14 @@ std::int32_t step_of(float light) {
   return static_cast<std::int32_t>(std::min(std::sqrt(std::max(light, 0.0f)) * kSteps, kLastStep));
 }
 
-// Calls paint(i, x, y) for every point i. x and y are the point's coordinates in cells of the
-// pattern.
+// Calls paint(i, x, y) for every point i with its coordinates in cells of the pattern.
 template <class Paint>
 void for_each_point(const Material& m, const SurfacePoints& points, Paint&& paint) {
   const float* __restrict u = points.u.data();
   const float* __restrict v = points.v.data();
   const std::size_t n = points.u.size();
   const float scale = m.scale;
-  // GCC ignores __restrict on local pointers here. Without ivdep the loop does not become vector
-  // code.
+  // GCC ignores __restrict on local pointers here. The loop needs ivdep to become vector code.
 #pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) paint(i, u[i] / scale, v[i] / scale);
 }
@@ -178,8 +176,8 @@ void face(const Material& m, const SurfacePoints& points, const Colors& out) {
   }
 }
 
-// Returns the share of the accent colour in wood whose grain runs along u. Coordinates are measured
-// in cells of the pattern.
+// Returns the share of the accent colour in wood whose grain runs along u. Coordinates are in
+// cells.
 inline float grain(float along, float across) {
   const float rings =
       value_noise(0.35f * along, 4 * across, 11) + 0.5f * value_noise(1.2f * along, 14 * across, 12);

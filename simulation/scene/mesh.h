@@ -4,7 +4,7 @@
 //
 // Units are metres. The world frame is x right, y down, z forward, with the floor at y = 0. So
 // objects on the floor have negative y. Light is stored per vertex, so faces are divided into cells
-// of at most `cell` metres.
+// of up to `cell` metres.
 //
 // Thread: one thread at a time per object.
 

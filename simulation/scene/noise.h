@@ -12,8 +12,7 @@
 
 namespace copresence::simulation {
 
-/// Mixes 32 bits: each input bit flips half of the output bits on average. Source: Wellons,
-/// lowbias32.
+/// Mixes 32 bits: each input bit flips about half of the output bits. Source: Wellons, lowbias32.
 constexpr std::uint32_t mix(std::uint32_t x) {
   x ^= x >> 16;
   x *= 0x7FEB352Du;

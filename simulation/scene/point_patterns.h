@@ -35,8 +35,7 @@ inline float step(float edge, float x, float width) {
   return clamp_to_unit((x - edge) / width + 0.5f);
 }
 
-// Returns 1 on a line of the given half width around x = 0, and 0 elsewhere. The edges are `soft`
-// wide.
+// Returns 1 on a line of the given half width around x = 0, and 0 elsewhere. Edges are `soft` wide.
 inline float line(float x, float half_width, float soft) {
   return 1 - step(half_width, std::abs(x), soft);
 }

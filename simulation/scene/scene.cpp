@@ -35,8 +35,7 @@ Result<Scene> make_scene(std::string_view name) {
 double phase_of_frame(std::uint64_t frame, std::uint64_t frames) {
   assert(frames > 0);
   const std::uint64_t periods = std::max<std::uint64_t>(1, (frames + kPeriodFrames / 2) / kPeriodFrames);
-  // The integer remainder is taken first, so that `frame` and `frame` + `frames` give the same
-  // double.
+  // With the integer remainder first, `frame` and `frame` + `frames` give the same double.
   return static_cast<double>(frame * periods % frames) / static_cast<double>(frames);
 }
 

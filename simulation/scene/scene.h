@@ -63,8 +63,7 @@ Scene make_room();
 inline constexpr int kPeriodFrames = 60;
 
 /// The phase of frame `frame` (from 0) of a recording of `frames` frames that loops without a seam.
-/// The period is stretched so that a whole number of periods fills the recording. Requires frames >
-/// 0.
+/// The period is stretched to fill the recording a whole number of times. Requires frames > 0.
 double phase_of_frame(std::uint64_t frame, std::uint64_t frames);
 
 inline constexpr int kMostKinects = 8;
@@ -74,8 +73,7 @@ inline constexpr int kMostKinects = 8;
 /// it. Requires `count` from 1 to kMostKinects.
 std::vector<Rigid3> kinect_poses(int count);
 
-/// Returns the upright pose at `eye` that faces `target`. Requires that neither point is vertically
-/// above the other.
+/// Returns the upright pose at `eye` that faces `target`. Requires that neither is above the other.
 Rigid3 look_from(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
 
 }  // namespace copresence::simulation

@@ -2,8 +2,7 @@
 
 // The difference between a camera's colours and the scene's: exposure, gain, offset, gamma and
 // crosstalk of the channels, vignetting, and noise. The parameters are random values from a seed.
-// Cameras differ as much as two Kinects whose automatic exposure and white balance see different
-// parts of a room.
+// Cameras differ like two Kinects that see different parts of a room.
 // Thread: const functions are safe on any thread.
 
 #include <Eigen/Core>
@@ -33,8 +32,7 @@ class ColorResponse {
   /// Applies everything except noise. Requires images of the size given to the constructor.
   void apply_response(const ColorImage& truth, NoiseFreeColors& colors) const;
 
-  /// Writes the picture of frame `frame` row by row. Requires `colors` and `picture` of the size
-  /// given to the constructor.
+  /// Writes the picture of frame `frame` row by row. Both must have the constructor's size.
   void add_noise(const NoiseFreeColors& colors, std::uint64_t frame, std::span<Rgb8> picture) const;
 
   /// Returns the response to one colour without noise and vignetting, with channels from 0 to 1.

@@ -7,8 +7,7 @@
 namespace copresence::simulation {
 namespace {
 
-// Finds runs of pixels that differ. A short gap is made part of a run, which costs less than
-// another run.
+// Finds runs of pixels that differ. Short gaps are made part of a run, which costs less.
 template <class Pixel, class Runs>
 void find_runs(const Image<Pixel>& a, const Image<Pixel>& b, Runs& runs) {
   constexpr std::uint32_t kGap = 8;

@@ -1,8 +1,7 @@
 #pragma once
 
 // A cache of the noise-free frames of one period of the figure's motion. A live camera then only
-// adds noise. Each frame is stored as its differences to the static background, about 0.6 MB at
-// 640x480.
+// adds noise. Each frame is stored as its differences to the background: 0.6 MB at 640x480.
 // Thread: one thread at a time per object.
 
 #include <cstddef>

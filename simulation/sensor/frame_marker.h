@@ -1,8 +1,7 @@
 #pragma once
 
 // Draws a frame number into a colour picture as a row of light and dark cells in the top left
-// corner. The cells survive video coding, so a program that sees the picture knows its capture
-// instant.
+// corner. The cells survive video coding, so a viewer knows the capture instant.
 // Thread: free functions on values, safe anywhere.
 
 #include <cstdint>

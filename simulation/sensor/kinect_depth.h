@@ -1,14 +1,13 @@
 #pragma once
 
-// Converts true depth to the depth of a Kinect v1, with disparity levels, correlated errors, ragged
-// edges and holes.
+// Converts true depth to a Kinect v1's: disparity levels, correlated errors, ragged edges, holes.
 //
 // A Kinect projects a pattern of infrared dots and measures their disparity. project_dots()
-// computes the exact disparity and intensity of the pattern per pixel. KinectNoise turns them into
-// depth.
+// computes the exact disparity and intensity of the pattern per pixel. KinectNoise adds errors.
 //
 // - Levels: z = kLevelConstant / k for whole k. There are 632 levels from 0.5 m to 5 m.
-// - Errors of the disparity before rounding: a fixed pattern per camera, and a part that changes with
+// - Errors of the disparity before rounding: a fixed pattern per camera, and a part that changes
+//   with
 //   each frame. Both are correlated over several pixels, because the sensor correlates windows.
 //   With the rounding, their standard deviation is half a level.
 // - Edges: depth is taken from up to two pixels away, differently in each frame.

@@ -19,8 +19,8 @@
 
 namespace copresence::simulation {
 
-/// Sample points of a pixel's colour, in pixels from its centre. No two sample points share a row
-/// or column of sub-pixels.
+/// Sample points of a pixel's colour, in pixels from its centre. No two share a sub-pixel row or
+/// column.
 inline const std::array<Eigen::Vector2f, 4> kFigureSamples{
     Eigen::Vector2f(-0.125f, -0.375f), Eigen::Vector2f(0.375f, -0.125f), Eigen::Vector2f(0.125f, 0.375f),
     Eigen::Vector2f(-0.375f, 0.125f)};

@@ -12,8 +12,7 @@ using Eigen::Vector3f;
 constexpr std::size_t kSampleCount = kFigureSamples.size();
 constexpr std::size_t kHitBatch = 512;  // Number of hits drawn at once. Their data fits into the cache.
 
-// Computes the share of a lamp's power that arrives at each point, as if all light came from the
-// centre of the lamp.
+// Computes the share of a lamp's power that arrives at each point, as if from the lamp's centre.
 void falloff(const AreaLight& light, const ShadowPoints& positions, const float* __restrict nx,
              const float* __restrict ny, const float* __restrict nz, std::span<float> shares) {
   const Vector3f front = light.front();

@@ -1,7 +1,6 @@
 #pragma once
 
-// Private to TrueCamera: the figure as one camera sees it at one instant, drawn over the static
-// view.
+// Private to TrueCamera: the figure as a camera sees it at one instant, drawn over the static view.
 // Thread: one thread at a time per object; several objects may share a scene.
 
 #include <Eigen/Core>
@@ -34,8 +33,7 @@ class FigureView {
             std::span<const Capsule> capsules, TrueView& view);
 
  private:
-  /// Surface points of the hits that are being drawn, in the world frame, in one array per
-  /// coordinate.
+  /// Surface points of the hits that are being drawn, in the world frame, one array per coordinate.
   struct Points {
     ShadowPoints positions;
     std::vector<float> normal_x, normal_y, normal_z;  // Unit length, towards the camera.

@@ -20,8 +20,7 @@
 
 namespace copresence::simulation {
 
-/// Light at a point. The part of the first lamp is separate, because the figure casts shadows in
-/// it.
+/// Light at a point. The first lamp's part is separate, because the figure shades it.
 struct Light {
   Eigen::Vector3f lamp = Eigen::Vector3f::Zero();
   Eigen::Vector3f rest = Eigen::Vector3f::Zero();
@@ -34,8 +33,7 @@ struct BakedLight {
 
 class LitScene {
  public:
-  /// Creates the scene of a world. Fails as make_scene() does, and with kUnsupported if Embree
-  /// cannot start.
+  /// Creates the scene of a world. Fails as make_scene() and make() do.
   static Result<LitScene> of_world(std::string_view name);
 
   /// Fails with kUnsupported if Embree cannot start.

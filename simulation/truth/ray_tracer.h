@@ -1,9 +1,7 @@
 #pragma once
 
-// Casts rays against triangle meshes, static or moving. Only this module uses Embree (version 3 or
-// 4).
-// Thread: build and pose a scene on one thread at a time. Tracing does not change a scene and is
-// safe on any thread.
+// Casts rays against triangle meshes, static or moving. Only this file uses Embree (3 or 4).
+// Thread: build and pose a scene on one thread at a time. Tracing is safe on any thread.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -98,8 +96,7 @@ class RayScene {
   std::unique_ptr<RTCSceneTy, FreeScene> scene_;
 };
 
-/// Rigid parts that move. Each mesh is an instance with its own pose. Several objects may share the
-/// geometry.
+/// Rigid parts that move. Each mesh is an instance with its own pose. Objects share geometry.
 class PosedScene {
  public:
   /// The geometry of the parts, which is built only once.

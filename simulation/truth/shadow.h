@@ -1,7 +1,6 @@
 #pragma once
 
-// Private to this folder: soft shadows that the capsules of a figure cast in the light of a round
-// lamp.
+// Private to this folder: soft shadows of a figure's capsules in the light of a round lamp.
 // Thread: free functions on const arguments are safe anywhere.
 
 #include <Eigen/Core>
@@ -16,8 +15,8 @@ namespace copresence::simulation {
 /// Radius of the lamp in metres. The radius determines how soft shadows are.
 inline constexpr float kLampRadius = 0.2f;
 
-/// Points that may be in shadow, in metres in the world frame. Separate arrays per coordinate let
-/// loops become vector code.
+/// Points that may be in shadow, in metres in the world frame. Separate arrays let loops become
+/// vector code.
 struct ShadowPoints {
   std::vector<float> x, y, z;
   Eigen::Vector3f lamp = Eigen::Vector3f::Zero();

@@ -37,8 +37,8 @@ StaticView::StaticView(std::shared_ptr<const LitScene> scene, const PixelRays& r
   color_ = view_.color;
 }
 
-// Adds light to the pixels from `pixel` on, for the first rays that hit the same mesh. Returns the
-// number of these rays.
+// Adds light to the pixels from `pixel` on, for the first rays that hit the same mesh. Returns how
+// many.
 std::size_t StaticView::add_light(std::span<const Ray> rays, float share, std::size_t pixel) {
   std::size_t n = 1;
   while (n < rays.size() && rays[n].mesh == rays[0].mesh) ++n;
@@ -133,8 +133,7 @@ void StaticView::trace(const PixelRays& pixels) {
   }
 }
 
-// Shadows are soft, so 2x2 pixels share one value. A block is kept only if its path to the lamp
-// passes near the figure.
+// Shadows are soft, so 2x2 pixels share one value. Only blocks that the figure may shade are kept.
 void StaticView::find_shadow_blocks(const PixelRays& pixels) {
   const Scene& scene = scene_->scene();
   if (scene_->figure().empty() || scene.lights.empty()) return;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Properties of this project's drivers in addition to OpenNI2's own. The properties' numbers do not
-// overlap with those of OpenNI2 and PrimeSense. A request with a wrong size fails with
+// Properties of this project's drivers beyond OpenNI2's own. The properties' numbers do not overlap
+// with those of OpenNI2 and PrimeSense. A request with a wrong size fails with
 // ONI_STATUS_BAD_PARAMETER.
 
 #include <array>
@@ -13,8 +13,7 @@ namespace copresence::drivers {
 inline constexpr int kPose = 0x43500001;
 using Pose = std::array<double, 12>;
 
-/// Property of a stream, read-only: fx, fy, cx and cy in pixels. Drivers that know only a field of
-/// view lack this property.
+/// Property of a stream, read-only: fx, fy, cx and cy in pixels. Drivers may lack this property.
 inline constexpr int kIntrinsics = 0x43500002;
 using Intrinsics = std::array<double, 4>;
 
@@ -23,8 +22,7 @@ using Intrinsics = std::array<double, 4>;
 /// Third-party cameras and recordings also have this property.
 inline constexpr int kDepthOfDisparity = 0x10801010;
 
-/// Property of a device, read and write, double: tilt of the camera above the horizon, -30 to 30
-/// degrees.
+/// Property of a device, read and write, double: tilt above the horizon, -30 to 30 degrees.
 inline constexpr int kTilt = 0x43500003;
 
 /// Property of a device, write-only, int: the light on its front, a value of Light.

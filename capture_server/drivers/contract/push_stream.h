@@ -60,8 +60,7 @@ class StreamOwner {
 
 class PushStream : public oni::driver::StreamBase {
  public:
-  /// `max_value` is greater than every pixel, as OpenNI2's depth recorder requires, and 0 for
-  /// colour.
+  /// `max_value` exceeds every pixel, as OpenNI2's depth recorder requires, and is 0 for colour.
   PushStream(StreamOwner& owner, OniSensorType type, std::vector<OniVideoMode> modes, int max_value);
   ~PushStream() override;
 
@@ -70,10 +69,9 @@ class PushStream : public oni::driver::StreamBase {
   void set_lens(const Lens& lens);
 
   /// One picture. The driver gets a picture, writes its pixels and sends it. A picture that is not
-  /// sent is returned to OpenNI2. While a picture exists, stop() waits for it, so the stream cannot
-  /// disappear. The stream holds no lock during this time, since OpenNI2 calls stop() and
-  /// properties under its own locks. A device may hold a lock during next_picture(), but not during
-  /// send().
+  /// sent is returned to OpenNI2. While a picture exists, stop() waits for it, so the stream stays
+  /// alive. The stream holds no lock during this time, since OpenNI2 calls stop() and properties
+  /// under its own locks. A device may hold a lock during next_picture(), but not during send().
   class Picture {
    public:
     /// All pixels of the picture, row by row from the top. The pixels are uninitialised. Requires a

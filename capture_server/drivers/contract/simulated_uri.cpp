@@ -16,8 +16,7 @@ bool read_number(std::string_view text, Number& number) {
   return problem == std::errc() && end == text.data() + text.size();
 }
 
-// Cuts `text` at the first `separator`. Returns the part before it and leaves the part after it in
-// `text`.
+// Cuts `text` at the first `separator`. Returns the part before it and keeps the rest in `text`.
 std::string_view take_until(char separator, std::string_view& text) {
   const auto at = text.find(separator);
   const std::string_view before = text.substr(0, at);

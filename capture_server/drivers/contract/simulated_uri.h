@@ -27,16 +27,14 @@ struct SimulatedUri {
   std::uint32_t seed = 1;  ///< Seed of all noise.
   bool marker = false;     ///< Draws the frame's number into the colour picture.
   std::string control;     ///< Path of a file by which tests make the camera fail, or empty.
-  /// Path of a file by which cameras share the states of their projectors. Without a file, all are
-  /// on.
+  /// File by which cameras share the states of their projectors. Without a file, all are on.
   std::string projectors;
 };
 
 /// Fails with kInvalid and a sentence that lists the possible values.
 Result<SimulatedUri> parse_simulated_uri(const std::string& uri);
 
-/// Describes all simulated cameras in one phrase: "simulated:WORLD?camera=N, N from 0 to 7, WORLD
-/// one of room, ...".
+/// All simulated cameras in one phrase: "simulated:WORLD?camera=N, N from 0 to 7, ...".
 std::string simulated_cameras();
 
 }  // namespace copresence::drivers

@@ -3,8 +3,7 @@
 // One Kinect v1 as a device of OpenNI2. All streams have 640x480 pixels and 30 frames a second.
 // Depth is in 1 mm, optionally registered to colour. The second camera gives either colour (RGB888)
 // or infrared (GRAY8). The device also has tilt, light, near mode, exposure and white balance.
-// Thread: OpenNI2 calls a device from the threads of its users. Pictures come from the device's own
-// thread.
+// Thread: OpenNI2 calls a device from the threads of its users. Pictures come from its own thread.
 
 #include <functional>
 #include <list>

@@ -78,8 +78,7 @@ class KinectDriver final : public oni::driver::DriverBase {
     return info;
   }
 
-  // Calls OpenNI2 without mutex_, because OpenNI2 may call this driver while it holds a lock of its
-  // own.
+  // Calls OpenNI2 without mutex_, because OpenNI2 may hold a lock when it calls this driver.
   void look_at_bus() {
     std::map<std::string, bool> told;  // Maps a serial number to true if it was plugged in.
     {
@@ -118,8 +117,8 @@ class KinectDriver final : public oni::driver::DriverBase {
     tell(serial, false);
   }
 
-  // Counts the devices, which is cheap. Reading serial numbers opens every device, so it is done
-  // only if the count changed.
+  // Counts the devices, which is cheap. Serial numbers are read only if the count changed, because
+  // that opens every device.
   void watch() {
     std::unique_lock lock(mutex_);
     const bool changed = lost_any_ || freenect_num_devices(bus_.get()) != devices_seen_;

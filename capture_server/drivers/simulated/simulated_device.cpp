@@ -164,8 +164,7 @@ void SimulatedDevice::create_frames(const std::stop_token& stop) {
   }
 }
 
-// Creates both pictures before it sends the first, so that a reader of one stream soon gets the
-// other.
+// Creates both pictures before it sends one, so that the second one follows at once.
 void SimulatedDevice::send_frame(std::uint64_t number, std::uint64_t timestamp_us, int index) {
   auto pictures = next_pictures();
   for (auto& [type, picture] : pictures) {

@@ -1,5 +1,4 @@
-// The driver of simulated cameras for OpenNI2. Their URIs are described in
-// contract/simulated_uri.h.
+// The driver of simulated cameras for OpenNI2. URIs: contract/simulated_uri.h.
 // Thread: OpenNI2 calls a driver from its users' threads. If a camera has a control file, one
 // thread of the driver watches that file.
 

@@ -11,9 +11,9 @@
 namespace copresence::client {
 
 /// Shows the cameras until a stop is requested, the window is closed, or `settings.frames` views
-/// are drawn. A headless client also ends once every camera has ended. All of these are success. At
-/// the end, even after a failure, it writes statistics and screenshot. The function blocks, and
-/// makes its own threads. A window requires the main thread.
+/// are drawn. A headless client also ends once every camera has ended. In all these cases, the
+/// function succeeds. At the end, even after a failure, it writes statistics and screenshot. The
+/// function blocks, and makes its own threads. A window requires the main thread.
 Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop);
 
 }  // namespace copresence::client

@@ -11,7 +11,7 @@ namespace {
 
 /// Once every camera has sent a frame, views wait at most this long for the first match of colours.
 constexpr std::chrono::milliseconds kLongestColorWait{10'000};
-/// A camera whose newest frame is older than this is ignored in the skew.
+/// A camera whose newest frame is older than this is ignored when the skew is computed.
 constexpr std::chrono::milliseconds kStopped{500};
 
 Duration seconds(double value) {

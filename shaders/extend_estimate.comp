@@ -14,7 +14,7 @@ const float kNone = 1e9;
 
 struct Source {
   vec4 surface;    // As in `surfaces`; its inverse depth is 0 if there is no source.
-  float distance;  // In blocks along the direction.
+  float distance;  // Distance in blocks along the direction.
   float slope;     // Change of the inverse depth per block towards the gap.
 };
 
@@ -24,7 +24,7 @@ bool is_surface(ivec2 at) {
   return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, textureSize(surfaces, 0))) && texelFetch(gaps, at, 0).r == 0u;
 }
 
-// Returns the source that is found from `at` in the opposite of `direction`.
+// Returns the source that a search from `at` in the direction -`direction` finds.
 Source find_source(ivec2 at, ivec2 direction) {
   ivec2 edge = at;
   float distance = 0.0;

@@ -25,13 +25,13 @@ struct CameraSetup {
   DepthNoise noise;
   bool has_pose = false;             ///< Whether the stream or the scene file states a pose.
   std::optional<Rigid3> fixed_pose;  ///< From the scene file. It replaces the poses in the frames.
-  /// From the scene file, for RGB from 0 to 1. It replaces the correction that live matching finds.
+  /// The scene file's correction, for RGB from 0 to 1. It replaces that of live matching.
   std::optional<Eigen::Matrix<float, 3, 4>> color_correction;
   double calibration_error_m = 0.005;
   /// A sentence for the log if the scene file's intrinsics cannot be used, else empty.
   std::string remark;
 
-  /// Returns world from camera for a frame of this stream, in metres.
+  /// Returns the pose world_from_camera for a frame of this stream, in metres.
   const Rigid3& pose(const FrameMetadata& metadata) const {
     return fixed_pose ? *fixed_pose : metadata.world_from_camera;
   }

@@ -16,14 +16,14 @@
 
 namespace copresence::color_matching {
 
-/// Returns the corrections of the cameras. The first camera is the reference. A camera that no
-/// chain of overlaps connects to the reference gets nothing. Null frames and those without colour
-/// are ignored.
+/// Returns the corrections of the cameras. The first camera is the reference. A camera without a
+/// chain of overlaps to the reference gets nothing. Null frames and those without colour are
+/// ignored.
 std::vector<std::optional<ColorCorrection>> match_colors(std::span<const PosedFrame> frames);
 
 /// Filters the corrections over time, so that the noise of a fit does not become flicker. The first
-/// correction of a camera is used at once. Later corrections are approached within seconds. Without
-/// overlap, the last correction stays.
+/// correction of a camera is used at once. Later corrections are reached gradually, within seconds.
+/// Without overlap, the last correction stays.
 class SteadyCorrections {
  public:
   explicit SteadyCorrections(std::size_t cameras) : corrections_(cameras) {}

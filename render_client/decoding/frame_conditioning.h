@@ -27,7 +27,7 @@ class Clipper {
  private:
   client::CameraSetup setup_;
   scene::Box box_;
-  std::vector<Eigen::Vector2f> rays_;  // (x, y) at z = 1 of every pixel.
+  std::vector<Eigen::Vector2f> rays_;  // The ray (x, y) at z = 1 of every pixel.
 };
 
 /// Filters the frames of one camera over time, clips them and smooths their depth, in this order.

@@ -61,11 +61,11 @@ class TemporalFilter {
     bool moves() const { return gain > 0.5F || is_recolored; }
   };
   struct Kept {
-    std::vector<float> depth;  // Depth units; 0 for a hole.
+    std::vector<float> depth;  // Depth in depth units; 0 for a hole.
     std::vector<DepthState> state;
     std::vector<float> frames;         // Number of frames in the mean, at most kFrames.
-    std::vector<std::uint8_t> missed;  // Number of frames since one agreed with the mean.
-    std::vector<std::int16_t> color;   // 128 times red, green and blue of each pixel.
+    std::vector<std::uint8_t> missed;  // Number of frames since a frame agreed with the mean.
+    std::vector<std::int16_t> color;   // Red, green and blue of each pixel, times 128.
   };
   // Sums over the pixels of a column within a row of blocks. `recolored` has one sum per channel.
   struct Sums {
@@ -107,8 +107,8 @@ class TemporalFilter {
   Kept kept_;
   Sums sums_;
   Spread spread_;
-  std::vector<std::uint8_t> changed_;  // 1 for pixels of a row that jump or change their state.
-  std::vector<float> goes_on_;         // 1 for all other pixels of the row.
+  std::vector<std::uint8_t> changed_;  // Holds 1 for pixels that jump or change their state.
+  std::vector<float> goes_on_;         // Holds 1 for all other pixels.
 };
 
 }  // namespace copresence::decoding

@@ -19,7 +19,7 @@ class WindowDisplay final : public Display {
 
   std::optional<NextView> wait_for_next(std::optional<Instant>,
                                         const std::function<void(Instant)>&) override {
-    // Most drivers block in show() until the next refresh. This wait is for the others.
+    // Most drivers block in show() until the next refresh. This wait is for other drivers.
     std::this_thread::sleep_until(next_poll_at_);
     const auto events = window_->poll();
     obey_keys(events);

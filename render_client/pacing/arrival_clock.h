@@ -24,8 +24,8 @@ class ArrivalClock {
  private:
   void restart(Instant now);
 
-  int count_ = 0;    // Arrivals since the estimate began, at most kSettledCount.
-  int skipped_ = 0;  // Consecutive intervals of more than one period.
+  int count_ = 0;    // Number of arrivals since the estimate began, at most kSettledCount.
+  int skipped_ = 0;  // Number of consecutive intervals longer than one period.
   Instant last_{};
   Instant phase_{};  // The last arrival without its jitter.
   Duration period_{};

@@ -42,7 +42,7 @@ void FrameSync::add(std::size_t index, client::CameraFrame received) {
   camera.last_arrival = received.arrived_at;
   Instant instant = received.captured_at;
   // A new estimate of the clock offset may set times back a little. The order of frames is kept
-  // then. A restarted server may set them back far. Then the history is cleared.
+  // then. A restarted server may set times back far. Then the history is cleared.
   if (camera.newest && *camera.newest - instant > kStoppedAfter * period(camera)) {
     camera.newest.reset();
     camera.gaps.clear();

@@ -9,7 +9,8 @@ namespace {
 // Choices whose spans differ by less than 1 / kJitterShare of a period count as equally good.
 constexpr int kJitterShare = 8;
 
-/// The newest frames of all delivering cameras up to `end`, which have the smallest span there.
+/// The newest frame up to `end` of each delivering camera. No other choice that ends there spans
+/// less.
 struct Candidate {
   Instant end;
   Duration span{};

@@ -23,8 +23,8 @@ namespace copresence::pacing {
 
 /// The frames that one camera can show.
 struct CameraOffer {
-  /// Rising capture times of the frame in the last view, if any, and of the frames after it. The
-  /// times of all cameras are on the same clock.
+  /// Capture times of the frame in the last view, if any, and of the frames after it, in rising
+  /// order. The times of all cameras are on the same clock.
   std::vector<Instant> captured;
   bool first_is_on_view = false;  ///< Whether captured.front() is in the last view.
   Instant fresh_since{};          ///< Arrival of the oldest frame not yet shown.

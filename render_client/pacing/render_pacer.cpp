@@ -113,7 +113,7 @@ RenderPacer::Turn RenderPacer::next_turn(Instant now) {
     for (std::size_t place = first; place <= last; ++place) {
       const Camera& camera = camera_at(place);
       any_fresh = any_fresh || camera.fresh;
-      // A member that is expected long after its leader has been shown already, and is not due.
+      // A member whose next frame is expected long after its leader's is not due.
       const bool awaited = !camera.fresh || camera.passed;
       const bool due = awaited && camera.clock.expected() <= leaders_turn + leader.clock.patience();
       if (due) until = std::max(until, camera.clock.expected() + camera.clock.patience());

@@ -40,7 +40,7 @@ class RenderPacer {
   struct Camera {
     ArrivalClock clock;
     bool fresh = false;   // Whether no view has shown its newest frame.
-    bool passed = false;  // Whether it led without a token. Then the view waits for its next frame.
+    bool passed = false;  // Whether it led but had no token, so that its next frame is awaited.
     bool leader = false;
   };
 

@@ -29,9 +29,9 @@
 namespace copresence::renderer {
 
 inline constexpr int kExtensionBlock = 8;      ///< Pixels.
-inline constexpr float kSameSurface = 0.045F;  ///< 1/m: 16 disparity steps of a Kinect v1.
-inline constexpr float kOwnSurface = 0.0228F;  ///< 1/m: 8 disparity steps of a Kinect v1.
-inline constexpr float kMostSlope = 0.02F;     ///< 1/m per block. A steeper slope is a depth edge.
+inline constexpr float kSameSurface = 0.045F;  ///< In 1/m; 16 disparity steps of a Kinect v1.
+inline constexpr float kOwnSurface = 0.0228F;  ///< In 1/m; 8 disparity steps of a Kinect v1.
+inline constexpr float kMostSlope = 0.02F;     ///< In 1/m per block. Depth edges are steeper.
 inline constexpr float kMostChange = 0.07F;    ///< Fraction of w.
 inline constexpr float kFarthestM = 10;
 inline constexpr int kSmoothingRounds = 6;

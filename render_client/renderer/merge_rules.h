@@ -27,8 +27,8 @@
 //              shows anything at any distance. Stale cameras are merged with each other like live
 //              ones. Their colours are multiplied by the opacity.
 // Silhouettes  A silhouette edge lies between two neighbours in a row whose nearest fragments are
-//              kSilhouetteSteps apart in inverse depth along the eye's axis. Each neighbour moves
-//              1 / kSilhouetteDivisor of the way to the other's colour. This hides stair steps.
+//              kSilhouetteSteps apart in inverse depth along the eye's axis. Each colour moves
+//              1 / kSilhouetteDivisor of the way to the other colour. This hides stair steps.
 //
 // Thread: pure functions.
 
@@ -64,7 +64,7 @@ struct SurfaceLimits {
         curvature(inverse_step(noise)) {}
 
   float gap;     ///< Greatest difference between neighbours that noise explains.
-  float slope;   ///< Times w: greatest difference that the surface's slope explains.
+  float slope;   ///< Greatest difference that the slope explains, divided by w.
   float planar;  ///< Greatest distance of a pixel from the plane of its block of 4.
   /// Greatest distance between the planes of a block of 4 and of the next larger block. A plane
   /// that is fitted to 25 pixels is accurate to a quarter of a step at its corners.
@@ -88,8 +88,8 @@ inline constexpr float kUnknownIncidence = 0.25F;
 
 /// Returns cos(theta) in (0, 1], where theta is the angle between the surface normal and the ray
 /// (x, y, 1) to the surface. The thesis uses the camera's axis in place of the ray (figure 2.9),
-/// but then every floor would have 0 for a level camera. `w` > 0 is the inverse depth at the middle
-/// of the cell, 1/m. `dw_dx` and `dw_dy` are its derivatives by x and y.
+/// but then cos(theta) of every floor would be 0 for a level camera. `w` > 0 is the inverse depth
+/// at the middle of the cell, 1/m. `dw_dx` and `dw_dy` are its derivatives by x and y.
 inline float cos_theta(float w, float dw_dx, float dw_dy, float x, float y) {
   // On the plane n.P = 1, w = n.(x, y, 1). So n = (dw_dx, dw_dy, w - x dw_dx - y dw_dy).
   const float n_z = w - x * dw_dx - y * dw_dy;

@@ -43,12 +43,12 @@ struct CameraView {
   /// Maps the camera's colours to the reference camera's colours, RGB 0 to 1.
   Eigen::Matrix<float, 3, 4> color_correction = Eigen::Matrix<float, 3, 4>::Identity();
   double calibration_error_m = 0.005;  ///< Expected error of the camera's pose.
-  /// 1 for a live camera; below 1 for a stale camera, which sends no new frames (merge_rules.h,
+  /// Opacity: 1 for a live camera, less for a stale one that sends no frames (merge_rules.h,
   /// Stale). A camera with opacity 0 is not drawn.
   float opacity = 1;
 };
 
-/// Where a pixel of a view comes from.
+/// The origin of a pixel of a view.
 enum class Origin : std::uint8_t {
   kSeen,      ///< A camera's newest frame shows this point.
   kExtended,  ///< No camera shows it. Surfaces around it are continued (extension_rules.h).
@@ -58,8 +58,8 @@ enum class Origin : std::uint8_t {
 /// Selects how the pixels of a view look that no camera has seen.
 struct UnseenStyle {
   enum class Show {
-    kExtend,  ///< The surfaces around are continued.
-    kDim,     ///< As kExtend, at half of the brightness.
+    kExtend,  ///< The surfaces around an unseen pixel are continued.
+    kDim,     ///< As kExtend, but at half of the brightness.
     kBlack,   ///< All unseen pixels are kEmpty.
   };
   Show show = Show::kBlack;
@@ -92,12 +92,12 @@ struct MergedView {
   Image<Rgba8> color;          ///< Alpha is 0 where the background is shown.
   Image<float> depth_m;        ///< Depth along the eye's axis; 0 where nothing is shown.
   Image<std::uint8_t> camera;  ///< Index of the camera that a pixel is from, or kNoCamera.
-  Image<float> quality;        ///< quality_index() of that camera's fragment, 1/m^2.
+  Image<float> quality;        ///< The quality_index() of that camera's fragment, 1/m^2.
   Image<Origin> origin;
   /// Set by the CPU renderer only: the GL renderer would have to wait for its pictures.
   std::optional<OriginShares> shares;
   /// OpenGL name of an RGBA8 texture with the colours, first row at the top. It is valid until the
-  /// next render() with the same target. 0 for the CPU renderer.
+  /// next render() with the same target. It is 0 for the CPU renderer.
   std::uint32_t texture = 0;
 };
 

@@ -92,7 +92,7 @@ class ViewStatistics {
   std::uint64_t frames() const { return frames_; }
   const flow::LatencyHistogram& skew() const { return skew_; }
   double fps() const;                                          ///< 0 for fewer than two views.
-  std::optional<renderer::OriginShares> mean_origins() const;  ///< Nothing if no view had shares.
+  std::optional<renderer::OriginShares> mean_origins() const;  ///< Nothing if no view had origins.
   const flow::LatencyHistogram& render_time() const { return render_time_; }
 
  private:

@@ -23,7 +23,7 @@ inline bool is_left_out(Availability availability) {
   return availability == Availability::kLeftOut || availability == Availability::kRefused;
 }
 
-/// Follows the connections of one camera. Time comes in as an argument and never goes back.
+/// Follows the connections of one camera. Times are passed as arguments and must never decrease.
 class AvailabilityTracker {
  public:
   /// The pause before the next try doubles with every failure, from kFirstPause to kLongestPause.

@@ -61,12 +61,12 @@ class CameraStates {
   struct Camera {
     bool is_connected = false;
     std::string name;
-    std::string status;  // The reason why it sends no frames.
-    std::string over;    // The reason why it has ended for good.
-    std::string why;     // The reason why it is not connected.
+    std::string status;  // The reason why the camera sends no frames.
+    std::string over;    // The reason why the camera has ended for good.
+    std::string why;     // The reason why the camera is not connected.
     Availability availability = Availability::kAwaited;
-    std::string left_out;  // The reason why it is left out.
-    int tries = 0;         // Failed tries since it was connected.
+    std::string left_out;  // The reason why the camera is left out.
+    int tries = 0;         // Number of failed tries since the last connection.
     std::optional<Instant> next_said_at;
   };
   static std::string awaited(const Camera& camera);

@@ -13,11 +13,10 @@
 
 namespace copresence::stream {
 
-/// For each topic, the first kAtOnce lines are written at once, and then one line per kBetween. A
-/// line that repeats the last line always waits for kBetween. Other lines are held back. When the
-/// next line may be written, it is the latest of them, with the number of the others:
-/// "127.0.0.1:7001: unplugged (1204 more like this)". Lines are cut to kMostBytes, and unprintable
-/// characters are replaced.
+/// For each topic, kAtOnce lines are written at once, and then one line per kBetween. A line that
+/// repeats the last line always waits for kBetween. Other lines are held back. Later, the latest
+/// held-back line is written with the number of the others, for example "127.0.0.1:7001: unplugged
+/// (1204 more like this)". Lines are cut to kMostBytes. Unprintable characters are replaced.
 class LimitedLog {
  public:
   enum class Topic { kConnection, kSetup, kNotice, kAvailability, kTimes };

@@ -43,7 +43,7 @@ Rigid3 reset_from_eye(const HeadPose& head) {
 Result<OpentrackView> OpentrackView::open(const CameraModel& intrinsics, std::uint16_t port) {
   const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return failure(port, errno);
-  OpentrackView view(intrinsics, descriptor, port);  // It owns the descriptor from here on.
+  OpentrackView view(intrinsics, descriptor, port);  // `view` owns the descriptor from here on.
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

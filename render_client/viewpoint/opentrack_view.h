@@ -3,14 +3,10 @@
 // An eye that follows a head tracker. It receives opentrack's output "UDP over network"
 // (head_datagram.h, docs/guide/viewing.md).
 //
-// The head moves the eye from the reset pose by this motion:
-//
-//   translation  (x, -y, z) / 100 in metres
-//   rotation     Ry(yaw) Rx(pitch) Rz(roll)
-//
-// The axes are those of the eye's frame (x right, y down, z forward). If a tracker's axis has the
-// opposite sign, invert it in opentrack's mapping. Invalid datagrams are counted and reported by
-// news(). Thread: one thread at a time per object.
+// The head moves the eye from the reset pose by the translation (x, -y, z) / 100 in metres and the
+// rotation Ry(yaw) Rx(pitch) Rz(roll), in the eye's frame (x right, y down, z forward). If a
+// tracker's axis has the opposite sign, invert itin opentrack's mapping. Invalid datagrams are
+// counted and reported by news(). Thread: one thread at a time per object.
 
 #include <cstdint>
 
@@ -34,8 +30,7 @@ class OpentrackView final : public Viewpoint {
     std::uint64_t wrong_size = 0, wrong_byte_order = 0, not_finite = 0, out_of_range = 0;
   };
 
-  /// Listens on the loopback interface. Port 0 means any free one. Fails with kUnavailable if it is
-  /// in use.
+  /// Listens on the loopback interface. Port 0 means any. Fails with kUnavailable if it is in use.
   static Result<OpentrackView> open(const CameraModel& intrinsics, std::uint16_t port);
 
   OpentrackView(OpentrackView&& other) noexcept;

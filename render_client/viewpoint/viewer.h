@@ -66,7 +66,7 @@ class Viewer {
 
   std::unique_ptr<Viewpoint> viewpoint_;
   ViewFormat format_;
-  bool fills_window_;                        // Whether the field of view follows the camera's.
+  bool fills_window_;                        // Whether the field of view follows that of a camera.
   const OpentrackView* tracker_ = nullptr;   // The viewpoint, if it is a head tracker.
   std::optional<std::size_t> reset_camera_;  // Index of the camera whose pose is the reset pose.
 };

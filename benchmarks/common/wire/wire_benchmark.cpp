@@ -36,7 +36,7 @@ BENCHMARK(welcome_round_trip);
 /// Sends 30 frames a second to all clients, so that both ends sleep between frames. "Time" ends
 /// when the last client has the frame's last byte. "CPU" is the time of all threads per frame.
 void loopback(benchmark::State& state) {
-  const auto bytes = static_cast<std::size_t>(state.range(0)) * 2 / 3;  // Colour has half of this.
+  const auto bytes = static_cast<std::size_t>(state.range(0)) * 2 / 3;  // For depth.
   Served served;
   std::vector<FrameClient> clients;
   for (int i = 0; i < state.range(1); ++i) {

@@ -23,7 +23,7 @@ class BackgroundExtension {
  public:
   /// Fills colour, depth and origin of the empty pixels of `view`. Returns the number of pixels
   /// filled. Requires that `seen` and the colour have the view's size. Depth and origin are skipped
-  /// if they are empty. Of `cameras`, only model, pose and opacity are used.
+  /// if their images are empty. Of `cameras`, only model, pose and opacity are used.
   std::size_t apply(const ViewPose& eye, std::span<const CameraView> cameras, const InverseDepthView& seen,
                     const UnseenStyle& style, Executor& workers, MergedView& view);
 
@@ -36,7 +36,7 @@ class BackgroundExtension {
   };
   struct Source {
     std::int32_t block = -1;    // Index of the block; -1 without a source.
-    std::int32_t distance = 0;  // In blocks along the direction.
+    std::int32_t distance = 0;  // Distance in blocks along the direction.
     float slope = 0;            // Change of w per block towards the gap.
   };
 

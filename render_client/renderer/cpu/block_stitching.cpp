@@ -89,7 +89,7 @@ class BlockStitching::Level {
     drawn_[at] |= static_cast<std::uint8_t>(is_due);
   }
 
-  // Draws the four borders of a block of 2. Testing whether a border is needed would take longer.
+  // Draws the four borders of a block of 2. Testing whether they are needed would take longer.
   void draw_middles(const MeshBlock& block) {
     const int x0 = x_of(block.i), x1 = x_of(block.i + 1), y0 = y_of(block.j), y1 = y_of(block.j + 1);
     const int at = y0 * row_ + x0, below = y1 * row_ + x0;
@@ -128,8 +128,8 @@ class BlockStitching::Level {
     if (!is_planar(i + 1, j)) draw_line(x1, y0, 0, 1, y1 - y0);
   }
 
-  // Draws the pixels between two corners. If the first one is drawn already, all are, since two
-  // blocks share a whole border or none of it.
+  // Draws the pixels between two corners. If the first pixel is drawn already, all of them are,
+  // since two blocks share a whole border or none of it.
   void draw_line(int x, int y, int step_x, int step_y, int length) {
     const int begin = y * row_ + x, step = step_y * row_ + step_x;
     if (length < 2 || drawn_[begin + step]) return;

@@ -243,10 +243,10 @@ class CpuRenderer : public Renderer {
   CpuRendererSettings settings_;
   std::vector<CameraSurface> surfaces_;
   std::vector<MergeCamera> merge_cameras_;
-  std::vector<std::vector<Tile>> scratch_;  // By worker, then by camera.
+  std::vector<std::vector<Tile>> scratch_;  // Indexed by worker and camera.
   UnseenStyle style_;
   BackgroundExtension extension_;
-  InverseDepthView inverse_;              // Of the nearest fragments, if surfaces are extended.
+  InverseDepthView inverse_;              // Inverse depths of the nearest fragments.
   std::vector<std::size_t> seen_pixels_;  // By tile.
 };
 

@@ -198,7 +198,7 @@ class PatchBuilder {
 
   // Addresses are unchecked, since build_mesh() has checked the sizes.
   const float* const rays_;  // The ray x, y of each pixel.
-  // They are 0 if x is equal within each column and y within each row. Then the first row and
+  // Both steps are 0 if x is equal within each column and y within each row. Then the first row and
   // column are enough, and stay in the cache.
   const int column_step_, row_step_;
   const float* const w_from_;

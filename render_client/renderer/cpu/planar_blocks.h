@@ -16,8 +16,8 @@ namespace copresence::renderer {
 struct InverseDepth {
   int width = 0;  ///< Size of the depth image.
   int height = 0;
-  /// 1/m, 0 for a hole. The image is padded to whole blocks of 16 and one pixel more. The padding
-  /// repeats the last column and row.
+  /// Inverse depth in 1/m, 0 for a hole. The image is padded to whole blocks of 16 and one pixel
+  /// more. The padding repeats the last column and row.
   Image<float> w;
 
   /// Number of blocks of 16 pixels that contain all quads.
@@ -50,14 +50,14 @@ struct PlanarBlocks {
 /// its plane. The plane is not too steep for its pixels to be connected (merge_rules.h).
 void find_planar_blocks(const InverseDepth& inverse, const SurfaceLimits& limits, PlanarBlocks& blocks);
 
-/// Block (i, j) of a level of PlanarBlocks.
+/// The indices (i, j) of a block within a level of PlanarBlocks.
 struct MeshBlock {
   std::uint16_t i, j;
 };
 
 /// The leaves of the quadtree of blocks, in the order of a mesh.
 struct MeshBlocks {
-  /// A leaf: a largest planar block, or a block of 2 whose pixels are connected one by one.
+  /// A leaf: a planar block that lies in no larger one, or a block of 2 with connected pixels.
   struct Part {
     MeshBlock block;
     std::uint8_t level;

@@ -37,7 +37,7 @@ ViewVertex to_view(const ClipVertex& vertex) {
 
 namespace {
 
-// A group of eight vertices. The last group of a patch may have fewer.
+// A group of eight vertices. The last group of a patch may have fewer vertices.
 struct Group {
   Floats x, y, w, k, u, v;
   Ints in_front;

@@ -16,9 +16,9 @@ namespace copresence::renderer {
 /// is set if an edge lies between the pixel and its right neighbour.
 using SilhouetteBits = Image<std::uint8_t>;
 
-/// Returns the bits of a group. `here` and `next` are the inverse depths of the nearest fragments
-/// of its pixels and of their right neighbours. A value of at most `empty` means that there is no
-/// fragment. At an edge, the two inverse depths differ by more than `apart`.
+/// Returns the edge bits of a group of pixels. `here` and `next` are the inverse depths of the
+/// nearest fragments of its pixels and of their right neighbours. A value of at most `empty` means
+/// that there is no fragment. At an edge, the two inverse depths differ by more than `apart`.
 inline std::uint8_t find_silhouettes(const Floats& here, const Floats& next, float empty, float apart) {
   const Floats difference = here - next;
   return static_cast<std::uint8_t>(

@@ -55,8 +55,8 @@ class Tile::Polygon {
 struct Tile::AttributePlane {
   Attributes origin, per_x, per_y;
   float x, y;  // The pixel at which the attributes are `origin`.
-  // w of the nearest corner. It limits w, because w of a very thin polygon may be far too large in
-  // the tolerance beyond an edge.
+  // The inverse depth w of the nearest corner. It limits w, which may be far too large beyond the
+  // edges of a very thin polygon.
   float nearest;
 
   // Sets the gradients, given that the attributes change by P along the vector p and by Q along q.

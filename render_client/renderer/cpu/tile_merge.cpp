@@ -158,7 +158,7 @@ class SpanMerge {
     Ints rivals{}, counting{};
     for (std::size_t i = 0; i < count(); ++i) {
       const Floats range = uncertainty[i] + nearest_uncertainty;
-      const Floats room = range - (z[i] - nearest_z);  // Distance from the end of the range.
+      const Floats room = range - (z[i] - nearest_z);  // Distance to the end of the range.
       const Floats fading = smaller(room + room, range);
       const Ints counts = (w[i] > empty_) & (room > 0);
       rivals |= counting & counts;
@@ -286,7 +286,7 @@ class SpanMerge {
   std::span<const Tile> tiles_;
   float empty_;
   int y_ = 0;
-  const float* depths_[kMostCameras];  // First elements of the span.
+  const float* depths_[kMostCameras];  // Points to the first element of the span.
   const std::uint32_t* texels_[kMostCameras];
   float depth_of_row_[kMostCameras];      // The term b y + c of MergeCamera::depth.
   float noise_per_square_[kMostCameras];  // The uncertainty_per_square() of each camera.

@@ -1,7 +1,7 @@
 #pragma once
 
 // The shaders of the GL renderer, one class each. The arguments of run() become uniforms and
-// bindings. Constants of merge_rules.h are compiled in. Thread: that of the OpenGL context.
+// bindings. Constants of merge_rules.h are compiled in. Thread: the OpenGL context's thread.
 
 #include <Eigen/Core>
 #include <array>

@@ -20,8 +20,7 @@ struct Cloud {
 };
 Cloud make_cloud(const Surface& surface, double cube_m = 0.03);
 
-/// Returns target_from_source. The argument is an estimate. Matched points are at most `reach_m`
-/// apart.
+/// Returns an improved target_from_source. Matched points are at most `reach_m` apart.
 Rigid3 generalized_icp(const Cloud& source, const Cloud& target, const Rigid3& target_from_source,
                        double reach_m, int iterations = 50);
 

@@ -21,7 +21,8 @@
 namespace copresence::server {
 
 /// Encoding and the decoding of recordings add this number to their threads' nice value. So a
-/// render_client on the same machine does not stutter. This may delay a frame by one frame period.
+/// render_client on the same machine does not stutter. The lower priority costs up to one frame
+/// period.
 inline constexpr int kStepsBelowRendering = 5;
 
 /// A frame on its way to the encode stage, with the source's counters at the time of its capture.
@@ -34,7 +35,7 @@ struct CapturedFrame {
 std::optional<Instant> first_frame_due(const ServerSettings& settings);
 
 /// Opens the source on the capture thread. After a crash of the previous child process, the camera
-/// may be missing or still held by its driver. The function then waits for it and logs that.
+/// may be missing or still held by its driver. The function waits for the camera and logs that.
 /// Fails as sensor::open_source() does, and with kEndOfStream on a stop request.
 Result<std::unique_ptr<sensor::FrameSource>> open_source(const ServerSettings& settings,
                                                          std::optional<Instant> begin,

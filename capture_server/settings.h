@@ -46,7 +46,7 @@ void add_flags(CLI::App& app, ServerSettings& settings);
 
 /// Reads the command line, the file of --config and the scene file, in this order of priority. The
 /// scene file contributes only the source and the listening address. The keys in the file of
-/// --config are the flags' names (settings_file.h). Relative paths in it are relative to its
+/// --config are the flags' names (settings_file.h). Relative paths in that file are relative to its
 /// folder. Returns the settings. After --help, --version or a mistake, it prints the text or the
 /// reason and returns the exit code: 0, 1 or 2.
 tl::expected<ServerSettings, int> read_command_line(int argc, const char* const* argv);

@@ -26,7 +26,7 @@ struct Setting {
 /// a value is neither a text, a number, true nor false.
 Result<std::vector<Setting>> parse_settings(std::string_view text, const std::filesystem::path& path);
 
-/// Parses the file at `path`. Fails with kNotFound, and as parse_settings() does.
+/// Parses the file at `path`. Fails like parse_settings(), and with kNotFound if there is no file.
 Result<std::vector<Setting>> load_settings(const std::filesystem::path& path);
 
 }  // namespace copresence::server

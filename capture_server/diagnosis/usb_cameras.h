@@ -11,8 +11,8 @@ namespace copresence::diagnosis {
 
 struct UsbCamera {
   std::string model;  ///< Name of the model, such as "Kinect" or "Asus Xtion".
-  /// Serial number as drivers report it. Empty or zeros if neither the camera nor its audio device
-  /// has a number.
+  /// Serial number as drivers report it. Empty or zeros if the camera and its audio device have no
+  /// number.
   std::string serial;
   std::string node;                   ///< Device file, /dev/bus/usb/BBB/DDD.
   std::string kind;                   ///< Name of the driver: kinect_v1 or primesense.
@@ -28,8 +28,8 @@ struct UsbPaths {
   std::string processes = "/proc";
 };
 
-/// Finds every depth camera that is plugged in. Includes Kinects without power, of which only the
-/// motor is visible.
+/// Finds every depth camera that is plugged in. The list includes Kinects without power, of which
+/// only the motor is visible.
 std::vector<UsbCamera> find_usb_cameras(const UsbPaths& paths = {});
 
 }  // namespace copresence::diagnosis

@@ -24,8 +24,8 @@ void clip_to_range(RgbdFrame& frame, const DepthRangeUnits& range);
 
 class FrameEncoding {
  public:
-  /// `camera` is this camera's entry in the scene file, or nullptr. Its intrinsics and pose replace
-  /// the sensor's.
+  /// `camera` is this camera's entry in the scene file, or nullptr. Intrinsics and pose of that
+  /// entry replace the sensor's.
   /// Fails with a sentence for the user if sizes, range and codec do not fit together.
   static Result<FrameEncoding> open(const sensor::SensorDescription& sensor, const scene::Camera* camera,
                                     const EncodingSettings& settings);

@@ -1,7 +1,8 @@
 #pragma once
 
 // Fills holes with the mean of the depth around them, weighted by pixel distance alone (thesis
-// section 3.2, second version). It smears foreground into background and is kept for comparison.
+// section 3.2, second version). The method smears foreground into background and is kept for
+// comparison.
 // Thread: one thread at a time per object.
 
 #include <vector>

@@ -10,8 +10,8 @@ namespace {
 constexpr std::uint8_t kLongest = 255;  // A run length that stands for 255 and all longer ones.
 
 /// Marks the holes of short column runs, and sets every pixel of `fillable`. A run that touches the
-/// image's border is longer by `border`. So a run that touches the border is short up to
-/// `widest_at_border` holes, and a run from border to border is never short.
+/// image's border counts as longer, by `border` holes. So it is short up to `widest_at_border`
+/// holes, and a run from border to border is never short.
 void mark_columns(const StateImage& state, int widest, int widest_at_border, Image<std::uint8_t>& fillable) {
   const int width = state.width(), height = state.height();
   const int border = widest - widest_at_border;

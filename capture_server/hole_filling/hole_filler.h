@@ -19,10 +19,11 @@ namespace copresence::hole_filling {
 enum class Method {
   kOff,     ///< No holes are filled.
   kMedian,  ///< Two median passes, after Maimone and Fuchs.
-  /// Mean weighted by pixel distance. It smears foreground (thesis section 3.2, second version).
+  /// Mean weighted by pixel distance. This method smears foreground (thesis section 3.2, second
+  /// version).
   kBilateral,
-  /// Mean weighted by pixel, depth and colour distance. It bridges no surfaces (thesis section 3.2,
-  /// third version).
+  /// Mean weighted by pixel, depth and colour distance. This method bridges no surfaces (thesis
+  /// section 3.2, third version).
   kJoint,
 };
 inline constexpr std::array kMethods{Method::kOff, Method::kMedian, Method::kBilateral, Method::kJoint};
@@ -49,7 +50,8 @@ class HoleFiller {
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --compute.
 
-  /// True if any thread may call fill(), one at a time. False if only the opening thread may.
+  /// True if any thread may call fill(), one at a time. False if only the thread of open() may call
+  /// it.
   virtual bool is_free_of_threads() const { return true; }
 
   /// Fills the narrow holes of `frame`. Depth and state change only in holes. Requires depth and

@@ -28,8 +28,8 @@ void load(const float* from, Row& row) {
   std::memcpy(&row, from, sizeof(Row));
 }
 
-/// For each pixel of a cell: how well the measured pixels around it fit one surface. Sums over each
-/// pixel's window.
+/// For each pixel of a cell: how well the measured pixels around it fit one surface. The sums run
+/// over each pixel's window.
 struct Support {
   std::array<CellRow, kCellPx> weight;  ///< Total weight of the pixels on the surface.
   std::array<CellRow, kCellPx> rest;  ///< Weighted sum of these pixels' distances from the surface, in steps.

@@ -17,8 +17,8 @@ class MedianFilling final : public HoleFiller {
 
   std::string_view name() const override { return "cpu"; }
 
-  /// Sets each hole to the median of the window's pixels with depth. Of two middle values, the
-  /// lower one.
+  /// Sets each hole to the median of the window's pixels with depth. The lower of two middle values
+  /// is used.
   /// Source: Maimone and Fuchs 2011. The large window fills a hole if its depths differ little and
   /// if enough pixels of the window and of its rim hold depth. The condition on the rim keeps
   /// silhouettes from growing. The paper's second pass also smooths measured depth; this one does

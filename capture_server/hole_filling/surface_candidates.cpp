@@ -19,7 +19,7 @@ struct Observation {
   int direction;    // Direction of the search, or -1 for the cell itself.
 };
 
-/// The surfaces observed around a cell. The code avoids branches, which this data makes
+/// The surfaces observed around a cell. The code avoids branches, since this data makes them
 /// unpredictable.
 struct Observations {
   static constexpr int kMost = 2 + 2 * 8;

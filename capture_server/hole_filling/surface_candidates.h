@@ -13,10 +13,10 @@ struct Plane {
   float slope_x = 0, slope_y = 0;  ///< In steps per pixel.
 };
 
-/// The candidate surfaces for the holes of one cell. `near` is set if there are two.
+/// The candidate surfaces for the holes of one cell. `near` is set if there are two surfaces.
 struct SurfaceCandidates {
   Plane far, near;
-  /// Mean colours, 0 to 255. Valid if there are two candidates and colour is known.
+  /// Mean colours, 0 to 255. They are valid if there are two candidates and colour is known.
   std::array<float, 3> far_color{}, near_color{};
   bool prefers_near = false;  ///< The choice if neither pixels nor colour decide.
 };

@@ -57,9 +57,9 @@ class RecordingThread {
   std::atomic<std::uint64_t> left_out_ = 0;
   std::atomic<Instant> give_up_at_ = Instant::max();
   std::atomic<bool> over_ = false;   ///< True if nothing more can be written.
-  std::uint64_t said_left_out_ = 0;  ///< Used by the capture thread only, like the next member.
+  std::uint64_t said_left_out_ = 0;  ///< Only the capture thread uses this and the next member.
   Instant said_left_out_at_{};
-  Instant said_refused_at_{}, checkpoint_at_{};  ///< Used by the recording thread only.
+  Instant said_refused_at_{}, checkpoint_at_{};  ///< Only the recording thread uses these.
   std::promise<void> written_;
   std::jthread thread_;
 };

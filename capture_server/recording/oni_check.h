@@ -50,7 +50,7 @@ struct RecordedStream {
   DepthUnit unit = DepthUnit::kMillimetre;  ///< Unit of depth. Unused for other streams.
   /// Field of view of depth. For colour, it is set only if the recorder knew it.
   std::optional<FieldOfView> field_of_view;
-  /// All depths that the sensor can report, in ascending order. Empty if the recording lacks them.
+  /// All depths that the sensor can report, in ascending order. The list is empty if unknown.
   std::vector<std::uint16_t> levels;
   /// Times of all frames in the file's order, counted from the recorder's time zero.
   std::vector<std::uint64_t> timestamps_us;

@@ -14,7 +14,8 @@ constexpr std::uint32_t kMaxNodes = 32;
 // Longer names do not fit into the player's fields.
 constexpr std::size_t kMaxName = 79;
 
-// The distinct depths of a table of 16-bit numbers, ascending. Empty if there is no such table.
+// The distinct depths of a table of 16-bit numbers, ascending. The result is empty if it is no such
+// table.
 std::vector<std::uint16_t> levels_in(std::span<const std::uint8_t> table) {
   constexpr std::size_t kMostTableBytes = 2 * 65536;
   std::vector<std::uint16_t> levels;
@@ -113,7 +114,7 @@ Result<OniParser::Record> OniParser::next_record() {
   if (record.fields_bytes < record_bytes() || record.fields_bytes > kMaxFields) {
     return damaged(at, fmt::format("a record's fields take {} bytes", record.fields_bytes));
   }
-  // Only the types of has_payload() have a payload. The player ignores the payload size of other
+  // Only frames and seek tables have a payload. The player ignores the payload size of other
   // records, except while it counts the frames of an old file.
   if (!record.has_payload()) {
     if (is_old_ && record.payload_bytes) return damaged(at, "a record has a payload that it cannot have");

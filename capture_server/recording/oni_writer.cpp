@@ -111,9 +111,9 @@ std::uint16_t OniWriter::largest_depth() const {
       content_.camera.unit == DepthUnit::kMillimetre ? kMaxDepthMillimetre : kMaxDepth100Micrometres);
 }
 
-// Appends the properties in the order of OpenNI's recorder. Players need three of them. Without
-// xnDeviceMaxDepth a 16zT node does not open. Without xnCropping every frame is dropped. Without
-// xnFOV points cannot be converted to the world.
+// Appends the properties in the order of OpenNI's recorder. Players need three of these properties.
+// Without xnDeviceMaxDepth a 16zT node does not open. Without xnCropping every frame is dropped.
+// Without xnFOV points cannot be converted to the world.
 void OniWriter::append_definition(Bytes& bytes, Stream& stream) {
   const CameraModel& model = camera_of(stream);
   const bool is_depth = &stream == &depth_;

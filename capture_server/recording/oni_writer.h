@@ -35,7 +35,7 @@ struct OniContent {
   std::optional<ColorCoding> color = ColorCoding::kJpeg;
   int jpeg_quality = 90;  ///< Quality of JPEG colour, 1 to 100.
   int frames_per_second = 30;
-  /// Largest depth value, by which viewers size tables. By default kMaxDepthMillimetre or
+  /// Largest depth value, by which viewers size tables. The default is kMaxDepthMillimetre or
   /// kMaxDepth100Micrometres.
   std::optional<std::uint16_t> max_depth = std::nullopt;
   /// Microseconds from 1970 (UTC) to the recording's time zero, if known before the first frame.

@@ -41,7 +41,7 @@ class Registration {
   bool passes_through() const { return mapping_ == Mapping::kNone; }
 
   /// Returns the frame with colour of the same size and camera model as its depth. Depth and states
-  /// are unchanged. Requires a depth image of model()'s size. Other sizes of colour are dropped.
+  /// are unchanged. Requires a depth image of model()'s size. Colour of another size is dropped.
   ///
   /// The colour camera cannot see a pixel that lies outside its picture or behind something nearer.
   /// The pixel then takes the colour of the nearest visible pixel of its row at a similar depth. A
@@ -74,7 +74,7 @@ class Registration {
   // Per depth pixel: its ray in the colour camera's frame and its position in the colour picture.
   std::vector<float> ray_x_, ray_y_, ray_z_;
   std::vector<float> u_, v_, z_;
-  std::vector<float> row_z_;  ///< Assumed depths of one row, metres.
+  std::vector<float> row_z_;  ///< Assumed depths of one row in metres.
   /// Nearest depths seen by the colour camera, on a grid as large as the depth image.
   std::vector<float> nearest_z_;
 };

@@ -22,7 +22,7 @@ constexpr Duration kStallAfter = std::chrono::seconds(1);
 // The first frame takes longer, since a Kinect's projector and exposure have to settle.
 constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
 constexpr int kSliceMs = 50;  // Longest delay of a stop request.
-// The longest silence that a single wait can count as. If it took longer, the process was
+// The longest silence that a single wait can count as. If a wait took longer, the process was
 // suspended.
 constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;

@@ -36,7 +36,7 @@ struct SensorDescription {
   CameraModel color;        ///< The colour camera, before registration.
   Rigid3 color_from_depth;  ///< The colour camera's pose in metres; the identity if `registered`.
   bool registered = false;  ///< Depth and colour share one camera model.
-  /// Every depth that the sensor can report, in `unit`, ascending. Empty if they are unknown.
+  /// Every depth that the sensor can report, in `unit`, ascending. The list is empty if unknown.
   std::vector<std::uint16_t> levels;
   double frames_per_second = 30;            ///< Nominal frame rate.
   std::optional<Rigid3> world_from_camera;  ///< Pose of the camera. Nothing if the pose is unknown.
@@ -46,7 +46,7 @@ struct SensorDescription {
   std::optional<std::int64_t> unix_zero_us;
 };
 
-/// How a camera exposes its colour pictures, and when its projector is on. Unset: the default.
+/// How a camera exposes its colour pictures, and when its projector is on. Unset means default.
 struct CameraControls {
   enum class Mode {
     kAutomatic,  ///< Follows the light.

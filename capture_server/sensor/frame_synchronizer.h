@@ -53,7 +53,8 @@ class FrameSynchronizer {
   bool has_depth() const { return !depth_.empty(); }
   std::size_t waiting() const { return depth_.size(); }
 
-  /// Takes the oldest depth picture. Nothing if `may_wait` is true and it has to wait for colour.
+  /// Takes the oldest depth picture. Returns nothing if `may_wait` is true and colour is still
+  /// missing.
   std::optional<Pair> take(bool may_wait) {
     if (depth_.empty()) return std::nullopt;
     const std::int64_t timestamp = depth_.front().timestamp_us;

@@ -37,7 +37,8 @@ class OpenNiSession {
 };
 
 /// Gives the driver's threads time to leave the streams of a device. It waits until this process's
-/// threads had 50 ms of CPU time, at most 400 ms. Call it between stopping and destroying streams.
+/// threads had 50 ms of CPU time, at most 400 ms. Call this function between stopping and
+/// destroying streams.
 void let_threads_leave();
 
 /// OpenNI2's message about its last error on one line, or "no reason given".
@@ -51,7 +52,7 @@ bool is_usable(const openni::VideoMode& mode, bool is_depth);
 std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
                                              int height);
 
-/// The stream's camera model, from the device's intrinsics or its field of view. Otherwise it is a
+/// The stream's camera model, from the device's intrinsics or its field of view. The default is a
 /// Kinect's.
 CameraModel camera_of(const openni::VideoStream& stream);
 

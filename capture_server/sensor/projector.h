@@ -39,7 +39,7 @@ class Projector {
   /// True if a depth picture received at `at` was exposed while this camera's projector was on. A
   /// picture is exposed and then transferred, so the first such picture arrives two periods after
   /// the projector was switched on. The last such picture arrives with the end of the time slot.
-  /// Call it on arrival of the picture, since the result depends on the present time.
+  /// Call this function on arrival of the picture, since the result depends on the present time.
   bool is_exposed(Instant at) const;
 
  private:

@@ -32,7 +32,7 @@ struct SessionSpan {
   bool overlaps(const SessionSpan& other) const { return from_us < other.to_us && other.from_us < to_us; }
 };
 
-/// Maps a session's instants to the steady clock. A replay with --loop repeats them.
+/// Maps a session's instants to the steady clock. A replay with --loop repeats the session.
 class SessionTimeline {
  public:
   /// `span` is the session's time span, and its first instant is due at `begin`.
@@ -73,7 +73,8 @@ class SessionClock {
   /// replayed or the file cannot be created. The replay is then not synchronised.
   static std::optional<SessionClock> join(const std::string& folder, const SessionSpan& own, Instant begin);
 
-  /// Returns $XDG_RUNTIME_DIR, or a folder of this user in /tmp. Empty if neither is usable.
+  /// Returns $XDG_RUNTIME_DIR, or a folder of this user in /tmp. The text is empty if neither is
+  /// usable.
   static std::string default_folder();
 
   SessionClock(SessionClock&& other) noexcept;

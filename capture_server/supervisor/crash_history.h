@@ -22,8 +22,8 @@ class CrashHistory {
  public:
   explicit CrashHistory(const SupervisorPolicy& policy) : policy_(policy) {}
 
-  /// The reason why no other child is started, as the end of a sentence. Nothing if another is
-  /// started.
+  /// The reason why no other child is started, as the end of a sentence. Returns nothing if another
+  /// is started.
   std::optional<std::string> verdict(const ChildEnd& end, std::chrono::nanoseconds lived);
 
   /// The pause before the next child.

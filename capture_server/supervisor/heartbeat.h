@@ -56,7 +56,8 @@ enum class Stage : int {
   kEnding,     ///< Completes the work in progress.
 };
 
-/// The shared memory. The parent creates it before the child starts. Initially all bytes are zero.
+/// The shared memory. The parent creates this memory before the child starts. Initially all bytes
+/// are zero.
 struct ChildReport {
   static constexpr std::size_t kMostThreads = 8;
 
@@ -120,7 +121,7 @@ class Heartbeat {
 
   void enter(Stage stage) { report_.stage = stage; }
 
-  /// Reports the number of captured frames. It shows where in a recording a crash happens.
+  /// Reports the number of captured frames. The number shows where in a recording a crash happens.
   void captured(std::uint64_t frames) { report_.frames.store(frames, std::memory_order_relaxed); }
 
   const Predecessor& predecessor() const { return predecessor_; }

@@ -33,8 +33,8 @@ inline constexpr int kBoardColumns = 9, kBoardRows = 6;
 inline constexpr float kMovingSquare = 0.04f, kStillSquare = 0.09f;  // In metres.
 
 /// The chessboard of the world "board". In each period of motion the board takes 24 poses in front
-/// of camera 0. They are near and far, tilted in all directions, and in the corners of the picture.
-/// The function adds the board's materials to `scene`.
+/// of camera 0. The poses are near and far, tilted in all directions, and in the corners of the
+/// picture. The function adds the board's materials to `scene`.
 Figure make_moving_board(Scene& scene);
 
 /// The world "still-board": a larger chessboard in the room's middle that faces cameras 0 and 1.

@@ -10,7 +10,8 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 constexpr std::size_t kSampleCount = kFigureSamples.size();
-constexpr std::size_t kHitBatch = 512;  // Number of hits drawn at once. Their data fits into the cache.
+// Number of hits drawn at once. The data of so many hits fits into the cache.
+constexpr std::size_t kHitBatch = 512;
 
 // Computes the share of a lamp's power that arrives at each point, as if from the lamp's centre.
 void falloff(const AreaLight& light, const ShadowPoints& positions, const float* __restrict nx,

@@ -38,7 +38,7 @@ Value interpolate(const Ray& hit, const Value& a, const Value& b, const Value& c
 }
 
 struct SurfacePoint {
-  Eigen::Vector3f position, normal;  ///< Both are in the frame of the mesh.
+  Eigen::Vector3f position, normal;  ///< Both vectors are in the frame of the mesh.
   Eigen::Vector2f uv;
 };
 

@@ -51,7 +51,7 @@ class StaticView {
   std::vector<Block> blocks_;
   ShadowPoints shadow_points_;
   std::vector<float> hidden_;                      // Per block: the hidden share of the lamp.
-  std::vector<Eigen::Vector3f> light_;             // Per pixel, with the shadow of the figure.
+  std::vector<Eigen::Vector3f> light_;             // Light per pixel with the shadow of the figure.
   ColorImage color_;                               // The light after tone mapping.
   std::vector<float> u_, v_, red_, green_, blue_;  // Buffers of add_light().
 };

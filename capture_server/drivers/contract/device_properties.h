@@ -13,7 +13,7 @@ namespace copresence::drivers {
 inline constexpr int kPose = 0x43500001;
 using Pose = std::array<double, 12>;
 
-/// Property of a stream, read-only: fx, fy, cx and cy in pixels. Drivers may lack this property.
+/// Property of a stream, read-only: fx, fy, cx and cy in pixels. Some drivers lack this property.
 inline constexpr int kIntrinsics = 0x43500002;
 using Intrinsics = std::array<double, 4>;
 

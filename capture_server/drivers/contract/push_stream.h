@@ -35,7 +35,7 @@ std::optional<Value> read_as(const void* data, int size) {
 
 struct Lens {
   float horizontal_fov = 0, vertical_fov = 0;  ///< In radians.
-  std::optional<Intrinsics> intrinsics;        ///< Nothing if the intrinsics are unknown.
+  std::optional<Intrinsics> intrinsics;        ///< Nothing if intrinsics are unknown.
 };
 
 class PushStream;
@@ -110,7 +110,7 @@ class PushStream : public oni::driver::StreamBase {
  private:
   int row_bytes() const;
   void no_picture();    // Stores that no picture exists any more.
-  bool end_pictures();  // Waits until no picture exists. False if the stream did not run.
+  bool end_pictures();  // Waits until no picture exists. Returns false if the stream did not run.
 
   StreamOwner& owner_;
   const OniSensorType type_;

@@ -27,7 +27,8 @@ struct SimulatedUri {
   std::uint32_t seed = 1;  ///< Seed of all noise.
   bool marker = false;     ///< Draws the frame's number into the colour picture.
   std::string control;     ///< Path of a file by which tests make the camera fail, or empty.
-  /// File by which cameras share the states of their projectors. Without a file, all are on.
+  /// File by which cameras share the states of their projectors. Without this file all projectors
+  /// are on.
   std::string projectors;
 };
 

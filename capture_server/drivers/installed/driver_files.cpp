@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kServedOtherwise[] = {"PS1080", "FreenectDriver", "OniFile", "DummyDevice"};
 
-// The part of a library's name between "lib" and ".so". Empty if the name lacks them.
+// The part of a library's name between "lib" and ".so". Empty for other names.
 std::string_view stem_of(std::string_view file) {
   const auto end = file.find(".so");
   const bool is_library = file.starts_with("lib") && end != std::string_view::npos &&

@@ -24,7 +24,7 @@ FreenectContext make_freenect_context(int parts);
 /// The last error that libfreenect logged on this thread, on one line, or "no reason given".
 std::string last_freenect_error();
 
-/// Serial numbers of the Kinects that report one. Nothing if the bus cannot be read.
+/// Serial numbers of the Kinects that report one. Returns nothing if USB fails.
 std::optional<std::vector<std::string>> list_serials(freenect_context& context);
 
 }  // namespace copresence::drivers

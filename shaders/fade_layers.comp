@@ -7,7 +7,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0, rgba8) uniform image2DArray fragments;  // As in merge_layers.comp.
 
-uniform float opacity[LAYERS];  // 1 for a live camera.
+uniform float opacity[LAYERS];  // It is 1 for a live camera.
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);

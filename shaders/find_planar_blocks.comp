@@ -1,7 +1,7 @@
 #version 450 core
 // Fits planes of inverse depth to blocks of 4, 8 and 16 pixels a side (planar_blocks.h). A block
 // includes the first pixels of its right and lower neighbours. The plane is zero if the block is
-// not planar. Each group handles a block of 16, and each invocation a block of 4.
+// not planar. Each group handles a 16x16 block, and each invocation a 4x4 block.
 layout(local_size_x = 4, local_size_y = 4) in;
 
 layout(binding = 0) uniform usampler2D depth;

@@ -23,7 +23,7 @@ layout(std430, binding = 0) readonly buffer Commands {
 layout(std430, binding = 1) readonly buffer Wanted { uint wanted[]; };
 layout(std430, binding = 4) readonly buffer Guesses { Guess guesses[]; };
 
-const float kKernel[5] = float[5](0.37, 0.78, 1.0, 0.78, 0.37);  // exp(-d^2 / 4) for d = -2 to 2.
+const float kKernel[5] = float[5](0.37, 0.78, 1.0, 0.78, 0.37);  // Values of exp(-d^2 / 4).
 
 struct Support {
   float weight, rest;

@@ -6,7 +6,7 @@
 // cos(theta), less for filled pixels, never 0. Each invocation handles one pixel.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2D incidences;  // cos(theta) by cell, with a linear filter.
+layout(binding = 0) uniform sampler2D incidences;  // By cell, with a linear filter.
 layout(binding = 1) uniform usampler2D state;
 layout(binding = 2) uniform sampler2D color;
 layout(binding = 0, rgba8) writeonly uniform image2D camera_texture;

@@ -2,8 +2,8 @@
 
 // Finds the correction from every camera's colours to those of the reference camera. First a
 // correction is fitted to each pair of overlapping cameras. Then the best overlaps chain every
-// camera to the reference. Joint least squares over all pairs distributes the remaining error.
-// Thesis 2.6.2 does this for two cameras. Thread: one thread at a time per object. Matching two
+// camera to the reference. Joint least squares over all pairs distributes the remaining error. The
+// thesis (2.6.2) does this for two cameras. Thread: one thread at a time per object. Matching two
 // cameras takes a few milliseconds, so do not call match_colors() on the render thread.
 
 #include <optional>
@@ -17,8 +17,7 @@
 namespace copresence::color_matching {
 
 /// Returns the corrections of the cameras. The first camera is the reference. A camera without a
-/// chain of overlaps to the reference gets nothing. Null frames and those without colour are
-/// ignored.
+/// chain of overlaps to the reference gets nothing. Frames without colour are ignored.
 std::vector<std::optional<ColorCorrection>> match_colors(std::span<const PosedFrame> frames);
 
 /// Filters the corrections over time, so that the noise of a fit does not become flicker. The first

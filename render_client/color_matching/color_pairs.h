@@ -1,8 +1,8 @@
 #pragma once
 
 // Finds points that two cameras see, and their colours in both images. The measured surface of one
-// camera is projected into the image of the other camera. Thesis 2.6.1 and 2.6.2 find such points
-// by drawing a view. Thread: pure functions.
+// camera is projected into the image of the other camera. The thesis (2.6.1 and 2.6.2) finds such
+// points by drawing a view. Thread: pure functions.
 
 #include <vector>
 

@@ -31,7 +31,7 @@ class FrameSync {
   /// Returns whether frames are waiting for frames of other cameras.
   bool has_waiting() const;
 
-  /// Returns when to call gather() next: `deadline`, or earlier if a waiting frame must be shown.
+  /// Returns `deadline`, or an earlier time at which gather() must be called to show a frame.
   Instant wake_by(Instant deadline) const;
 
  private:

@@ -65,8 +65,8 @@ struct SurfaceLimits {
 
   float gap;     ///< Greatest difference between neighbours that noise explains.
   float slope;   ///< Greatest difference that the slope explains, divided by w.
-  float planar;  ///< Greatest distance of a pixel from the plane of its block of 4.
-  /// Greatest distance between the planes of a block of 4 and of the next larger block. A plane
+  float planar;  ///< Greatest distance of a pixel from the plane of its 4x4 block.
+  /// Greatest distance between the planes of a 4x4 block and of the next larger block. A plane
   /// that is fitted to 25 pixels is accurate to a quarter of a step at its corners.
   float curvature;
 };

@@ -55,7 +55,7 @@ enum class Origin : std::uint8_t {
   kEmpty,     ///< No camera shows it, and no surface is continued there.
 };
 
-/// Selects how the pixels of a view look that no camera has seen.
+/// Selects the look of pixels that no camera has seen.
 struct UnseenStyle {
   enum class Show {
     kExtend,  ///< The surfaces around an unseen pixel are continued.
@@ -82,7 +82,7 @@ struct HostPixels {
 };
 
 struct MergedView {
-  /// Set by the caller, from 0 up. The pictures of different targets exist at the same time. Use
+  /// The caller sets it, from 0 up. The pictures of different targets exist at the same time. Use
   /// one target for each eye.
   int target = 0;
 

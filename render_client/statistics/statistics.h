@@ -56,7 +56,7 @@ class CameraStatistics {
     std::uint64_t received = 0, decoded = 0, displayed = 0, not_displayed = 0, last_displayed_sequence = 0;
     std::uint64_t color_repeated = 0, times_stale = 0;
     std::uint64_t times_not_believed = 0;        ///< Decoded frames with implausible times.
-    std::map<std::string, std::uint64_t> drops;  ///< By cause, including causes with 0.
+    std::map<std::string, std::uint64_t> drops;  ///< By cause, also for causes with 0.
     std::uint64_t dropped = 0;
     double mbps = 0;
     flow::LatencyHistogram latency;
@@ -91,7 +91,7 @@ class ViewStatistics {
 
   std::uint64_t frames() const { return frames_; }
   const flow::LatencyHistogram& skew() const { return skew_; }
-  double fps() const;                                          ///< 0 for fewer than two views.
+  double fps() const;                                          ///< Is 0 for fewer than two views.
   std::optional<renderer::OriginShares> mean_origins() const;  ///< Nothing if no view had origins.
   const flow::LatencyHistogram& render_time() const { return render_time_; }
 

@@ -27,8 +27,8 @@ inline bool is_left_out(Availability availability) {
 class AvailabilityTracker {
  public:
   /// The pause before the next try doubles with every failure, from kFirstPause to kLongestPause.
-  /// It becomes short again only after a connection whose frames could be decoded for kSteady.
-  /// Otherwise, a server that accepts and closes connections would cause constant tries.
+  /// It becomes short again only after a connection whose frames could be decoded for kSteady. This
+  /// limits the tries if a server accepts and closes connections.
   static constexpr std::chrono::milliseconds kFirstPause{50}, kLongestPause{500};
   static constexpr std::chrono::seconds kSteady{2};
   /// A camera is left out if its server answers for this time without a single decodable frame.

@@ -54,7 +54,7 @@ class CameraStates {
   /// Returns why no camera can be shown, or nothing unless every camera is refused.
   std::optional<Error> all_refused() const;
 
-  /// Returns the window's title: `program`, and the state of the first camera that sends no frames.
+  /// Returns the window's title. It has `program` and the state of the first camera without frames.
   std::string title(std::string_view program) const;
 
  private:

@@ -10,8 +10,7 @@
 
 namespace copresence::stream {
 
-/// The greatest plausible time from a frame's capture to its arrival, and the greatest duration of
-/// a stage. A connection without frames ends sooner.
+/// The greatest plausible time from a frame's capture to its arrival, and for a stage.
 inline constexpr std::chrono::seconds kOldestBelieved{10};
 
 struct FrameTimes {

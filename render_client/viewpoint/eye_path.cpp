@@ -15,7 +15,7 @@ namespace copresence::viewpoint {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r\v\f";
-constexpr std::size_t kMostBytes = 16 << 20;  // Enough for one line per view in an hour.
+constexpr std::size_t kMostBytes = 16 << 20;  // Enough for an hour with one line per view.
 constexpr std::size_t kMostOfAWord = 40;
 constexpr double kFarthest = 1e6;  // Metres. Greater values are typing errors.
 

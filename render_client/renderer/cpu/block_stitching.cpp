@@ -89,7 +89,7 @@ class BlockStitching::Level {
     drawn_[at] |= static_cast<std::uint8_t>(is_due);
   }
 
-  // Draws the four borders of a block of 2. Testing whether they are needed would take longer.
+  // Draws the four borders of a 2x2 block. Testing whether they are needed would take longer.
   void draw_middles(const MeshBlock& block) {
     const int x0 = x_of(block.i), x1 = x_of(block.i + 1), y0 = y_of(block.j), y1 = y_of(block.j + 1);
     const int at = y0 * row_ + x0, below = y1 * row_ + x0;
@@ -146,7 +146,7 @@ class BlockStitching::Level {
   }
 
   const Image<Plane>& planes_;
-  const Image<Plane>* parents_;  // Null except for blocks of 2.
+  const Image<Plane>* parents_;  // Null except for 2x2 blocks.
   const std::vector<MeshBlocks::Planar>& blocks_;
   std::size_t added_ = 0, finished_ = 0;
   int size_, last_x_, last_y_, image_row_, row_;

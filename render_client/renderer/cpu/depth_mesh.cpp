@@ -14,7 +14,7 @@ namespace {
 
 constexpr FourInts kBits{1, 2, 4, 8};
 
-// Returns one value for each of the four quads of a block of 2. The upper left quad is first.
+// Returns one value for each of the four quads of a 2x2 block. The upper left quad is first.
 Four pairs(const float* upper, const float* lower) {
   using Two = float __attribute__((vector_size(8)));
   Two first, second;
@@ -121,7 +121,7 @@ class PatchBuilder {
     }
   }
 
-  // Adds the quads of a block of 2 whose pixels are connected.
+  // Adds the quads of a 2x2 block whose pixels are connected.
   void add_pixels(int x, int y) {
     const float* const row = w_from_ + static_cast<std::ptrdiff_t>(y) * w_row_ + x;
     const float *const row1 = row + w_row_, *const row2 = row1 + w_row_;
@@ -222,8 +222,8 @@ void build_mesh(const InverseDepth& inverse, const MeshBlocks& blocks, const Pix
                 const SurfaceLimits& limits, DepthMesh& mesh) {
   assert(rays.of_pixels.size() == static_cast<std::size_t>(inverse.width) * inverse.height);
   assert(blocks.ends.size() == static_cast<std::size_t>(inverse.patches_x()) * inverse.patches_y());
-  // The largest mesh has 9 vertices and 4 quads or triangles per block of 2. A planar block has 4
-  // vertices and one quad. One spare element receives writes of shapes without quad or triangle.
+  // The largest mesh has 9 vertices and 4 quads or triangles per 2x2 block. A planar block has 4
+  // vertices and one quad. Shapes without a quad or triangle write to one spare element.
   const std::size_t parts = blocks.parts.size();
   for (auto* numbers : {&mesh.x, &mesh.y, &mesh.w, &mesh.u, &mesh.v})
     numbers->resize(9 * parts + DepthMesh::kSpare);

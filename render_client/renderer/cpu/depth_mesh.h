@@ -15,8 +15,8 @@
 namespace copresence::renderer {
 
 struct DepthMesh {
-  /// One value per vertex, and kSpare more. A vertex is the point (x, y, 1) / w in the camera's
-  /// frame, in metres. (u, v) is its pixel.
+  /// Each vector has one value per vertex and kSpare more. A vertex is the point (x, y, 1) / w in
+  /// the camera's frame, in metres. (u, v) is its pixel.
   template <class T>
   using Vector = std::vector<T, UninitialisedAllocator<T>>;
   Vector<float> x, y, w, u, v;
@@ -40,7 +40,7 @@ struct DepthMesh {
   std::vector<Patch> patches;
 };
 
-/// The ray of each pixel: (x, y) at z = 1 (common/frame/camera_model.h).
+/// The ray of each pixel, as (x, y) at z = 1 (common/frame/camera_model.h).
 struct PixelRays {
   const std::vector<Eigen::Vector2f>& of_pixels;
   bool are_bent;  ///< Lens distortion makes x differ within a column, or y within a row.

@@ -100,7 +100,7 @@ void find_blocks_of_4(const InverseDepth& inverse, const SurfaceLimits& limits, 
   }
 }
 
-// Fits planes to the four blocks of 2 from pixel (x, y) on. Each fit uses 3 x 3 pixels.
+// Fits planes to the four 2x2 blocks from pixel (x, y) on. Each fit uses 3 x 3 pixels.
 void fit_blocks_of_2(const InverseDepth& inverse, int x, int y, const SurfaceLimits& limits,
                      Image<Plane>& planes) {
   std::array<std::array<Four, 3>, 3> pixels;  // Indexed by row and column within each block.
@@ -239,7 +239,7 @@ void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth&
 void find_planar_blocks(const InverseDepth& inverse, const SurfaceLimits& limits, PlanarBlocks& blocks) {
   blocks.planes[1].resize(4 * inverse.patches_x(), 4 * inverse.patches_y());
   find_blocks_of_4(inverse, limits, blocks.planes[1]);
-  // Blocks of 2 in a planar or empty block of 4 are skipped, and keep the values of an older frame.
+  // The 2x2 blocks in a planar or empty 4x4 block are skipped. They keep values of an older frame.
   Image<Plane>& blocks_of_2 = blocks.planes[0];
   if (blocks_of_2.width() != 8 * inverse.patches_x() || blocks_of_2.height() != 8 * inverse.patches_y())
     blocks_of_2 = Image<Plane>(8 * inverse.patches_x(), 8 * inverse.patches_y());

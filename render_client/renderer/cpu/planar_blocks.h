@@ -1,7 +1,7 @@
 #pragma once
 
-// Finds the planar parts of a depth image. Planes of inverse depth are fitted to blocks of 2 to 16
-// pixels a side, which form a quadtree. A block includes the first pixels of its right and lower
+// Finds the planar parts of a depth image. Planes of inverse depth are fitted to blocks from 2x2 to
+// 16x16 pixels, which form a quadtree. A block includes the first pixels of its right and lower
 // neighbours, since a mesh connects those as well. Thread: different objects are independent.
 
 #include <array>
@@ -16,11 +16,11 @@ namespace copresence::renderer {
 struct InverseDepth {
   int width = 0;  ///< Size of the depth image.
   int height = 0;
-  /// Inverse depth in 1/m, 0 for a hole. The image is padded to whole blocks of 16 and one pixel
+  /// Inverse depth in 1/m, 0 for a hole. The image is padded to whole 16x16 blocks and one pixel
   /// more. The padding repeats the last column and row.
   Image<float> w;
 
-  /// Number of blocks of 16 pixels that contain all quads.
+  /// Number of 16x16 blocks that contain all quads.
   int patches_x() const { return (width + 14) / 16; }
   int patches_y() const { return (height + 14) / 16; }
 };
@@ -41,8 +41,8 @@ inline constexpr int kLevels = static_cast<int>(kBlockSizes.size());
 
 struct PlanarBlocks {
   /// planes[level] belongs to blocks of kBlockSizes[level] pixels. Block (i, j) begins at pixel
-  /// (size * i, size * j). The planes of blocks of 2 are valid only where the block of 4 around
-  /// them is neither planar nor empty. Blocks of 2 are never marked as empty.
+  /// (size * i, size * j). The planes of 2x2 blocks are valid only where the 4x4 block around them
+  /// is neither planar nor empty. A 2x2 block is never marked as empty.
   std::array<Image<Plane>, kLevels> planes;
 };
 
@@ -55,16 +55,16 @@ struct MeshBlock {
   std::uint16_t i, j;
 };
 
-/// The leaves of the quadtree of blocks, in the order of a mesh.
+/// The leaves of the quadtree of blocks, in the order in which a mesh contains them.
 struct MeshBlocks {
-  /// A leaf: a planar block that lies in no larger one, or a block of 2 with connected pixels.
+  /// A leaf: a planar block that lies in no larger one, or a 2x2 block with connected pixels.
   struct Part {
     MeshBlock block;
     std::uint8_t level;
     bool is_planar;
   };
   std::vector<Part> parts;
-  /// The end of each patch in `parts`, row by row. A patch is a block of 16.
+  /// The end of each patch in `parts`, row by row. A patch is a 16x16 block.
   std::vector<std::uint32_t> ends;
 
   struct Planar {
@@ -75,8 +75,8 @@ struct MeshBlocks {
 };
 
 /// Lists the blocks of a mesh. Planar blocks larger than `largest_block` pixels a side are divided.
-/// Requires 4, 8 or 16, or 1 for a mesh without planar blocks. Blocks of 4 and larger that have no
-/// depth are omitted. Reuses the memory of `blocks`.
+/// Requires 4, 8 or 16, or 1 for a mesh without planar blocks. Blocks without any depth are omitted
+/// if they are 4x4 or larger. Reuses the memory of `blocks`.
 void list_blocks(const InverseDepth& inverse, const PlanarBlocks& planar, int largest_block,
                  MeshBlocks& blocks);
 

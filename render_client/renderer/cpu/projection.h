@@ -24,7 +24,7 @@ struct ViewVertex {
   float x, y;    ///< Pixel of the view.
   float pad[2];  ///< Aligns the interpolated members below to 16 bytes.
   float w;       ///< Inverse depth along the eye's axis, 1/m.
-  float k;       ///< 1/Z.
+  float k;       ///< The reciprocal 1/Z.
   float u, v;    ///< (kTexelSteps * pixel + 1/2) / Z. The 1/2 makes truncation round.
 };
 static_assert(sizeof(ViewVertex) == 32);

@@ -24,7 +24,7 @@ constexpr int kGroups = kSpan / kLanes;
 
 // Intermediate results for one camera's fragments.
 struct CameraSpan {
-  // 0 if the fragment does not count, 1 if no other camera's fragment counts.
+  // The value is 0 if the fragment does not count, and 1 if no other camera's fragment counts.
   alignas(32) std::array<float, kSpan> weight_per_incidence;
   // Texels as in CameraTexture. They are valid where the weight is not 0.
   alignas(32) std::array<std::uint32_t, kSpan> colors;

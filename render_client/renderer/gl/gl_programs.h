@@ -24,7 +24,7 @@ namespace copresence::renderer {
 
 /// PlanarBlocks on the graphics card: planes for blocks of 4, 8 and 16 pixels (kRgba32f).
 using GlPlanes = std::array<gl::Texture, 3>;
-/// Index of blocks of 4 in kBlockSizes. On a graphics card, blocks of 2 cost more than they save.
+/// Index of 4x4 blocks in kBlockSizes. On a graphics card, 2x2 blocks cost more than they save.
 inline constexpr int kFirstGlLevel = 1;
 
 /// Finds planes in depth (kR16ui): find_planar_blocks.comp.

@@ -3,8 +3,8 @@
 // Plain generalised ICP for comparison with refinement. It matches nearest neighbours within one
 // search distance, plane to plane, without weights.
 //
-// Source: Segal, Haehnel and Thrun 2009. Covariances come from normals, with the epsilon of Open3D.
-// Thread: pure functions.
+// The source is Segal, Haehnel and Thrun 2009. Covariances come from normals, with Open3D's
+// epsilon. Thread: pure functions.
 
 #include <Eigen/Core>
 #include <vector>

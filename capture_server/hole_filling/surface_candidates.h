@@ -7,7 +7,7 @@
 
 namespace copresence::hole_filling {
 
-/// A plane over the image. `steps` is its value at a cell's middle; 0 means that there is no plane.
+/// A plane over the image. `steps` is the plane's value at a cell's middle; 0 means no plane.
 struct Plane {
   float steps = 0;
   float slope_x = 0, slope_y = 0;  ///< In steps per pixel.

@@ -48,7 +48,7 @@ struct RecordedStream {
   int height = 0;
   int frames_per_second = 0;                ///< Nominal frame rate.
   DepthUnit unit = DepthUnit::kMillimetre;  ///< Unit of depth. Unused for other streams.
-  /// Field of view of depth. For colour, it is set only if the recorder knew it.
+  /// Field of view of depth. For colour, the field of view is set only if the recorder knew it.
   std::optional<FieldOfView> field_of_view;
   /// All depths that the sensor can report, in ascending order. The list is empty if unknown.
   std::vector<std::uint16_t> levels;

@@ -14,8 +14,7 @@ constexpr std::uint32_t kMaxNodes = 32;
 // Longer names do not fit into the player's fields.
 constexpr std::size_t kMaxName = 79;
 
-// The distinct depths of a table of 16-bit numbers, ascending. The result is empty if it is no such
-// table.
+// The distinct depths of a table of 16-bit numbers, ascending. The result is empty for other bytes.
 std::vector<std::uint16_t> levels_in(std::span<const std::uint8_t> table) {
   constexpr std::size_t kMostTableBytes = 2 * 65536;
   std::vector<std::uint16_t> levels;

@@ -4,7 +4,8 @@
 // is looked up where its point appears in the colour camera. Depth is never resampled: levels,
 // states and holes stay as they were measured, as depth codecs require.
 //
-// Frames pass unchanged if there is no colour or if depth is already seen by the colour camera.
+// Frames pass unchanged without colour, or if the driver delivers depth as seen by the colour
+// camera.
 //
 // Thread: one thread at a time per object.
 

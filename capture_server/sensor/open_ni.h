@@ -52,8 +52,8 @@ bool is_usable(const openni::VideoMode& mode, bool is_depth);
 std::optional<openni::VideoMode> choose_mode(const openni::SensorInfo& sensor, bool is_depth, int width,
                                              int height);
 
-/// The stream's camera model, from the device's intrinsics or its field of view. The default is a
-/// Kinect's.
+/// The stream's camera model, from the device's intrinsics or its field of view. The default model
+/// is a Kinect's.
 CameraModel camera_of(const openni::VideoStream& stream);
 
 /// The pose world_from_camera. Returns nothing if the device does not know its pose.

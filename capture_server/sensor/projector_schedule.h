@@ -28,7 +28,7 @@ struct ProjectorSlot {
   /// Length of a round. Every camera has one slot in each round.
   constexpr std::chrono::milliseconds round() const { return length * count; }
 
-  /// True if the slot can be used. A round must be shorter than the silence of a stalled camera.
+  /// True if the slot can be used. A round must be shorter than the stall timeout of a camera.
   constexpr bool is_sensible() const {
     return count >= 1 && count <= kMost && index >= 0 && index < count && length >= kShortest &&
            round() <= kLongestRound;

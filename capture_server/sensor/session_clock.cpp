@@ -60,7 +60,7 @@ std::optional<SessionClock> SessionClock::join(const std::string& folder, const 
                       std::chrono::duration_cast<std::chrono::nanoseconds>(begin.time_since_epoch()).count()};
     if (::pwrite(descriptor, &mine, sizeof(mine), 0) != sizeof(mine)) return std::nullopt;
   }
-  // Another first replay may have started between the two locks, so the file is read again.
+  // Another first replay may have started between the two locks, so the file decides in any case.
   Shared shared;
   if (!lock(descriptor, LOCK_SH) || ::pread(descriptor, &shared, sizeof(shared), 0) != sizeof(shared) ||
       !is_sane(shared)) {

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-// Size of the space around the figure's origin, in metres.
+// How far the figure reaches from its origin, and its height, in metres.
 constexpr float kFigureReach = 0.95f, kFigureHeight = 2.0f;
 
 // Sample points of a pixel's colour. No two sample points share a row or column of sub-pixels.

@@ -80,8 +80,8 @@ void CameraReceiver::take(const wire::ReceivedFrame& received) {
   statistics_.stage(statistics::Stage::kDepthDecode, durations.depth_decode);
   if (!times.are_believed()) {
     log_.say(Topic::kTimes, Severity::kWarning,
-             fmt::format("{}: the times of its frames contradict each other; they count as captured when "
-                         "they arrive",
+             fmt::format("{}: the times of its frames are implausible; arrival times are used as capture "
+                         "times",
                          address_),
              steady_clock::now());
   }

@@ -260,7 +260,7 @@ class Pipeline {
     if (auto drawn = renderer_->render(views, poses_.front(), {.color = true}, picture); !drawn) return drawn;
     if (auto written = display::write_png(settings_.screenshot, picture.color); !written) return written;
     if (cameras_.awaits_colors()) {
-      spdlog::warn("{}: the cameras' colours are not matched in this picture: the program ended before that",
+      spdlog::warn("{}: the cameras' colours are not matched in this picture, since the program ended early",
                    settings_.screenshot);
     }
     spdlog::info("wrote {}", settings_.screenshot);

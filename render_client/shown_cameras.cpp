@@ -182,8 +182,8 @@ bool ShownCameras::colors_are_settled(Instant now) {
   for (std::size_t i : matched) {
     if (colors_.is_matched(i)) continue;
     spdlog::info(
-        "{}: the colours of camera \"{}\" are shown as they come: too little of what it sees is also seen "
-        "by cameras that are matched to the first one",
+        "{}: the colours of camera \"{}\" are not matched, because its view overlaps too little with those "
+        "of matched cameras",
         addresses_[i], cameras_[i].newest->stream->camera);
   }
   return true;

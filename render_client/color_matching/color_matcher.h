@@ -27,7 +27,7 @@ class SteadyCorrections {
  public:
   explicit SteadyCorrections(std::size_t cameras) : corrections_(cameras) {}
 
-  /// Adds the result of match_colors(), `elapsed` after the previous result.
+  /// Adds a result of match_colors(). `elapsed` is the time since the previous result.
   void follow(std::span<const std::optional<ColorCorrection>> found, Duration elapsed);
 
   bool is_known(std::size_t camera) const { return corrections_[camera].has_value(); }

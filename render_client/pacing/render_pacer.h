@@ -4,7 +4,7 @@
 //
 // The cameras have the same frame rate but different phases. If the view rate equals the frame
 // rate, each view shows one frame of every camera, and most frames have to wait for it. The longest
-// wait is shortest if the view follows the frame before the longest gap in the cycle of frames. The
+// wait is shortest if the view follows the frame that precedes the longest gap between frames. The
 // camera of that frame is called the phase leader, and the other cameras are followers. If n views
 // are allowed per period, there are n leaders.
 //

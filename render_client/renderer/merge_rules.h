@@ -106,7 +106,7 @@ inline constexpr float kFilledWeight = 0.25F;
 /// along the eye's axis. uncertainty_m() is kRangeSigmas standard deviations of the sensor's noise
 /// at the fragment's distance, plus the camera's calibration error.
 inline constexpr float kRangeSigmas = 3.0F;
-/// The sensor's part of uncertainty_m(), divided by the square of the depth; 1/m.
+/// The sensor's part of uncertainty_m(), divided by the square of the depth, in 1/m.
 inline float uncertainty_per_square(const DepthNoise& noise) {
   return kRangeSigmas * static_cast<float>(noise.sigma_steps) * inverse_step(noise);
 }
@@ -126,8 +126,8 @@ inline float quality_index(float incidence, float z_m, DepthState state, const D
 }
 
 /// Returns the weight of a fragment in the merge. `behind_m` >= 0 is its distance behind the
-/// nearest fragment, `range_m` > 0 the uncertainty range. Up to half the range, the weight is the
-/// quality. Then it falls linearly to 0, so that noise causes no sudden changes.
+/// nearest fragment, `range_m` > 0 the uncertainty range. Up to half of the range, the weight
+/// equals the quality. Then it falls linearly to 0, so that noise causes no sudden changes.
 inline float blend_weight(float quality, float behind_m, float range_m) {
   return quality * std::clamp(2.0F - 2.0F * behind_m / range_m, 0.0F, 1.0F);
 }

@@ -40,7 +40,7 @@ class EyePath {
   };
   explicit EyePath(std::vector<Stop> stops) : stops_(std::move(stops)) {}
 
-  std::vector<Stop> stops_;  // At least one, ordered by view.
+  std::vector<Stop> stops_;  // At least one stop, ordered by view.
 };
 
 }  // namespace copresence::viewpoint

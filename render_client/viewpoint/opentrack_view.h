@@ -5,7 +5,7 @@
 //
 // The head moves the eye from the reset pose by the translation (x, -y, z) / 100 in metres and the
 // rotation Ry(yaw) Rx(pitch) Rz(roll), in the eye's frame (x right, y down, z forward). If a
-// tracker's axis has the opposite sign, invert itin opentrack's mapping. Invalid datagrams are
+// tracker's axis has the opposite sign, invert it in opentrack's mapping. Invalid datagrams are
 // counted and reported by news(). Thread: one thread at a time per object.
 
 #include <cstdint>

@@ -89,7 +89,7 @@ class BlockStitching::Level {
     drawn_[at] |= static_cast<std::uint8_t>(is_due);
   }
 
-  // Draws the four borders of a 2x2 block. Testing whether they are needed would take longer.
+  // Draws the four borders of a 2x2 block. Testing if a border is needed would take longer.
   void draw_middles(const MeshBlock& block) {
     const int x0 = x_of(block.i), x1 = x_of(block.i + 1), y0 = y_of(block.j), y1 = y_of(block.j + 1);
     const int at = y0 * row_ + x0, below = y1 * row_ + x0;

@@ -1,8 +1,9 @@
 #pragma once
 
 // Makes the texture of a camera. Red, green and blue are the corrected colour of a pixel. Alpha is
-// the weight of its fragments: cos(theta), times kFilledWeight for filled pixels. Without colour,
-// it is a gray (shade_without_color()). Thread: different objects may be used at the same time.
+// the weight of its fragments: cos(theta), times kFilledWeight for filled pixels. A camera without
+// colour has a gray from shade_without_color(). Thread: different objects may be used at the same
+// time.
 
 #include <Eigen/Core>
 #include <cstdint>

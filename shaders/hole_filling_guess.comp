@@ -15,8 +15,8 @@ struct Cell {  // As in hole_filling_cells.comp.
   vec2 slope;
 };
 struct Guess {
-  // x is the inverse depth at the cell's middle in disparity steps, 0 without a surface. y and z
-  // are the slopes in steps per pixel. near.w is 1 if the near surface is preferred.
+  // x is the inverse depth at the cell's middle in disparity steps, 0 without a surface. The slopes
+  // in steps per pixel are y and z. The value near.w is 1 if the near surface is preferred.
   vec4 far, near;
   vec4 far_color, near_color;
 };

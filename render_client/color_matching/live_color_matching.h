@@ -33,7 +33,7 @@ class LiveColorMatching {
 
   enum class FirstMatch { kAwaited, kFound, kGivenUp };
   /// Returns the progress of the first match of these cameras: kFound once all have a correction.
-  /// kGivenUp means that each took part in kRoundsToGiveUp comparisons and some have no correction.
+  /// The result kGivenUp means that some still have none after kRoundsToGiveUp comparisons each.
   FirstMatch first_match(std::span<const std::size_t> cameras) const;
   static constexpr int kRoundsToGiveUp = 3;
   bool is_matched(std::size_t camera) const;

@@ -3,10 +3,9 @@
 // Removes the noise of static surfaces by averaging over time. A Kinect's depth levels, hole rims
 // and silhouette edges flicker, and its colours have grain. In other views this looks like motion.
 //
-// As long as a block of 8 x 8 pixels is static, each of its pixels shows its mean depth and colour
-// over the last frames. A surface that moves closer changes the mean depth of its block; noise
-// hardly does. A surface that moves sideways changes the colours. Moving blocks are shown
-// unfiltered, without delay.
+// While a block of 8 x 8 pixels is static, each pixel shows its mean depth and colour over the last
+// frames. A surface that moves closer changes the mean depth of its block; noise hardly does. A
+// surface that moves sideways changes the colours. Moving blocks are not filtered.
 //
 // In static blocks without moving neighbours, a pixel that loses its depth keeps the old depth for
 // kKeptFrames frames. A jump of its depth must be confirmed by a second frame.

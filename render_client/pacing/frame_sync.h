@@ -1,8 +1,8 @@
 #pragma once
 
 // Takes frames from the cameras' mailboxes and selects the frames of the next view. With --sync,
-// the frames of a view are of nearly the same instant (nearest_instants.h), so that all cameras
-// show a moving object at the same position. Thread: one thread at a time per object.
+// they are of nearly the same instant (nearest_instants.h), so that a moving object has the same
+// position in all of them. Thread: one thread at a time per object.
 
 #include <deque>
 #include <functional>

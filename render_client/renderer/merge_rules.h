@@ -88,8 +88,8 @@ inline constexpr float kUnknownIncidence = 0.25F;
 
 /// Returns cos(theta) in (0, 1], where theta is the angle between the surface normal and the ray
 /// (x, y, 1) to the surface. The thesis uses the camera's axis in place of the ray (figure 2.9),
-/// but then cos(theta) of every floor would be 0 for a level camera. `w` > 0 is the inverse depth
-/// at the middle of the cell, 1/m. `dw_dx` and `dw_dy` are its derivatives by x and y.
+/// which would give 0 for every floor if the camera is level. `w` > 0 is the inverse depth at the
+/// middle of the cell, 1/m. `dw_dx` and `dw_dy` are its derivatives by x and y.
 inline float cos_theta(float w, float dw_dx, float dw_dy, float x, float y) {
   // On the plane n.P = 1, w = n.(x, y, 1). So n = (dw_dx, dw_dy, w - x dw_dx - y dw_dy).
   const float n_z = w - x * dw_dx - y * dw_dy;
@@ -103,8 +103,8 @@ inline constexpr float kFilledWeight = 0.25F;
 
 /// The uncertainty range (thesis 2.6.1): a fragment may lie this far behind the nearest one and
 /// still belong to the same surface. It is the sum of uncertainty_m() of both fragments, in metres
-/// along the eye's axis. uncertainty_m() is kRangeSigmas standard deviations of the sensor's noise
-/// at the fragment's distance, plus the camera's calibration error.
+/// along the eye's axis. One uncertainty_m() is kRangeSigmas standard deviations of the sensor's
+/// noise at the fragment's distance, plus the camera's calibration error.
 inline constexpr float kRangeSigmas = 3.0F;
 /// The sensor's part of uncertainty_m(), divided by the square of the depth, in 1/m.
 inline float uncertainty_per_square(const DepthNoise& noise) {

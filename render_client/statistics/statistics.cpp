@@ -31,8 +31,8 @@ constexpr auto kCounters = {&wire::FrameCounters::captured,
 
 /// Returns whether the totals of a correct server can grow from `before` to `totals` in this time.
 bool can_follow(const wire::FrameCounters& totals, const wire::FrameCounters& before, Duration elapsed) {
-  // The limits are twice the rate of the fastest camera, because a frame has two pictures, and the
-  // pictures that a server may hold back while it is stopped.
+  // The rate is twice that of the fastest camera, because a frame has two pictures. In addition, a
+  // server may hold back pictures while it is stopped.
   constexpr double kPicturesPerSecond = 2000, kHeldBack = 2000;
   const double most = kHeldBack + kPicturesPerSecond * std::chrono::duration<double>(elapsed).count();
   const bool plausible = std::all_of(kCounters.begin(), kCounters.end(), [&](const auto counter) {

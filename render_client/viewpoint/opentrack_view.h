@@ -4,9 +4,9 @@
 // (head_datagram.h, docs/guide/viewing.md).
 //
 // The head moves the eye from the reset pose by the translation (x, -y, z) / 100 in metres and the
-// rotation Ry(yaw) Rx(pitch) Rz(roll), in the eye's frame (x right, y down, z forward). If a
-// tracker's axis has the opposite sign, invert it in opentrack's mapping. Invalid datagrams are
-// counted and reported by news(). Thread: one thread at a time per object.
+// rotation Ry(yaw) Rx(pitch) Rz(roll). The axes of the eye's frame are x right, y down and z
+// forward. If a tracker's axis has the opposite sign, invert it in opentrack's mapping. Invalid
+// datagrams are counted and reported by news(). Thread: one thread at a time per object.
 
 #include <cstdint>
 

@@ -1,9 +1,8 @@
-// Measures cameras through OpenNI2. The results are the CPU time of the process per 640x480 frame,
-// the latency from the sensor to the encode thread, leaks of opening and closing, and the time
-// until a replugged camera streams again. Kinects are fake (tests/support/fake_freenect). In cases
-// named "still", the fake Kinect draws its pictures only once. So these cases measure the driver,
-// OpenNI2 and the copies into an RgbdFrame. Run it by benchmarks/cameras.py, which sets the library
-// path.
+// Measures cameras through OpenNI2. The results are the CPU time per 640x480 frame and the latency
+// from the sensor to the encode thread. Other cases measure leaks, and the time until a replugged
+// camera streams again. Kinects are fake (tests/support/fake_freenect). In cases named "still", the
+// fake Kinect draws its pictures only once. So these cases measure the driver, OpenNI2 and the
+// copies into an RgbdFrame. Run it by benchmarks/cameras.py, which sets the library path.
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>

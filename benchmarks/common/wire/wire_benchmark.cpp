@@ -33,8 +33,8 @@ void welcome_round_trip(benchmark::State& state) {
 }
 BENCHMARK(welcome_round_trip);
 
-/// Sends 30 frames a second to all clients, so that both ends sleep between frames. "Time" ends
-/// when the last client has the frame's last byte. "CPU" is the time of all threads per frame.
+/// Sends 30 frames a second to all clients, so that both ends sleep between frames. The time ends
+/// when the last client has the frame's last byte. The CPU time is that of all threads per frame.
 void loopback(benchmark::State& state) {
   const auto bytes = static_cast<std::size_t>(state.range(0)) * 2 / 3;  // For depth.
   Served served;

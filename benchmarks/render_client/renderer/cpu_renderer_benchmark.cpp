@@ -1,5 +1,5 @@
 // Measures the CPU renderer. The cameras have new 640x480 frames of a furnished room for every
-// view, with the noise of a Kinect. "Time" is elapsed time and "CPU" the CPU time of all threads,
+// view, with the noise of a Kinect. The results are elapsed time and the CPU time of all threads,
 // in milliseconds per view.
 
 #include <benchmark/benchmark.h>

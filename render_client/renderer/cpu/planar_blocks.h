@@ -28,8 +28,8 @@ struct InverseDepth {
 /// Computes the inverse depth of an image. Reuses the memory of `inverse`.
 void invert_depth(const DepthImage& depth, double metres_per_unit, InverseDepth& inverse);
 
-/// Inverse depth w at the middle of a block, 1/m, and its change per pixel. w = 0 if the block is
-/// not planar, w < 0 if none of its pixels has depth.
+/// Inverse depth w at the middle of a block, 1/m, and its change per pixel. It is 0 if the block is
+/// not planar, and negative if none of its pixels has depth.
 struct Plane {
   float w = 0, dx = 0, dy = 0;
   bool is_planar() const { return w > 0; }

@@ -48,8 +48,8 @@ struct Target {
 };
 
 // Returns the matrix from the eye's frame to clip coordinates. Pixel centres are at integer
-// coordinates, and the first row is at the top. The depth buffer is linear in w = 1/z, with 0 at
-// the near plane and 1 at the far plane, so that the merge can compute w by one multiplication.
+// coordinates, and the first row is at the top. The depth buffer is linear in w = 1/z, so that the
+// merge can compute w by one multiplication. It is 0 at the near plane and 1 at the far plane.
 Eigen::Matrix4d clip_from_eye(const ViewPose& eye) {
   const CameraModel& intrinsics = eye.intrinsics;
   const double per_w = 1.0 / (1.0 / eye.near_m - 1.0 / eye.far_m);

@@ -21,8 +21,7 @@
 namespace copresence::server {
 
 /// Encoding and the decoding of recordings add this number to their threads' nice value. So a
-/// render_client on the same machine does not stutter. The lower priority costs up to one frame
-/// period.
+/// render_client on the same machine does not stutter. The price is one frame period at most.
 inline constexpr int kStepsBelowRendering = 5;
 
 /// A frame on its way to the encode stage, with the source's counters at the time of its capture.

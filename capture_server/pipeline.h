@@ -1,7 +1,6 @@
 #pragma once
 
-// The running server: its stages, their threads and the queues between them. See
-// docs/internals/architecture.md.
+// The running server: its stages, threads and queues (docs/internals/architecture.md).
 
 #include <stop_token>
 

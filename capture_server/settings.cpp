@@ -148,8 +148,7 @@ std::map<std::string, std::string> texts_of(const CLI::App& app) {
   return texts;
 }
 
-/// Reads all settings. A mistake in a file gives a Reject, one on the command line a
-/// CLI::ParseError.
+/// Reads all settings. Mistakes give a Reject in files, a CLI::ParseError on the command line.
 tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* const* argv) {
   ServerSettings settings;
   add_flags(app, settings);

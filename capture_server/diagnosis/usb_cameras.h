@@ -28,8 +28,8 @@ struct UsbPaths {
   std::string processes = "/proc";
 };
 
-/// Finds every depth camera that is plugged in. The list includes Kinects without power, of which
-/// only the motor is visible.
+/// Finds every depth camera that is plugged in. Includes Kinects without power, seen by their
+/// motor.
 std::vector<UsbCamera> find_usb_cameras(const UsbPaths& paths = {});
 
 }  // namespace copresence::diagnosis

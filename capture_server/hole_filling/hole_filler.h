@@ -19,8 +19,7 @@ namespace copresence::hole_filling {
 enum class Method {
   kOff,     ///< No holes are filled.
   kMedian,  ///< Two median passes, after Maimone and Fuchs.
-  /// Mean weighted by pixel distance. This method smears foreground (thesis section 3.2, second
-  /// version).
+  /// Mean weighted by pixel distance. It smears foreground (thesis 3.2, second version).
   kBilateral,
   /// Mean weighted by pixel, depth and colour distance. This method bridges no surfaces (thesis
   /// section 3.2, third version).

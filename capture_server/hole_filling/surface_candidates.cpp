@@ -19,8 +19,7 @@ struct Observation {
   int direction;    // Direction of the search, or -1 for the cell itself.
 };
 
-/// The surfaces observed around a cell. The code avoids branches, since this data makes them
-/// unpredictable.
+/// The surfaces observed around a cell. The code avoids branches, which would be unpredictable.
 struct Observations {
   static constexpr int kMost = 2 + 2 * 8;
   static constexpr int kLanes = 8;

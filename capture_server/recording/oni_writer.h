@@ -59,14 +59,13 @@ class OniWriter {
   Result<void> note_unix_zero(std::int64_t unix_zero_us);
 
   /// Writes one depth picture in the unit and size of the content. `timestamp` is on the device's
-  /// clock, at least 0 and not before the stream's previous frame. After a failure the file is
+  /// clock, at least 0 and not before the stream's previous frame. A failure leaves the file
   /// unchanged.
   /// Fails with kInvalid on a wrong size, time or depth. Fails with kUnsupported if the coding
-  /// cannot represent the picture. Fails with kUnavailable if the disk is full or the file too
-  /// large.
+  /// cannot represent the picture. Fails with kUnavailable if the disk is full.
   Result<void> write_depth(std::chrono::microseconds timestamp, const DepthImage& depth);
 
-  /// Writes one colour picture of the colour camera's size. Requires that the content has colour.
+  /// Writes one colour picture of the colour camera's size. Requires a content with colour.
   /// Fails as write_depth() does.
   Result<void> write_color(std::chrono::microseconds timestamp, const ColorImage& color);
 
@@ -74,9 +73,8 @@ class OniWriter {
   /// bytes are stored unchanged. Requires ColorCoding::kJpeg.
   Result<void> write_jpeg(std::chrono::microseconds timestamp, std::span<const std::uint8_t> jpeg);
 
-  /// Completes the file up to here, so that it plays even after a crash. A call takes a hundred
-  /// bytes of the file if frames were written since the last call. Fails with kUnavailable if the
-  /// disk is full.
+  /// Completes the file up to here, so that it plays even after a crash. After new frames, a call
+  /// takes a hundred bytes of the file. Fails with kUnavailable if the disk is full.
   Result<void> checkpoint();
 
   /// Writes seek tables and counts, and closes the file. Call it once, last. If the disk has no

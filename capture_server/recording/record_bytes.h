@@ -39,8 +39,7 @@ class RecordBytes {
   std::uint64_t window_at_ = 0;
 };
 
-/// Reads the fields of one record in order, little-endian. After a read beyond the end, ok() is
-/// false.
+/// Reads the little-endian fields of one record in order. A read beyond the end sets ok() to false.
 class FieldReader {
  public:
   explicit FieldReader(std::span<const std::uint8_t> fields) : left_(fields) {}

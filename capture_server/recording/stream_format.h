@@ -28,8 +28,7 @@ struct StreamFormat {
   bool apply(RecordedStream::Kind kind, RecordType type, std::string_view key,
              std::span<const std::uint8_t> value);
 
-  /// Fills in `stream` once all its properties have been applied. Requires the kind and codec of
-  /// `stream`.
+  /// Fills in `stream` after all its properties were applied. Requires its kind and codec.
   /// Fails with kCorrupt or kUnsupported. The message is a phrase that begins with the stream's
   /// name, for a sentence about the file.
   Result<void> describe(RecordedStream& stream) const;

@@ -4,8 +4,7 @@
 // is looked up where its point appears in the colour camera. Depth is never resampled: levels,
 // states and holes stay as they were measured, as depth codecs require.
 //
-// Frames pass unchanged without colour, or if the driver delivers depth as seen by the colour
-// camera.
+// Frames pass unchanged without colour, or if the driver registers depth to colour.
 //
 // Thread: one thread at a time per object.
 

@@ -82,8 +82,7 @@ class RecordingSource final : public FrameSource {
   Synchronizer synchronizer_;
   SourceCounters counters_;
 
-  // These members are used if no depth of the recording can be decoded. The recording's time then
-  // passes, but nothing more is read.
+  // Used if no depth of the recording can be decoded: its time passes, but nothing more is read.
   std::optional<Instant> begun_, pass_ends_;
   std::uint64_t lost_by_pass_ = 0;
 

@@ -73,8 +73,7 @@ class SessionClock {
   /// replayed or the file cannot be created. The replay is then not synchronised.
   static std::optional<SessionClock> join(const std::string& folder, const SessionSpan& own, Instant begin);
 
-  /// Returns $XDG_RUNTIME_DIR, or a folder of this user in /tmp. The text is empty if neither is
-  /// usable.
+  /// Returns $XDG_RUNTIME_DIR, or a folder of this user in /tmp. Empty if neither is usable.
   static std::string default_folder();
 
   SessionClock(SessionClock&& other) noexcept;

@@ -56,8 +56,7 @@ enum class Stage : int {
   kEnding,     ///< Completes the work in progress.
 };
 
-/// The shared memory. The parent creates this memory before the child starts. Initially all bytes
-/// are zero.
+/// The shared memory. The parent creates it before the child starts. Initially all bytes are zero.
 struct ChildReport {
   static constexpr std::size_t kMostThreads = 8;
 

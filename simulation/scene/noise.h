@@ -29,8 +29,7 @@ constexpr std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) 
   return hash(hash(a, b), c);
 }
 
-/// Maps a hash to a number from 0 to below 1. The conversion uses a signed type because AVX2 has no
-/// conversion of unsigned integers.
+/// Maps a hash to a number from 0 to below 1. AVX2 can only convert signed integers.
 constexpr float unit(std::uint32_t hashed) {
   return static_cast<float>(static_cast<std::int32_t>(hashed >> 8)) * 0x1p-24f;
 }
@@ -42,8 +41,7 @@ constexpr float normal(std::uint32_t hashed) {
   return (static_cast<float>(static_cast<std::int32_t>(sum)) - 510.0f) * (1.0f / 147.8f);
 }
 
-/// Smooth noise in the plane, from 0 to below 1: random values at whole coordinates with cubic
-/// interpolation between them.
+/// Smooth noise in the plane, 0 to below 1: random values at whole coordinates, cubic between them.
 inline float value_noise(float x, float y, std::uint32_t seed) {
   const float fx = std::floor(x), fy = std::floor(y);
   const auto ix = static_cast<std::uint32_t>(static_cast<std::int32_t>(fx));

@@ -73,8 +73,7 @@ inline constexpr int kMostKinects = 8;
 /// it. Requires `count` from 1 to kMostKinects.
 std::vector<Rigid3> kinect_poses(int count);
 
-/// Returns the upright pose at `eye` that faces `target`. Requires that neither point is above the
-/// other.
+/// Returns the upright pose at `eye` that faces `target`. Requires that neither is above the other.
 Rigid3 look_from(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
 
 }  // namespace copresence::simulation

@@ -32,8 +32,7 @@ class ColorResponse {
   /// Applies everything except noise. Requires images of the size given to the constructor.
   void apply_response(const ColorImage& truth, NoiseFreeColors& colors) const;
 
-  /// Writes the picture of frame `frame` row by row. `colors` and `picture` must have the
-  /// constructor's size.
+  /// Writes the picture of frame `frame` row by row. Both have the constructor's size.
   void add_noise(const NoiseFreeColors& colors, std::uint64_t frame, std::span<Rgb8> picture) const;
 
   /// Returns the response to one colour without noise and vignetting, with channels from 0 to 1.

@@ -99,8 +99,7 @@ void FigureTracer::bound_parts() {
 }
 
 // Marks the cells that the spheres cover. A sphere of radius r at depth z projects to within about
-// f r / (z - r) pixels of its centre, where f is the focal length. For lens distortion, a tenth is
-// added.
+// f r / (z - r) pixels of its centre, where f is the focal length. A tenth is added for distortion.
 void FigureTracer::find_cells(const PixelRays& pixels, std::span<const Eigen::Isometry3f> pose) {
   std::fill(cells_.pixels().begin(), cells_.pixels().end(), std::uint8_t{0});
   const Rigid3 camera_from_world = pixels.world_from_camera.inverse();

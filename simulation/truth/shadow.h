@@ -15,8 +15,7 @@ namespace copresence::simulation {
 /// Radius of the lamp in metres. The radius determines how soft shadows are.
 inline constexpr float kLampRadius = 0.2f;
 
-/// Points that may be in shadow, in metres in the world frame. Separate arrays let loops become
-/// vector code.
+/// Points that may be in shadow, in metres in the world frame. Separate arrays let loops vectorise.
 struct ShadowPoints {
   std::vector<float> x, y, z;
   Eigen::Vector3f lamp = Eigen::Vector3f::Zero();

@@ -30,8 +30,8 @@ class StaticView {
   const ColorImage& color() const { return color_; }
   const Eigen::Vector3f& light(std::size_t pixel) const { return light_[pixel]; }
 
-  /// Replaces the shadow of the figure by the shadow of `capsules` (world frame). Pixels that
-  /// change are also written to `view`.
+  /// Replaces the shadow of the figure by the shadow of `capsules` (world frame). Changed pixels
+  /// are also written to `view`.
   void cast_figure_shadow(std::span<const Capsule> capsules, ColorImage& view);
 
  private:

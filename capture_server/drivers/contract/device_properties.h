@@ -1,8 +1,7 @@
 #pragma once
 
 // Properties of this project's drivers beyond OpenNI2's own. The properties' numbers do not overlap
-// with those of OpenNI2 and PrimeSense. A request with a wrong size fails with
-// ONI_STATUS_BAD_PARAMETER.
+// with those of OpenNI2 and PrimeSense. A value of a wrong size gives ONI_STATUS_BAD_PARAMETER.
 
 #include <array>
 

@@ -24,8 +24,7 @@ inline constexpr std::string_view kOtherThanKinects = "primesense,installed",
                                   kRealCameras = "primesense,kinect_v1,installed",
                                   kEveryDriver = "primesense,kinect_v1,installed,simulated";
 
-/// The driver of a camera by its OpenNI2 URI. Most third-party URIs have the form
-/// VENDOR/PRODUCT@BUS/ADDRESS.
+/// The driver of an OpenNI2 URI. Most third-party URIs are VENDOR/PRODUCT@BUS/ADDRESS.
 inline std::string_view driver_of(std::string_view uri) {
   if (uri.starts_with("simulated:")) return kSimulated;
   if (uri.starts_with("freenect:")) return kKinectV1;

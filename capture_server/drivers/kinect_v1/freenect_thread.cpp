@@ -36,8 +36,7 @@ Result<std::unique_ptr<FreenectThread>> FreenectThread::open(const std::string& 
 
 FreenectThread::~FreenectThread() = default;
 
-// Opens the camera and its motor. Without a motor, or for a Kinect for Windows, opens only the
-// camera.
+// Opens camera and motor. Without a motor, or for a Kinect for Windows, opens only the camera.
 bool FreenectThread::open_device(Shared& shared) {
   for (const int parts : {FREENECT_DEVICE_CAMERA | FREENECT_DEVICE_MOTOR, int{FREENECT_DEVICE_CAMERA}}) {
     shared.context = make_freenect_context(parts);

@@ -38,8 +38,7 @@ class SimulatedDevice final : public PushDevice {
  public:
   static constexpr int kWidth = 640, kHeight = 480;  // pixels
 
-  /// A camera with its precomputed frames. The camera outlives the device, which makes reopening
-  /// fast.
+  /// A camera with its precomputed frames. The camera outlives the device, for fast reopening.
   using Camera = std::shared_ptr<simulation::SimulatedKinect>;
 
   /// `make_camera` is called when the first stream starts. The function returns null on failure,

@@ -2,12 +2,12 @@
 
 // OpenNI's lossless depth codings: "16zT" with an embedded table, and the older "16zP" without it.
 //
-//   16zT:  u16 n   n x u16 the frame's distinct depths, ascending   u16 table index of pixel 0
-//   16zP:  u16 depth of pixel 0
-//   then, for each further pixel, d = previous index - this index (16zP: depths instead of indices):
-//     |d| <= 6        the nibble d + 6, two to a byte, the first in the high half
-//     7 <= |d| <= 63  escape, byte d + 192
-//     larger          escape, high byte of the index or depth (below 0x80), low byte.
+//   `16zT`: u16 n, n u16 with the frame's distinct depths, ascending, u16 table index of pixel 0.
+//   `16zP`: u16 depth of pixel 0.
+//   Then, for each further pixel, d = previous index - this index (16zP: depths, not indices).
+//     `|d| <= 6`: the nibble d + 6, two to a byte, the first in the high half.
+//     `7 <= |d| <= 63`: an escape, then the byte d + 192.
+//     Larger: an escape, the high byte of the index or depth (below 0x80), then the low byte.
 //   The escape is the byte 0xFF, or the nibble 0xF if the low half of a byte comes next.
 //   The byte 0x66 (two pixels equal to the previous one) is run-length coded: 0xE1 to 0xEF stand for
 //   1 to 15 of it. If the last byte lacks its low half, that half is 0xD.

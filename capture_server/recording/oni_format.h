@@ -3,12 +3,12 @@
 // The .oni file format of OpenNI 2, as far as this project reads and writes it. Numbers are
 // little-endian.
 //
-//   file     header, then records up to kEnd
-//   header   char[4] "NI10"; version: u8 1, u8 0, u16 1, u32 0; u64 largest timestamp;
-//            u32 largest node
-//   record   u32 kRecordMagic; u32 RecordType; u32 node; u32 size of these 28 bytes and the fields;
-//            u32 size of the payload; u64 undo position; fields; payload
-//   str      u32 length with the final NUL; the bytes with the NUL
+//   `file`: header, then records up to kEnd.
+//   `header`: char[4] "NI10"; version: u8 1, u8 0, u16 1, u32 0; u64 largest timestamp;
+//             u32 largest node.
+//   `record`: u32 kRecordMagic; u32 RecordType; u32 node; u32 size of these 28 bytes and the fields;
+//             u32 size of the payload; u64 undo position; fields; payload.
+//   `str`: u32 length with the final NUL; the bytes with the NUL.
 //
 //   type               fields                                                    payload
 //   kNodeAdded         str name, u32 NodeType, u32 codec, u32 frames,            none
@@ -21,7 +21,7 @@
 //   kSeekTable         none                                                      entries
 //   kStateReady, kNodeRemoved, kEnd: no fields, no payload
 //
-//   entry of a seek table: u64 timestamp, u32 0, u64 position of the kNewData. The first entry is
+//   Entry of a seek table: u64 timestamp, u32 0, u64 position of the kNewData. The first entry is
 //   zeros, then there is one per frame.
 //
 // An undo position depends on the record's type. For a kNewData, the undo position is the position

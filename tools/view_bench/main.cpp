@@ -15,9 +15,9 @@ namespace copresence::view_bench {
 namespace {
 
 constexpr const char* kDescription =
-    "Compares rendered views of simulated rooms with the truth. Every pixel counts that some camera could "
-    "have shown,\n"
-    "black ones as black. PSNR in dB; flicker and seam step in 1/255.";
+    "Compares rendered views of simulated rooms with the ground truth, over all pixels that some camera "
+    "could have shown.\n"
+    "Pixels that show nothing count as black. PSNR is in dB, flicker and seam step are in 1/255.";
 
 // JSON has no value for "not a number".
 nlohmann::json finite(double value) {
@@ -49,8 +49,7 @@ int run(int argc, char** argv) {
   std::string json, unseen = "extend";
   using namespace command_line;
   app.set_version_flag("--version", std::string("view_bench ") + kVersion);
-  app.add_option("SCENE", scenes, "empty, standing, walking or four; all of them without any")
-      ->check(one_of(all));
+  app.add_option("SCENE", scenes, "scenes to run: empty, standing, walking, four [all]")->check(one_of(all));
   app.add_option("--frames", settings.frames, "views to compare, at 30 per second")
       ->capture_default_str()
       ->check(whole_number(2, 3600));

@@ -166,8 +166,8 @@ void check_whole_picture(Reader& reader, const YAML::Node& root) {
     int binning = 0;
     if (!found.IsDefined() || !YAML::convert<int>::decode(found, binning) || binning <= 1) continue;
     reader.wrong(found,
-                 fmt::format("the pictures are reduced by {} {}, so the numbers are not theirs: take the "
-                             "camera_info of full pictures",
+                 fmt::format("the pictures are reduced by {} {}, but intrinsics are those of full pictures: "
+                             "take the camera_info of full pictures",
                              key, binning));
   }
   const YAML::Node region = Reader::find(root, {"roi"});

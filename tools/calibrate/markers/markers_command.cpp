@@ -280,7 +280,7 @@ Command markers_command(CLI::App& program) {
   auto settings = std::make_shared<MarkerSettings>();
   CLI::App* parser = program.add_subcommand(
       "markers",
-      "Finds the poses of cameras from markers that keep still in the room. Each pair of "
+      "Finds the poses of cameras from markers that do not move. Each pair of "
       "neighbouring cameras must see at least four in common. Prints errors in millimetres.");
   add_source_options(*parser, settings->sources, 2, 64);
   parser

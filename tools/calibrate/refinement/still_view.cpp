@@ -45,8 +45,8 @@ Result<StillView> still_view(const NamedSource& source, const scene::Camera& kno
     return fail(
         ErrorCode::kCorrupt,
         fmt::format(
-            "{}: only {:.1f} % of the picture are surfaces that keep still; neither the camera nor what "
-            "it looks at may move while it records",
+            "{}: only {:.1f} % of the picture shows surfaces at rest; neither the camera nor the scene may "
+            "move during the recording",
             source.from, 100 * surfaces));
   }
   return view;

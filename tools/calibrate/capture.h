@@ -43,8 +43,8 @@ class Capture {
     kAsDelivered,  ///< Colour and depth in their own cameras, as the sensor gives them.
   };
 
-  /// known   the camera in the scene file; may be null. Its intrinsics and pose replace those of
-  ///         the source.
+  /// known   the camera in the scene file; may be null. The file's intrinsics and pose replace
+  ///         those of the source.
   /// A stream is always registered by its server. Opening waits up to two seconds for the server's
   /// answer.
   /// Fails   as open_source() or wire::FrameClient::connect(); kUnsupported for an unknown codec;

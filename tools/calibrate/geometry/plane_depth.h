@@ -23,8 +23,8 @@ namespace copresence::calibrate {
 /// not depend on the number of frames.
 ///
 /// Each pixel averages one surface. Values farther than kSameSurface_steps from the mean belong to
-/// another surface, such as a passing person or a flickering edge. Once these are as many as the
-/// averaged values, the mean starts again with the latest value.
+/// another surface, such as a passing person or a flickering edge. Once such values are as many as
+/// the averaged ones, the mean starts again with the latest value.
 class DepthAverage {
  public:
   static constexpr double kSameSurface_steps = 3;

@@ -53,8 +53,8 @@ struct BoardView {
 /// picture may be missed. Returns nothing for fewer than six visible corners.
 std::optional<BoardView> find_board(const Board& board, const ColorImage& picture, const std::string& name);
 
-/// Looks for a board with another number of corners or another dictionary. Returns its description
-/// and the flag to give, or an empty text. Slower than find_board().
+/// Looks for a board with another number of corners or another dictionary. Returns a description of
+/// the found board with the flag for it, or an empty text. Slower than find_board().
 std::string describe_other_board(const Board& board, const ColorImage& picture);
 
 /// A view that is not used, and the reason.

@@ -3,9 +3,9 @@
 // Iterated closest points (ICP) for all cameras at once: moves cameras until their surfaces
 // coincide. ICP minimises the sum of w rho(n * (p_a - p_b)) over all matches, where p_a and p_b are
 // the matched points. The normal n is the mean of both points' normals, as in the symmetric
-// point-to-plane distance (Rusinkiewicz 2019). The weight w is weight_of() the expected error. The
-// function rho is Tukey's kernel, which is constant beyond a limit. The limit shrinks from level to
-// level. Each iteration finds new matches and makes one Gauss-Newton step. Thread: pure functions.
+// point-to-plane distance (Rusinkiewicz 2019). The weight w comes from weight_of(). The function
+// rho is Tukey's kernel, which is constant beyond a limit. The limit shrinks from level to level.
+// Each iteration finds new matches and makes one Gauss-Newton step. Thread: pure functions.
 
 #include <Eigen/Core>
 #include <span>
@@ -58,7 +58,7 @@ struct NormalEquations {
   Eigen::MatrixXd information;  ///< J^T W J, with the Jacobian J and the weights W.
   Eigen::VectorXd gradient;     ///< J^T W r, with the residuals r.
   /// Covariance of the gradient, from the residuals. Matches that share a block of a picture have
-  /// dependent errors (dyadic clusters; Cameron and Miller 2014). So the covariance sums g g^T over
+  /// dependent errors (Cameron and Miller 2014, dyadic clusters). So the covariance sums g g^T over
   /// all blocks, where g is the block's part of the gradient, and subtracts what is counted twice.
   /// Set only with Extra::kScatter.
   Eigen::MatrixXd scatter;

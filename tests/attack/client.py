@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Servers that do not behave, and networks that fail, against render_client: tests/attack/client.py [--bin FOLDER] [CASE ...]
+"""Tests render_client against hostile servers and failing networks: tests/attack/client.py [--bin FOLDER] [CASE ...]
 
-An honest capture_server stands beside every hostile one: its camera must go on."""
+Each case also has an honest capture_server, and the client must keep showing its camera."""
 import os
 import signal
 import struct
@@ -47,7 +47,7 @@ def lines_about(client, port):
 
 
 def honest_frames_go_on(room, checks, client, what):
-    """The client is alive, ends with 0 when asked, and has shown the honest camera."""
+    """Checks that the client still runs, ends with 0 when asked, and has shown the honest camera."""
     checks.expect(client.is_running(), f"{what}: the client runs on")
     code = client.end()
     checks.expect(code == 0, f"{what}: it ends with 0 when asked, not {code}")
@@ -58,7 +58,7 @@ def honest_frames_go_on(room, checks, client, what):
 
 
 def unshowable():
-    """What keeps a camera from being shown: a name, what its server answers to the hello, a word of the reason."""
+    """Yields reasons why a camera cannot be shown: a name, the answer to the hello, and a word of the log's reason."""
     yield "unknown codec", wire.welcome(codec="h265"), "h265"
     yield "a codec without its parameter", wire.welcome(codec="triangle", pixel_format=3), "triangle"
     yield "a range too small for the unit", wire.welcome(near=1e-9, far=1e-8), ""
@@ -69,7 +69,7 @@ def unshowable():
 
 
 def one_camera_that_cannot_be_shown(room, checks):
-    """the others go on, --frames does not wait for it, the log and --stats say why it is left out"""
+    """the other cameras go on, --frames does not wait for the one left out, and log and --stats give the reason"""
     _, honest = room.serve()
     for name, answer, word in unshowable():
         def behave(connection, answer=answer):
@@ -93,7 +93,7 @@ def one_camera_that_cannot_be_shown(room, checks):
 
 
 def frames_that_never_decode(room, checks):
-    """a camera whose frames are damaged is left out, and comes back with the first that decodes"""
+    """a camera with damaged frames is left out, and is shown again from the first frame that decodes"""
     _, honest = room.serve()
     first, bodies = wire.frames_of(honest, 12)
     repaired = threading.Event()
@@ -117,7 +117,7 @@ def frames_that_never_decode(room, checks):
 
 
 def refused_in_mid_session(room, checks):
-    """a server that is started anew with a codec nobody knows is left out; when it is sane again it is shown"""
+    """a server that restarts with an unknown codec is left out, and is shown again after a restart with a known one"""
     _, honest = room.serve()
     first, bodies = wire.frames_of(honest, 12)
     is_mad = threading.Event()
@@ -161,7 +161,7 @@ def all_cameras_refused(room, checks):
 
 
 def floods(room, checks):
-    """whatever a server says, its lines in the log are few, and it is connected to twice a second at most"""
+    """a server causes few log lines whatever it sends, and the client connects at most twice a second"""
     _, honest = room.serve()
     first, bodies = wire.frames_of(honest, 4)
     welcome = wire.message(wire.WELCOME, first)
@@ -212,7 +212,7 @@ def floods(room, checks):
 
 
 def lies_about_times(room, checks):
-    """times that cannot be are not measured: the statistics stay sane, with --sync too"""
+    """impossible times are not counted, so the statistics stay plausible, also with --sync"""
     _, honest = room.serve()
     first, bodies = wire.frames_of(honest, 12)
 
@@ -239,7 +239,7 @@ def lies_about_times(room, checks):
 
 
 def nothing_is_unaccounted_for(room, checks):
-    """frames add up after a reset, a refusal and silent cuts of 8 and 30 s"""
+    """the frame counts add up after a reset, a refusal and silent interruptions of 8 and 30 s"""
     _, port = room.serve()
     with proxy.Proxy(port) as network:
         client = room.view(network.port)
@@ -270,7 +270,7 @@ def nothing_is_unaccounted_for(room, checks):
 
 
 def a_name_that_is_no_text(room, checks):
-    """an address of any bytes is refused with a sentence"""
+    """an address of arbitrary bytes is refused with a clear message"""
     arguments = [os.fsencode(room.bin / "render_client"), b"--headless", b"--connect", b"\xff:7001", b"--stats",
                  os.fsencode(room.folder / "stats.json")]
     ended = subprocess.run(arguments, stderr=subprocess.PIPE, check=False, timeout=60)
@@ -279,7 +279,7 @@ def a_name_that_is_no_text(room, checks):
 
 
 def a_stop_during_a_name_lookup(room, checks):
-    """Ctrl-C ends the client though the name server does not answer"""
+    """Ctrl-C ends the client while a name server does not answer"""
     program = room.bin / "render_client"
     if any(runtime in program.read_bytes() for runtime in (b"libasan.so", b"libtsan.so")):
         return print("skip  a sanitizer's runtime wants to be the first library", flush=True)

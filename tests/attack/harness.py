@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The proxy and the viewer that the other tests of this folder rely on: tests/attack/harness.py [--bin FOLDER] [CASE ...]"""
+"""Tests the proxy and the viewer that other tests of this folder use: tests/attack/harness.py [--bin FOLDER] [CASE ...]"""
 import time
 
 import programs
@@ -8,7 +8,7 @@ import wire
 
 
 def proxy_delays_and_paces(room, checks):
-    """a delay of 40 ms each way and 800 kbit/s are kept, and a cut loses nothing"""
+    """the proxy keeps a delay of 40 ms each way and a rate of 800 kbit/s, and an interruption loses no bytes"""
     def echo(connection):
         size = int.from_bytes(wire.receive(connection, 4), "little")
         connection.sendall(bytes(size))
@@ -48,7 +48,7 @@ def proxy_delays_and_paces(room, checks):
 
 
 def viewer_sees_a_server(room, checks):
-    """a viewer gets frames, comes back after a reset, and the programs end when asked"""
+    """a viewer gets frames and reconnects after a reset, and the programs end when asked"""
     server, port = room.serve()
     with proxy.Proxy(port, delay=5) as network, wire.Viewer(network.port, keep_bodies=1) as viewer:
         checks.expect(viewer.wait_for_frames(10, 20), "ten frames arrive")
@@ -60,7 +60,7 @@ def viewer_sees_a_server(room, checks):
 
 
 def client_meets_a_server_of_ours(room, checks):
-    """render_client takes our welcome, and our frames for what they are"""
+    """render_client accepts the test server's welcome and frames"""
     real, port = room.serve()
     first, bodies = wire.frames_of(port, 40)
     real.end()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A client that sends good, mutated, cut, repeated and random messages over many connections, some of them
-reset. The server must cut it off, keep its child, its memory and its descriptors, and serve an honest
-viewer all the while.
+"""Attacks a server with valid, mutated, truncated, repeated and random messages over many connections, and resets
+some of them. The server must close these connections, must not crash or leak memory and descriptors, and must keep
+serving an honest viewer.
 
   tests/attack/hostile_client.py --messages 400                as the test does
   tests/attack/hostile_client.py --messages 20000 --seed 7     as ./run soak does"""
@@ -22,7 +22,7 @@ def good(dice):
 
 
 def mutated(dice):
-    """One message that something is wrong with."""
+    """Returns an invalid message."""
     message = bytearray(good(dice))
     kind = dice.randrange(6)
     if kind == 0:
@@ -41,7 +41,7 @@ def mutated(dice):
 
 
 def attack(port, dice, most):
-    """One connection. Returns the number of messages sent."""
+    """Attacks over one connection. Returns the number of messages sent."""
     sent = 0
     try:
         connection = wire.connect(port, timeout=0.5)

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
-"""Text files that programs read, mutated: scene files, settings files, paths of the eye, camera_info. A
-program that gets one must end with 0, 1 or 2 within seconds, and say what is wrong in a sentence that
-somebody can read.
+"""Mutates the text files that programs read: scene files, settings files, view paths and camera_info. A program that
+reads a mutated file must end with 0, 1 or 2 within seconds, and print a readable message.
 
   tests/attack/hostile_files.py --files 60               as the test does
   tests/attack/hostile_files.py --files 700 --seed 7     as ./run soak does"""
@@ -40,7 +39,7 @@ BOMBS = (b"[" + b"a." * 60_000 + b"a]\n", b"a." * 60_000 + b"a = 1\n", b"a = " +
 
 
 def commands(bin_folder, folder):
-    """(name, original, command that reads FILE)"""
+    """Yields name, original file, and a command that reads FILE."""
     server = [bin_folder / "capture_server", "--listen", "127.0.0.1:0"]
     missing = ["--source", folder / "nowhere.oni"]
     return (("scene", SCENE, lambda file: [*server, *missing, "--name", "camera0", "--scene", file]),
@@ -78,7 +77,7 @@ def mutate(original, dice):
 
 
 def fault_of(command, goes_on, most_mb):
-    """What is wrong with how a program ends, or None. `goes_on`: with a good file it runs until it is stopped."""
+    """Returns what is wrong with the end of a program, or None. `goes_on` is true if it runs until it is stopped."""
     limit = f"ulimit -v {most_mb * 1024}; " if most_mb else ""
     shell = ["bash", "-c", limit + 'exec "$@"', "bash", *map(str, command)]
     with subprocess.Popen(shell, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Attackers that try to lock viewers out of a server. They have the same address as the honest viewer:
+"""Tests attackers that try to take all slots of a server. They have the same address as the honest viewer:
 tests/attack/lockout.py [--bin FOLDER] [CASE ...]"""
 import re
 import threading
@@ -120,7 +120,7 @@ def silent_connections_renewed(room, checks):
 
 
 def viewers_that_never_acknowledge(room, checks):
-    """31 that read everything and acknowledge nothing, then 31 that read nothing; a viewer beside them is reset once"""
+    """31 clients that never acknowledge, then 31 that never read; an honest viewer is reset once meanwhile"""
     server, port = room.serve()
     child = programs.child_of(server.pid)
     before = programs.resident_kb(child)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A server whose frames are damaged where no checksum tells: real frames are taken apart, changed, and get a
-right CRC-32 and sequence again. A viewer beside it watches an honest camera, too. It must neither end nor
-grow nor lose the honest camera.
+"""Tests render_client with a server that sends damaged frames with valid checksums. Real frames are changed and get a
+new CRC-32 and sequence number. The client also shows an honest camera. The client must neither end, nor leak memory,
+nor lose the honest camera.
 
   tests/attack/mutated_frames.py --frames 150               as the test does
   tests/attack/mutated_frames.py --frames 20000 --seed 7    as ./run soak does (about a quarter of an hour)"""
@@ -23,7 +23,7 @@ MOST_GROWTH_KB = 150_000
 
 
 def nal_units(access_unit):
-    """Each from its header byte to its end, without start codes and trailing zeros."""
+    """Returns NAL units from the header byte to the end, without start codes and trailing zeros."""
     parts = access_unit.split(b"\0\0\1")[1:]
     return [part.rstrip(b"\0") for part in parts]
 
@@ -44,7 +44,7 @@ def with_emulation_prevention(data):
 
 
 class Frame:
-    """A keyframe taken apart: side data and NAL units."""
+    """A keyframe divided into side data and NAL units."""
 
     def __init__(self, body):
         self.body = body
@@ -78,7 +78,7 @@ class Frame:
 
 
 def mutate(frame, dice):
-    """Changes what no other check holds: numbers of the side data, its tables and masks, bits of the pictures."""
+    """Changes data that only the decoder can check: numbers, tables and masks of the side data, and bits of the pictures."""
     kind = dice.choice(("head", "sizes", "side data", "side data", "side data", "cut", "picture", "color"))
     data = frame.side_data
     if kind == "head":
@@ -104,7 +104,7 @@ def mutate(frame, dice):
 
 
 class MutatingServer:
-    """Behaviour for wire.Server: every other frame is a mutated one."""
+    """Behaviour for wire.Server: every second frame is mutated."""
 
     def __init__(self, streams, seed, count):
         self.streams, self.dice, self.left = streams, random.Random(seed), count

@@ -43,7 +43,7 @@ class Program:
         return self.process.poll() is None
 
     def wait(self, within):
-        """The exit code, or None if the program goes on."""
+        """Returns the exit code, or None if the program still runs."""
         try:
             return self.process.wait(within)
         except subprocess.TimeoutExpired:
@@ -60,7 +60,7 @@ class Program:
 
 
 class Room:
-    """The programs of one test in a temporary folder; all of them end with it."""
+    """The programs of one test in a temporary folder. All of them end when the room is closed."""
 
     def __init__(self, bin_folder):
         self.bin, self._programs = pathlib.Path(bin_folder), []
@@ -73,7 +73,7 @@ class Room:
         return program
 
     def serve(self, *more, source=RECORDING):
-        """A capture_server on a free port. The program and its port."""
+        """Starts a capture_server on a free port. Returns the program and its port."""
         loop = ["--loop"] if str(source).endswith(".oni") else []
         server = self.start([self.bin / "capture_server", "--source", source, *loop, "--listen", "127.0.0.1:0",
                              *more])
@@ -83,7 +83,7 @@ class Room:
         return server, int(listening.group(1))
 
     def view(self, *ports, more=()):
-        """A headless render_client of these ports. It writes its statistics to stats.json of the folder."""
+        """Starts a headless render_client for these ports. It writes its statistics to stats.json in the folder."""
         connect = [word for port in ports for word in ("--connect", f"127.0.0.1:{port}")]
         return self.start([self.bin / "render_client", *connect, "--headless", "--size", "320x240",
                            "--stats", self.folder / "stats.json", *more])
@@ -122,7 +122,7 @@ def descriptors(pid):
 
 
 class Checks:
-    """Collects what a test expects; prints every measurement with its verdict."""
+    """Collects the results of a test and prints each measurement as passed or failed."""
 
     def __init__(self):
         self.failed = 0
@@ -136,8 +136,8 @@ class Checks:
 
 
 def run(cases, description):
-    """The command line of a test program: --bin FOLDER and the names of the cases to run (all without any). Each
-    case is a function of a Room and Checks; its name is its function's."""
+    """Runs a test program's command line: --bin FOLDER and the names of the cases to run, by default all. Each case is
+    a function that takes a Room and Checks, and has the function's name."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
     names = [case.__name__ for case in cases]

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""A bad network on this machine: a TCP proxy in front of a port, with rate, delay, jitter, cuts and resets.
+"""Simulates a bad network: a TCP proxy in front of a port, with rate, delay, jitter, interruptions and resets.
 
-  tests/attack/proxy.py TARGET [LISTEN]    prints the port it listens on, then obeys lines on its standard input:
+  tests/attack/proxy.py TARGET [LISTEN]    prints its port, then reads commands from standard input:
 
   rate BITS      bits a second towards the client, of all connections together; 0: no limit
   up BITS        the same towards the server
-  delay MS       one way, each way
-  jitter MS      a further random delay of each piece, up to this; the order stays
-  cut 0|1        nothing passes, nothing is lost
+  delay MS       delay in each direction
+  jitter MS      additional random delay of each piece, up to this; pieces stay in order
+  cut 0|1        1 stops all bytes without losing them; 0 lets them pass again
   reset          resets every connection at both ends
   refuse 0|1     new connections are closed at once
-It ends with its input. `Proxy` starts one for a test."""
+The proxy ends at the end of its input. `Proxy` starts a proxy for a test."""
 import collections
 import os
 import pathlib
@@ -28,7 +28,7 @@ LONGEST_SLEEP = 0.05
 
 
 class Network:
-    """What all connections share."""
+    """State that all connections share."""
 
     def __init__(self):
         self.delay = self.jitter = 0.0
@@ -38,7 +38,7 @@ class Network:
         self.random = random.Random(1)
 
     def due(self, way, now, count):
-        """When `count` bytes that enter the link now come out of it."""
+        """Returns the time when `count` bytes that enter the link now leave it."""
         begin = max(now, self.free_at[way])
         self.free_at[way] = begin + (count / self.rate[way] if self.rate[way] else 0.0)
         return self.free_at[way] + self.delay + self.random.uniform(0, self.jitter)
@@ -66,7 +66,7 @@ class Way:
             self.held += len(piece)
 
     def write(self, now):
-        """Passes on what is due. Returns when more will be, or None."""
+        """Sends the bytes that are due. Returns the time when more are due, or None."""
         while self.pieces and self.pieces[0][0] <= now:
             due, piece = self.pieces[0]
             try:
@@ -175,7 +175,7 @@ def serve(target, listen):
 
 
 class Proxy:
-    """A proxy in front of `target`, in a process of its own. `port` is where to connect."""
+    """A proxy in front of `target`, in its own process. Clients connect to `port`."""
 
     def __init__(self, target, **network):
         command = [sys.executable, str(pathlib.Path(__file__).resolve()), str(target)]
@@ -184,7 +184,7 @@ class Proxy:
         self.set(**network)
 
     def set(self, **network):
-        """Proxy.set(rate=4e6, delay=90): the commands above with their values."""
+        """Sends commands, for example Proxy.set(rate=4e6, delay=90)."""
         for name, value in network.items():
             self._process.stdin.write(f"{name} {float(value)}\n")
         self._process.stdin.flush()

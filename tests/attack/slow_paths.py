@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Paths that are slow, or get worse while a viewer watches: tests/attack/slow_paths.py [--bin FOLDER] [CASE ...]
+"""Tests network paths that are slow, or become worse while a viewer watches:
+tests/attack/slow_paths.py [--bin FOLDER] [CASE ...]
 
-The exact figures are those of a simulation without a clock (tests/common/wire/flow_control/flow_control_test.cpp); here limits are wide enough
-for a machine that has little time."""
+A simulation without a clock has the exact figures (tests/common/wire/flow_control/flow_control_test.cpp). The limits
+here are wide enough for a busy machine."""
 import time
 
 import programs
@@ -18,7 +19,7 @@ def measure(viewer, seconds):
 
 
 def path_grows_longer(room, checks):
-    """5 ms each way become 90; a second viewer on a short path keeps the encoder going"""
+    """the delay rises from 5 to 90 ms each way, while a second viewer on a short path keeps the encoder busy"""
     _, port = room.serve()
     with proxy.Proxy(port, delay=5) as network, wire.Viewer(port) as near, wire.Viewer(network.port) as far:
         checks.expect(far.wait_for_frames(10, 60) and near.wait_for_frames(10, 60), "both see the stream")
@@ -31,7 +32,7 @@ def path_grows_longer(room, checks):
 
 
 def path_gets_narrower(room, checks):
-    """a cut to 4 Mbit/s in mid-session beside a fast viewer"""
+    """the rate falls to 4 Mbit/s during a session, beside a fast viewer"""
     _, port = room.serve()
     with proxy.Proxy(port) as network, wire.Viewer(port) as fast, wire.Viewer(network.port) as slow:
         checks.expect(slow.wait_for_frames(10, 60), "it sees the stream")
@@ -47,7 +48,7 @@ def path_gets_narrower(room, checks):
 
 
 def joining_over_a_narrow_path(room, checks):
-    """joined at 2 and 0.5 Mbit/s, alone"""
+    """a single viewer connects at 2 and at 0.5 Mbit/s"""
     for rate, most_delay in ((2e6, 0.8), (0.5e6, 1.6)):
         _, port = room.serve()
         with proxy.Proxy(port, rate=rate) as network, wire.Viewer(network.port) as viewer:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Storms of connections that are reset at once, and streams of the largest picture that the format allows.
+"""Tests many connections that are reset at once, and streams of the largest picture that the format allows.
 
   tests/attack/storms.py resets large_pictures          as the tests do
   tests/attack/storms.py --connections 60000 resets     as ./run soak does"""
@@ -17,7 +17,7 @@ LARGEST = 4096  # pixels on an edge, docs/internals/wire_format.md
 
 
 def reset_once(port, dice):
-    """One connection that is reset before, during or after the hello."""
+    """Opens a connection and resets it before, during or after the hello."""
     try:
         connection = wire.connect(port, timeout=1.0)
     except OSError:
@@ -34,7 +34,7 @@ def reset_once(port, dice):
 
 
 def resets(room, checks, connections):
-    """the server keeps its child, its memory and its descriptors, and an honest viewer sees its frames"""
+    """the server does not crash or leak memory and descriptors, and an honest viewer gets frames"""
     server, port = room.serve()
     with wire.Viewer(port) as honest:
         checks.expect(honest.wait_for_frames(10, 60), "an honest viewer is served")

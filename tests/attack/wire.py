@@ -1,6 +1,6 @@
-"""The wire format of docs/internals/wire_format.md in Python: messages, a viewer and a server that tests can make misbehave.
+"""The wire format of docs/internals/wire_format.md in Python: messages, a viewer, and a server that can send invalid data.
 
-Nothing but the standard library. Test programs import it; it has no command line."""
+Uses only the standard library. Test programs import this module; it has no command line."""
 import collections
 import socket
 import struct
@@ -70,7 +70,7 @@ def welcome(camera="camera", width=640, height=480, codec="accuracy8", pixel_for
             far=5.0, fps=30.0, noise=(351.3, 0.5), unit=100, flags=1, focal=(585.0, 585.0), centre=(320.0, 240.0),
             distortion=(0.0,) * 8, rotation=(1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0), translation=(0.0, 0.0, 0.0),
             clock_id=0, server_ns=None):
-    """The welcome of a stream; every number can be replaced by a wrong one."""
+    """Returns the welcome of a stream. Tests can replace each number by a wrong one."""
     body = struct.pack("<QQ", clock_id, time.monotonic_ns() if server_ns is None else server_ns)
     body += struct.pack("<29d", *focal, *centre, *distortion, *rotation, *translation, near, far, fps, *noise)
     body += struct.pack("<HHHBB", width, height, unit, flags, pixel_format)
@@ -81,18 +81,18 @@ def welcome(camera="camera", width=640, height=480, codec="accuracy8", pixel_for
 
 
 def frame_head(body):
-    """The head of a frame's body as a dictionary."""
+    """Returns the head of a frame's body as a dictionary."""
     return dict(zip(HEAD_FIELDS, HEAD.unpack_from(body)))
 
 
 def frame_body(body, **changes):
-    """The same frame with some fields of its head changed."""
+    """Returns the frame with some fields of its head changed."""
     fields = {**frame_head(body), **changes}
     return HEAD.pack(*(fields[name] for name in HEAD_FIELDS)) + body[HEAD.size:]
 
 
 def connect(port, source=None, timeout=3.0, receive_buffer=None):
-    """A connection to a port of this machine; `source` is the address that it comes from, 127.0.0.2 say."""
+    """Connects to a port of this machine. `source` is the local address, for example 127.0.0.2."""
     connection = socket.socket()
     connection.settimeout(timeout)
     if receive_buffer:
@@ -184,20 +184,20 @@ class Viewer:
         self.events.append((time.monotonic(), what))
 
     def between(self, begin, end):
-        """The arrivals of a span of monotonic time."""
+        """Returns the arrivals in a span of monotonic time."""
         return [arrival for arrival in list(self.arrivals) if begin <= arrival.at < end]
 
     def rate(self, begin, end):
-        """Frames a second."""
+        """Returns the frame rate in frames per second."""
         return len(self.between(begin, end)) / (end - begin)
 
     def delay(self, begin, end, share=0.5):
-        """The median delay in seconds, or another quantile; infinite without frames."""
+        """Returns the median delay in seconds, or another quantile; infinite without frames."""
         delays = sorted(arrival.delay for arrival in self.between(begin, end))
         return delays[min(int(len(delays) * share), len(delays) - 1)] if delays else float("inf")
 
     def wait_for_frames(self, count, within):
-        """Whether `count` frames in all have come before `within` seconds are over."""
+        """Returns true if `count` frames in total have arrived within `within` seconds."""
         limit = time.monotonic() + within
         while len(self.arrivals) < count and time.monotonic() < limit:
             time.sleep(0.01)
@@ -216,8 +216,8 @@ class Viewer:
 
 class Server:
     """A server on a free port that does with every connection what a test wants: `behave(connection)` is called on
-    a thread of its own; the connection is closed when it returns or fails. Without `behave` it shakes hands and
-    stays silent."""
+    a thread of its own; the connection is closed when it returns or fails. Without `behave` it answers the hello
+    and stays silent."""
 
     def __init__(self, behave=None):
         self.behave = behave or self.stay_silent
@@ -269,19 +269,19 @@ class Server:
 
 
 def shake_hands(connection, answer=None):
-    """The server's side: hears the hello and answers with a welcome, or with `answer`."""
+    """Reads the hello and answers with a welcome, or with `answer`."""
     read_message(connection)
     connection.sendall(welcome() if answer is None else answer)
 
 
 def hear_out(connection):
-    """Reads until the other end hangs up."""
+    """Reads until the other end closes the connection."""
     while connection.recv(1 << 16):
         pass
 
 
 def frames_of(port, count, within=30.0):
-    """The body of a real server's welcome, and the bodies of its first frames, a keyframe first."""
+    """Returns the body of a real server's welcome and the bodies of its first frames, beginning with a keyframe."""
     connection = connect(port, timeout=within)
     try:
         connection.sendall(hello())

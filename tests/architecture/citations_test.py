@@ -19,7 +19,7 @@ MONTHS = {"January", "February", "March", "April", "May", "June", "July", "Augus
 
 
 def prose(path):
-    """The comments of a source, the text of a page, as one line."""
+    """Returns the comments of a source, or the text of a page, as one line."""
     text = path.read_text(errors="replace")
     if path.suffix in SOURCES:
         text = "\n".join(line.split("//", 1)[1].lstrip("/!< ") for line in text.splitlines() if "//" in line)
@@ -27,7 +27,7 @@ def prose(path):
 
 
 def equations(text):
-    """2.1, 2.2 and 2.3 of "2.1 to 2.3"; both of "3.4 and 3.5"."""
+    """Returns 2.1, 2.2 and 2.3 for "2.1 to 2.3", and both numbers for "3.4 and 3.5"."""
     numbers = re.findall(r"(\d)\.(\d+)", text)
     if " to " not in text:
         return {f"{chapter}.{number}" for chapter, number in numbers}

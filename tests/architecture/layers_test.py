@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Reads every #include of the project and, where a build folder is given, what each target links.
+"""Checks the dependencies of modules. Reads every #include and, if a build folder is given, what each target links.
 
   tests/architecture/layers_test.py FOLDER [BUILD]
 
-A module may use what lies below it and nothing beside it, and each foreign library has one home. The table here is the
+A module may use only modules below it, and each foreign library has one home module. The table here is the
 table in docs/internals/architecture.md. A module's private headers are included only by itself, its tests and its benchmarks. A
-.cpp includes its own header before all else."""
+.cpp file includes its own header first."""
 import dataclasses
 import pathlib
 import re

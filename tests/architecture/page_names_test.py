@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Reads every Markdown page. A relative link must lead somewhere. A path in backticks that begins with a folder of the
-project must exist, and so must a test named as Suite.Name. So a page cannot name what was moved or renamed."""
+project must exist, and so must a test named as Suite.Name. So pages name no file or test that was moved or renamed."""
 import pathlib
 import re
 import subprocess
@@ -15,7 +15,7 @@ HISTORY = {"CHANGELOG.md"}  # names what was
 
 
 def project_files():
-    """Files of the working tree, but not build folders and what else git ignores."""
+    """Returns the files of the working tree that git does not ignore."""
     listed = subprocess.run(["git", "-C", ROOT, "ls-files", "--cached", "--others", "--exclude-standard"],
                             capture_output=True, text=True)
     if listed.returncode == 0:
@@ -24,7 +24,7 @@ def project_files():
 
 
 def anchors(page):
-    """What GitHub makes of a page's headings."""
+    """Returns the anchors that GitHub makes from a page's headings."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the demo over loopback. It uses other ports where its usual ones are taken, and where a
-server cannot start it ends with the message of that server.
+"""Tests the demo over loopback. If its usual ports are taken, the demo must use others. If a
+server cannot start, the demo must end with that server's message.
 
   tests/demo/demo_test.py --bin build/release/bin"""
 import argparse

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The programs run on a processor without AVX2 and give the same results there.
+"""Checks that the programs run on a processor without AVX2 and give the same results there.
 
 - No program, and no shared library outside of glibc-hwcaps, holds an instruction on 32-byte vectors.
 - Simulated recordings and the results of every FAST module (fast_paths.cpp) are the same with and without AVX2. The

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Runs one capture_server for each source and one client that sees them all, and accounts for every frame:
+"""Runs one capture_server for each source and one client for all of them. Checks that every frame is counted:
 
-  captured by the server = in its recording + left out of it              (--record, with its count of left out)
-  captured since the client joined = received + dropped by cause          (no frame is "unaccounted")
+  captured by the server = recorded + left out of the recording           (--record counts those left out)
+  captured since the client connected = received + dropped by cause       (no frame is "unaccounted")
   received = decoded + not decodable
-  decoded = shown + replaced before a view                                (but for the two a camera may hold at the end)
+  decoded = shown + replaced before a view                                (except two per camera at the end)
 
   tests/pipeline/accounting.py                          ten minutes on the two recordings of the demo
   tests/pipeline/accounting.py --seconds 6              as the test does
   tests/pipeline/accounting.py --seconds 600 a.oni b.oni 'simulated:room?camera=0' 'simulated:room?camera=1'
   tests/pipeline/accounting.py --fake-kinects           ten minutes on two Kinects (fake) and the two recordings
 
-Exits 0 where the sums hold; prints them."""
+Prints the sums. The exit code is 0 if all are right."""
 import argparse
 import json
 import os
@@ -43,7 +43,7 @@ def recorded(log):
 
 
 def account(camera):
-    """Sentences about sums that do not hold."""
+    """Returns a message for each wrong sum."""
     drops, faults = camera["drops"], []
     dropped = drops["encoder_busy"] + drops["window_full"]
     if drops["unaccounted"] or camera["frames_captured"] != camera["frames_received"] + dropped:

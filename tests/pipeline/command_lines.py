@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Gives every option of every program wrong kinds of values: text for a number, nothing, not a number, negative, huge. Each must
-be refused with exit code 2 and one sentence that names the option, quotes what was given and says what is allowed.
+"""Gives every option of every program wrong values: text for a number, nothing, NaN, negative and huge numbers. Each must be
+rejected with exit code 2 and one sentence that names the option, quotes the value and says what is allowed.
 
   tests/pipeline/command_lines.py [--bin FOLDER]
 
-The options are read from --help: a new one is tried without being listed here. Exits 0 where all of this holds."""
+The options are read from --help, so new options are tested automatically. The exit code is 0 if all tests pass."""
 import argparse
 import pathlib
 import re
@@ -28,7 +28,7 @@ NO_VALUE = {"--help", "--version"}
 
 
 def options_of(binary, verb):
-    """(name, type) of every option that takes a value."""
+    """Returns (name, type) of every option that takes a value."""
     help_text = subprocess.run([binary, *verb, "--help"], capture_output=True, text=True, check=True).stdout
     found = re.findall(r"^  (?:-\w,)?(--[a-z][a-z-]*)[ ]+([A-Z]{3,}|\{)?", help_text, re.MULTILINE)
     return [(name, kind) for name, kind in found if name not in NO_VALUE and kind]
@@ -43,7 +43,7 @@ def wrong_values(name, kind):
 
 
 def complaint(binary, verb, name, value):
-    """What is wrong with what the program says; None where nothing is."""
+    """Returns what is wrong with the program's message, or None."""
     given = [f"{name}={value}"] if value else [name, value]
     ran = subprocess.run([binary, *verb, *given], capture_output=True, text=True, timeout=20)
     lines = ran.stderr.splitlines() or [""]

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 """Plays damaged recordings to capture_server: cut off, with flipped bytes in the header, in the streams' definitions,
-in records and in payloads, with huge node ids. The server must neither crash nor hang nor spin: each ends within two
-seconds with a sentence, or plays on; damage in payloads alone never refuses a file.
+in records and in payloads, with huge node ids. The server must neither crash nor hang nor use all CPU time. It must end within
+two seconds with a message, or continue to play. Damage in payloads alone is no reason to refuse a file.
 
   tests/pipeline/damaged_recordings.py                 all 830, as docs/guide/recording.md quotes them (about 3 minutes)
   tests/pipeline/damaged_recordings.py --count 60      as the test does
   tests/pipeline/damaged_recordings.py --more --count 100 --recording FILE.oni
                                                        other kinds: all pictures of a stream damaged, records swapped,
                                                        missing or twice, one stream only,
-                                                       lies about codec, type, counts, times and places, holes and insertions
+                                                       wrong codec, type, counts, times and positions, gaps and insertions
 
-Exits 0 where all of this holds; prints what became of each kind of damage."""
+Prints the result of each kind of damage. The exit code is 0 if all tests pass."""
 import argparse
 import collections
 import os
@@ -30,7 +30,7 @@ WITHIN_S, GIVE_UP_S = 2.0, 12.0
 
 
 def records(data):
-    """(at, type, bytes of head and fields, bytes of payload) of every record."""
+    """Returns (position, type, bytes of head and fields, bytes of payload) of every record."""
     at, found = 24, []
     while at + 28 <= len(data):
         magic, kind, _, fields, payload, _ = struct.unpack_from("<IIIIIQ", data, at)
@@ -88,7 +88,7 @@ class Damage:
         return self.with_bytes([(at + fields, at + fields + payload) for at, _, fields, payload in self.frames], 20)
 
     def all_payloads(self):
-        """Every picture of one stream, or of all."""
+        """Damages every picture of one stream, or of all streams."""
         data = bytearray(self.whole)
         nodes = [struct.unpack_from("<I", data, at + 8)[0] for at, _, _, _ in self.frames]
         lost = self.random.choice([{node} for node in sorted(set(nodes))] + [set(nodes)])
@@ -142,7 +142,7 @@ class Damage:
         return self.rebuilt([r for r in self.records if node(r) != lost or (frames_only and r[1] != NEW_DATA)])
 
     def lie(self):
-        """In what a stream's definition says of it: type, codec, frames, first and last time, the seek table's place."""
+        """Falsifies a stream's definition: type, codec, frames, first and last time, position of the seek table."""
         data = bytearray(self.whole)
         at = self.random.choice([r for r in self.records if r[1] == NODE_ADDED])[0] + 28
         at += 4 + struct.unpack_from("<I", data, at)[0]
@@ -188,7 +188,7 @@ MORE_KINDS = {"swapped": 2, "missing": 2, "doubled": 2, "one_stream": 1, "lie": 
 
 
 def play(server, path, port, sanitized):
-    """What became of it: "played", "refused", or what is wrong; with seconds and CPU seconds."""
+    """Returns "played", "refused" or what is wrong, with seconds and CPU seconds."""
     begin = time.monotonic()
     patience = 20 if sanitized else 1
     # 8 GB of address space: a recording that makes the player allocate without bounds is found, not swapped. A sanitizer

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Two capture servers that loop recordings, one viewer, and every half a minute a second viewer that comes
-and goes: does memory grow without end? Prints every process's resident memory and what of its heap is in
-use or free in the allocator.
+"""Checks that memory does not grow without end. Two capture servers loop recordings for one viewer, and a second viewer
+connects and leaves every half minute. Prints the resident memory of each process, and how much of its heap is in use and
+how much is free in the allocator.
 
   tests/soak/two_cameras.py                          fifteen minutes
   tests/soak/two_cameras.py --seconds 40             as the test does
 
 Resident memory grows in steps while the allocator meets the largest frames so far. It must level off: from
 the third quarter of the run to the last, memory in use may grow by at most 20 kB a minute and resident
-memory by at most 150 (in runs below five minutes by 12 MB in all). Exits 0 where it does."""
+memory by at most 150 (in runs below five minutes by 12 MB in all). The exit code is 0 if memory levels off."""
 import argparse
 import json
 import os
@@ -43,7 +43,7 @@ def descriptors(pid):
 
 
 def heap_kb(folder, pid):
-    """(in use, free in the allocator) as last reported."""
+    """Returns the last reported heap in use, and heap free in the allocator."""
     try:
         last = pathlib.Path(f"{folder}/heap.{pid}").read_text().split("\n")[-2].split()
         return (int(last[1]) + int(last[3])) // 1024, int(last[2]) // 1024
@@ -52,7 +52,7 @@ def heap_kb(folder, pid):
 
 
 def growth_a_minute(samples, column, seconds):
-    """kB, from the median of the third quarter of the run to that of the last. Single samples swing with the frames in hand."""
+    """Returns the growth in kB a minute, from the median of the run's third quarter to that of the last. Medians even out frames."""
     quarter = [[row[column] for row in samples if begin * seconds <= row[0] < end * seconds]
                for begin, end in ((0.5, 0.75), (0.75, 1.01))]
     if not all(quarter):

@@ -12,7 +12,7 @@ namespace {
 constexpr double kRateTolerance = 1.01;
 /// A view may be early by at most this fraction of the view interval, after other views were late.
 constexpr double kEarly = 1.0;
-/// A view waits at most this long for its token. Otherwise its frames wait for the next.
+/// A view waits at most this long for its token. Otherwise the next view shows its frames.
 constexpr Duration kMostDelay = std::chrono::milliseconds(4);
 /// The leader changes only if another gap is longer by this fraction of a period. Each change can
 /// delay a view by half an interval.

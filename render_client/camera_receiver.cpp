@@ -25,7 +25,7 @@ void write_line(Severity severity, const std::string& line) {
 }  // namespace
 
 CameraReceiver::CameraReceiver(const std::string& address, std::size_t slot, const scene::Scene* scene,
-                               flow::Mailboxes<CameraFrame>& mailboxes,
+                               bool remembers, flow::Mailboxes<CameraFrame>& mailboxes,
                                statistics::CameraStatistics& statistics, stream::CameraStates& states)
     : address_(address),
       slot_(slot),
@@ -38,7 +38,9 @@ CameraReceiver::CameraReceiver(const std::string& address, std::size_t slot, con
           [address](const std::stop_token& stop) {
             return stream::connect_live(address, kConnectTimeout, stop);
           },
-          [this](const StreamDescription& description) { return begin(description); }) {}
+          [this](const StreamDescription& description) { return begin(description); }) {
+  if (remembers) background_.emplace();
+}
 
 void CameraReceiver::run(const std::stop_token& stop) {
   while (const auto received = source_.next(stop)) take(*received);
@@ -53,6 +55,7 @@ Result<std::string> CameraReceiver::begin(const StreamDescription& description) 
   description_ = std::make_shared<const StreamDescription>(description);
   setup_ = std::make_shared<const CameraSetup>(resolve_setup(description, scene_));
   conditioner_.begin(*setup_, scene_ ? scene_->clip : std::nullopt);
+  if (background_) background_->begin(setup_->unit, setup_->noise);
   return setup_->remark;
 }
 
@@ -87,8 +90,14 @@ void CameraReceiver::take(const wire::ReceivedFrame& received) {
   }
 
   conditioner_.apply(*frame);
-  CameraFrame ready{std::move(*frame),   times.captured_at, steady_clock::now(), description_, setup_,
-                    times.are_believed()};
+  if (background_) background_->learn(*frame);
+  CameraFrame ready{std::move(*frame),
+                    times.captured_at,
+                    steady_clock::now(),
+                    description_,
+                    setup_,
+                    times.are_believed(),
+                    background_ ? background_->covered() : nullptr};
   if (mailboxes_.put(slot_, std::move(ready))) statistics_.not_displayed();
 }
 

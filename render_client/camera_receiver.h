@@ -1,6 +1,7 @@
 #pragma once
 
-// Receives, decodes, filters and clips the frames of one camera, and puts them into a mailbox.
+// Receives, decodes, filters and clips the frames of one camera, and puts them into a mailbox. Also
+// remembers what the camera has seen behind the things that stand before it.
 // Thread: call run() on a thread of its own. Mailboxes, states and statistics may be shared.
 
 #include <memory>
@@ -12,6 +13,7 @@
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 #include "common/scene/scene.h"
+#include "render_client/background_memory/background_memory.h"
 #include "render_client/camera_setup/camera_setup.h"
 #include "render_client/decoding/frame_conditioning.h"
 #include "render_client/decoding/frame_decoding.h"
@@ -25,8 +27,9 @@ namespace copresence::client {
 class CameraReceiver {
  public:
   /// `address` is HOST:PORT. `slot` is the camera's number in `mailboxes` and `states`. `scene` may
-  /// be null. All referenced objects must outlive the receiver.
-  CameraReceiver(const std::string& address, std::size_t slot, const scene::Scene* scene,
+  /// be null. `remembers` tells whether the views show remembered backgrounds. All referenced
+  /// objects must outlive the receiver.
+  CameraReceiver(const std::string& address, std::size_t slot, const scene::Scene* scene, bool remembers,
                  flow::Mailboxes<CameraFrame>& mailboxes, statistics::CameraStatistics& statistics,
                  stream::CameraStates& states);
 
@@ -50,6 +53,7 @@ class CameraReceiver {
   std::shared_ptr<const CameraSetup> setup_;
   std::optional<decoding::FrameDecoding> decoding_;
   decoding::FrameConditioner conditioner_;
+  std::optional<background_memory::BackgroundMemory> background_;  // null if no view shows it
 };
 
 }  // namespace copresence::client

@@ -120,7 +120,8 @@ class Pipeline {
  private:
   void receive(std::size_t slot) {
     pthread_setname_np(pthread_self(), fmt::format("camera {}", slot).c_str());
-    CameraReceiver(servers_[slot], slot, scene_, mailboxes_, statistics_[slot], states_)
+    const bool remembers = settings_.unseen.show != renderer::UnseenStyle::Show::kBlack;
+    CameraReceiver(servers_[slot], slot, scene_, remembers, mailboxes_, statistics_[slot], states_)
         .run(stop_.get_token());
   }
 

@@ -72,7 +72,11 @@ void ShownCameras::show(std::size_t index, CameraFrame frame) {
   if (camera.is_fresh) statistics_[index].not_displayed();
   camera.newest = std::make_shared<const CameraFrame>(std::move(frame));
   camera.is_fresh = true;
-  camera.version = ++frames_taken_;
+  camera.version = ++versions_;
+  if (camera.newest->remembered != camera.remembered) {
+    camera.remembered = camera.newest->remembered;
+    camera.remembered_version = ++versions_;
+  }
   const CameraFrame& newest = *camera.newest;
   if (!camera.said_no_pose && !newest.setup->has_pose) {
     spdlog::info("{}: camera \"{}\" has no pose; it stands at the world's origin", addresses_[index],
@@ -88,6 +92,7 @@ void ShownCameras::remove(std::size_t index) {
   if (!camera.newest) return;
   if (std::exchange(camera.is_fresh, false)) statistics_[index].not_displayed();
   camera.newest.reset();
+  camera.remembered.reset();
   colors_.forget(index);
   was_removed_ = true;
 }
@@ -118,6 +123,15 @@ std::vector<renderer::CameraView> ShownCameras::views(Instant now) const {
     if (!camera.newest) continue;
     views.push_back(camera_view(*camera.newest, camera.version, colors_.correction(i)));
     views.back().opacity = stale_.opacity(i, now);
+  }
+  // They come last, so that the others keep their places in the renderer.
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    const Camera& camera = cameras_[i];
+    if (!camera.newest || !camera.remembered) continue;
+    views.push_back(camera_view(*camera.newest, camera.remembered_version, colors_.correction(i)));
+    views.back().frame = camera.remembered.get();
+    views.back().opacity = stale_.opacity(i, now);
+    views.back().is_remembered = true;
   }
   return views;
 }

@@ -75,7 +75,9 @@ class ShownCameras {
   struct Camera {
     std::shared_ptr<const CameraFrame> newest;
     std::uint64_t version = 0;  // The CameraView::version of `newest`.
-    bool is_fresh = false;      // Whether no view has shown `newest` yet.
+    std::shared_ptr<const RgbdFrame> remembered;
+    std::uint64_t remembered_version = 0;  // The CameraView::version of `remembered`.
+    bool is_fresh = false;                 // Whether no view has shown `newest` yet.
     bool said_no_pose = false;
   };
   void show(std::size_t camera, CameraFrame frame);
@@ -92,8 +94,8 @@ class ShownCameras {
   pacing::FrameSync frames_;
   pacing::StaleCameras stale_;
   std::vector<Camera> cameras_;
-  std::uint64_t frames_taken_ = 0;
-  bool was_removed_ = false;  // Whether a camera has been removed since the last view.
+  std::uint64_t versions_ = 0;  // The greatest CameraView::version so far.
+  bool was_removed_ = false;    // Whether a camera has been removed since the last view.
   std::optional<Instant> last_view_at_;
   std::optional<Instant> complete_since_;
   bool colors_settled_ = false;

@@ -7,6 +7,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2D estimates;  // As `surfaces` in extend_blocks.comp.
 layout(binding = 1) uniform usampler2D gaps;
+layout(binding = 2) uniform usampler2D camera;  // 255 where no camera shows anything
 layout(binding = 0, rgba8) writeonly uniform image2D color;
 layout(binding = 1, r32f) uniform image2D depth;  // Metres, 0 where no camera shows anything.
 layout(binding = 2, r8ui) writeonly uniform uimage2D origin;
@@ -17,10 +18,11 @@ uniform vec3 background;
 uniform vec4 ray_from_pixel;  // The ray (x, y) at z = 1 in the eye's frame is xy * pixel + zw.
 uniform float near;           // Metres.
 uniform mat4x3 camera_from_eye[LAYERS];
-uniform vec4 intrinsics[LAYERS];  // fx, fy, cx, cy.
-uniform vec2 picture[LAYERS];     // Width and height, or 0 if the camera is not drawn.
+uniform vec4 intrinsics[LAYERS];    // fx, fy, cx, cy.
+uniform vec2 picture[LAYERS];       // Width and height, or 0 if the camera is not drawn.
+uniform int is_remembered[LAYERS];  // 1 if the layer is a remembered background.
 
-const uint kSeen = 0u, kExtended = 1u, kEmpty = 2u;
+const uint kSeen = 0u, kRemembered = 1u, kExtended = 2u, kEmpty = 3u;
 
 // Returns the opacity of a block: 1 inside a camera's picture, falling to 0 outside.
 float opacity(ivec2 block, float w) {
@@ -43,7 +45,8 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(at, imageSize(color)))) return;
   if (imageLoad(depth, at).r > 0.0) {
-    imageStore(origin, at, uvec4(kSeen));
+    const uint shown = texelFetch(camera, at, 0).r;
+    imageStore(origin, at, uvec4(is_remembered[shown] != 0 ? kRemembered : kSeen));
     return;
   }
   vec4 sum = vec4(0.0);

@@ -1,11 +1,13 @@
-// Measures the filters that run on a decoded frame before it becomes a mesh, on one thread. Each
+// Measures what the client does to a decoded frame before it becomes a mesh, on one thread. Each
 // iteration gets a new 640x480 frame with the noise of a Kinect.
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
+#include "render_client/background_memory/background_memory.h"
 #include "render_client/decoding/depth_smoothing.h"
 #include "render_client/decoding/temporal_filter.h"
 
@@ -68,6 +70,20 @@ void depth_smoothing(benchmark::State& state) {
       [&](RgbdFrame& frame) { smoothing.smooth(frame.depth, DepthUnit::kMillimetre, kKinectV1Noise); });
 }
 BENCHMARK(depth_smoothing)->Unit(benchmark::kMillisecond);
+
+// A box moves before the wall, so that its remembered part must be drawn anew.
+void background_memory(benchmark::State& state) {
+  std::vector<RgbdFrame> frames = noisy_frames(0);
+  background_memory::BackgroundMemory memory;
+  memory.begin(DepthUnit::kMillimetre, kKinectV1Noise);
+  for (int i = 0; i < 30; ++i) memory.learn(frames[i % kFrames]);
+  for (int i = 0; i < kFrames; ++i) {
+    const int left = 150 + static_cast<int>(state.range(0)) * i;
+    for (int y = 100; y < 400; ++y) std::fill_n(&frames[i].depth(left, y), 150, std::uint16_t{1000});
+  }
+  run(state, frames, [&](RgbdFrame& frame) { memory.learn(frame); });
+}
+BENCHMARK(background_memory)->ArgName("motion_px")->Arg(0)->Arg(20)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace copresence::decoding

@@ -26,6 +26,9 @@
 // Stale        A camera with an opacity below 1 is stale. It is shown only where no live camera
 //              shows anything at any distance. Stale cameras are merged with each other like live
 //              ones. Their colours are multiplied by the opacity.
+// Remembered   A remembered background is shown only where no camera's newest frame shows anything
+//              at any distance. So it never covers what is seen. Remembered backgrounds are merged
+//              with each other like live cameras.
 // Silhouettes  A silhouette edge lies between two neighbours in a row whose nearest fragments are
 //              kSilhouetteSteps apart in inverse depth along the eye's axis. Each colour moves
 //              1 / kSilhouetteDivisor of the way to the other colour. This hides stair steps.
@@ -39,6 +42,13 @@
 #include "common/frame/image.h"
 
 namespace copresence::renderer {
+
+/// A fragment is shown only where no fragment of a lower rank is: see Stale and Remembered above.
+enum class Rank { kLive, kStale, kRemembered };
+inline Rank rank(float opacity, bool is_remembered) {
+  if (is_remembered) return Rank::kRemembered;
+  return opacity < 1 ? Rank::kStale : Rank::kLive;
+}
 
 /// One step of the sensor in inverse depth, 1/m.
 inline float inverse_step(const DepthNoise& noise) {

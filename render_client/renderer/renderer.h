@@ -28,6 +28,9 @@ using viewpoint::ViewPose;
 
 /// A view can show at most this many cameras. The program checks its command line and scene file.
 inline constexpr std::size_t kMostCameras = 32;
+/// The most elements of Renderer::render()'s `cameras`: each camera's newest frame and its
+/// remembered background.
+inline constexpr std::size_t kMostViews = 2 * kMostCameras;
 
 /// One camera as input of a renderer.
 struct CameraView {
@@ -46,20 +49,24 @@ struct CameraView {
   /// Opacity: 1 for a live camera, less for a stale one that sends no frames (merge_rules.h,
   /// Stale). A camera with opacity 0 is not drawn.
   float opacity = 1;
+  /// `frame` shows what the camera has seen behind the things that stand before it now. It is drawn
+  /// only where no camera's newest frame shows anything (merge_rules.h, Remembered).
+  bool is_remembered = false;
 };
 
 /// The origin of a pixel of a view.
 enum class Origin : std::uint8_t {
-  kSeen,      ///< A camera's newest frame shows this point.
-  kExtended,  ///< No camera shows it. Surfaces around it are continued (extension_rules.h).
-  kEmpty,     ///< No camera shows it, and no surface is continued there.
+  kSeen,        ///< A camera's newest frame shows this point.
+  kRemembered,  ///< A camera saw this point earlier, and something covers it now.
+  kExtended,    ///< No camera shows it. Surfaces around it are continued (extension_rules.h).
+  kEmpty,       ///< No camera shows it, and no surface is continued there.
 };
 
-/// Selects the look of pixels that no camera has seen.
+/// Selects the look of pixels that no camera sees now.
 struct UnseenStyle {
   enum class Show {
-    kExtend,  ///< The surfaces around an unseen pixel are continued.
-    kDim,     ///< As kExtend, but at half of the brightness.
+    kExtend,  ///< Remembered backgrounds are shown, and the surfaces around are continued.
+    kDim,     ///< As kExtend, at half of the brightness.
     kBlack,   ///< All unseen pixels are kEmpty.
   };
   Show show = Show::kBlack;
@@ -70,7 +77,7 @@ struct UnseenStyle {
 
 /// Fractions of a view's pixels by origin. Their sum is 1.
 struct OriginShares {
-  float seen = 0, extended = 0, empty = 1;
+  float seen = 0, remembered = 0, extended = 0, empty = 1;
 };
 
 inline constexpr std::uint8_t kNoCamera = 255;  ///< MergedView::camera of empty pixels.
@@ -118,7 +125,7 @@ class Renderer {
   /// Draws the cameras as seen from `eye`. MergedView::camera is an index into `cameras`. The
   /// number of cameras and their models may change between calls. The memory of the images of
   /// `view` is reused. A camera without colour is shaded by its surface normals. Requires at most
-  /// kMostCameras cameras. Fails only if the graphics driver fails.
+  /// kMostViews cameras. Fails only if the graphics driver fails.
   virtual Result<void> render(std::span<const CameraView> cameras, const ViewPose& eye, HostPixels wanted,
                               MergedView& view) = 0;
 };

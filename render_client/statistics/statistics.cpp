@@ -193,6 +193,7 @@ void ViewStatistics::rendered(Instant begin, Instant end, bool complete) {
 void ViewStatistics::origins(const renderer::OriginShares& shares) {
   ++views_with_origins_;
   seen_ += shares.seen;
+  remembered_ += shares.remembered;
   extended_ += shares.extended;
   empty_ += shares.empty;
 }
@@ -202,7 +203,7 @@ std::optional<renderer::OriginShares> ViewStatistics::mean_origins() const {
   const auto mean = [this](double sum) {
     return static_cast<float>(sum / static_cast<double>(views_with_origins_));
   };
-  return renderer::OriginShares{mean(seen_), mean(extended_), mean(empty_)};
+  return renderer::OriginShares{mean(seen_), mean(remembered_), mean(extended_), mean(empty_)};
 }
 
 double ViewStatistics::fps() const {
@@ -223,8 +224,10 @@ Result<void> write_statistics(const std::string& path, const std::vector<CameraR
                   {"renderer", renderer},
                   {"size", fmt::format("{}x{}", width, height)}};
   if (const auto shares = view.mean_origins()) {
-    root["view"]["shares"] = {
-        {"seen", shares->seen}, {"remembered", 0}, {"extended", shares->extended}, {"empty", shares->empty}};
+    root["view"]["shares"] = {{"seen", shares->seen},
+                              {"remembered", shares->remembered},
+                              {"extended", shares->extended},
+                              {"empty", shares->empty}};
   }
   if (const auto& tracker = view.head_tracker()) {
     root["view"]["head_tracker"] = {{"taken", tracker->taken},

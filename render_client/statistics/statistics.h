@@ -99,7 +99,7 @@ class ViewStatistics {
   std::uint64_t frames_ = 0;
   Instant first_{}, last_{};
   flow::LatencyHistogram render_time_, skew_;
-  double seen_ = 0, extended_ = 0, empty_ = 0;
+  double seen_ = 0, remembered_ = 0, extended_ = 0, empty_ = 0;
   std::uint64_t views_with_origins_ = 0;
   std::optional<viewpoint::OpentrackView::Counters> head_tracker_;
 };

@@ -17,7 +17,11 @@ namespace {
 constexpr const char* kDescription =
     "Compares rendered views of simulated rooms with the ground truth, over all pixels that some camera "
     "could have shown.\n"
-    "Pixels that show nothing count as black. PSNR is in dB, flicker and seam step are in 1/255.";
+    "Pixels that show nothing count as black. A pixel is seen, remembered (rem.), extended (ext.) or empty. "
+    "PSNR is "
+    "in dB, also for pixels near depth edges (edges). Recall is the share of remembered pixels among those "
+    "that a "
+    "camera saw only earlier. Flicker and seam step are in 1/255.";
 
 // JSON has no value for "not a number".
 nlohmann::json finite(double value) {
@@ -29,13 +33,18 @@ nlohmann::json to_json(const std::string& scene, const ViewScore& score) {
           {"views", score.views},
           {"shares",
            {{"seen", score.seen_percent / 100},
+            {"remembered", score.remembered_percent / 100},
             {"extended", score.extended_percent / 100},
             {"empty", score.empty_percent / 100}}},
           {"psnr", score.psnr},
           {"psnr_seen", score.psnr_seen},
+          {"psnr_remembered", finite(score.psnr_remembered)},
           {"psnr_extended", finite(score.psnr_extended)},
           {"psnr_silhouette", score.psnr_silhouette},
+          {"recalled", score.recalled_percent / 100},
           {"flicker", score.flicker},
+          {"flicker_remembered", score.flicker_remembered},
+          {"flicker_extended", score.flicker_extended},
           {"seam_step", score.seam_step},
           {"sharpness", score.sharpness}};
 }
@@ -65,8 +74,9 @@ int run(int argc, char** argv) {
     return report_parse_error(app, error);
   }
   if (unseen == "black") settings.unseen.show = renderer::UnseenStyle::Show::kBlack;
-  std::printf("%-9s %7s %10s %8s %6s %6s %9s %12s %8s %5s %10s\n", "scene", "seen %", "extended %", "empty %",
-              "PSNR", "seen", "extended", "silhouettes", "flicker", "seam", "sharpness");
+  std::printf("%-9s %6s %6s %6s %6s %6s %6s %6s %6s %6s %8s %7s %5s %9s\n", "scene", "seen %", "rem. %",
+              "ext. %", "empty%", "PSNR", "seen", "rem.", "ext.", "edges", "recall %", "flicker", "seam",
+              "sharpness");
   nlohmann::json rows = nlohmann::json::array();
   for (const std::string& scene : scenes) {
     const auto score = run_scene(scene, settings);
@@ -74,9 +84,10 @@ int run(int argc, char** argv) {
       std::fprintf(stderr, "view_bench: %s\n", score.error().what.c_str());
       return 1;
     }
-    std::printf("%-9s %7.2f %10.2f %8.2f %6.2f %6.2f %9.2f %12.2f %8.2f %5.2f %10.2f\n", scene.c_str(),
-                score->seen_percent, score->extended_percent, score->empty_percent, score->psnr,
-                score->psnr_seen, score->psnr_extended, score->psnr_silhouette, score->flicker,
+    std::printf("%-9s %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %8.2f %7.2f %5.2f %9.2f\n",
+                scene.c_str(), score->seen_percent, score->remembered_percent, score->extended_percent,
+                score->empty_percent, score->psnr, score->psnr_seen, score->psnr_remembered,
+                score->psnr_extended, score->psnr_silhouette, score->recalled_percent, score->flicker,
                 score->seam_step, score->sharpness);
     std::fflush(stdout);
     rows.push_back(to_json(scene, *score));

@@ -14,6 +14,7 @@
 #include "capture_server/encoding/frame_encoding.h"
 #include "capture_server/hole_filling/hole_filler.h"
 #include "common/flow/worker_pool.h"
+#include "render_client/background_memory/background_memory.h"
 #include "render_client/camera_setup/camera_setup.h"
 #include "render_client/color_matching/color_matcher.h"
 #include "render_client/decoding/frame_conditioning.h"
@@ -77,19 +78,42 @@ class Camera {
     return Camera(std::move(*kinect), std::move(*filler), poses[index]);
   }
 
-  Result<void> capture(double phase, std::uint64_t frame) {
+  // `versions` counts all frames that have ever been drawn.
+  Result<void> capture(double phase, std::uint64_t frame, std::uint64_t& versions) {
     frame_.color.emplace();
     kinect_.capture(phase, frame, frame_.depth, *frame_.color);
     frame_.state = StateImage(kCameraWidth, kCameraHeight, DepthState::kMeasured);
     server::clip_to_range(frame_, to_units(kRange, DepthUnit::kMillimetre));
     if (auto filled = filler_->fill(frame_); !filled) return filled;
     conditioner_.apply(frame_);
+    background_.learn(frame_);
+    const auto covered = background_.covered();
+    if (covered != covered_) covered_version_ = ++versions;
+    covered_ = covered;
+    version_ = ++versions;
+    note_farthest();
     return {};
   }
 
-  renderer::CameraView view(std::uint64_t version) const {
+  renderer::CameraView view() const { return view(frame_, version_); }
+  // Nothing if no remembered background is covered.
+  std::optional<renderer::CameraView> remembered_view() const {
+    if (!covered_) return std::nullopt;
+    auto remembered = view(*covered_, covered_version_);
+    remembered.is_remembered = true;
+    return remembered;
+  }
+  color_matching::PosedFrame posed_frame() const {
+    return {&frame_, setup_.model, setup_.unit, setup_.noise, *setup_.fixed_pose, kCalibrationErrorM};
+  }
+  ViewVolume volume() const { return {setup_.model, *setup_.fixed_pose, kRange}; }
+  // The farthest surface that each pixel has measured so far; metres, 0 for none.
+  const Image<float>& farthest_m() const { return farthest_m_; }
+
+ private:
+  renderer::CameraView view(const RgbdFrame& frame, std::uint64_t version) const {
     renderer::CameraView view;
-    view.frame = &frame_;
+    view.frame = &frame;
     view.version = version;
     view.model = setup_.model;
     view.unit = setup_.unit;
@@ -97,12 +121,13 @@ class Camera {
     view.calibration_error_m = setup_.calibration_error_m;
     return view;
   }
-  color_matching::PosedFrame posed_frame() const {
-    return {&frame_, setup_.model, setup_.unit, setup_.noise, *setup_.fixed_pose, kCalibrationErrorM};
+  void note_farthest() {
+    for (std::size_t i = 0; i < farthest_m_.pixels().size(); ++i) {
+      if (frame_.state.data()[i] != DepthState::kMeasured) continue;
+      farthest_m_.data()[i] = std::max(farthest_m_.data()[i], 1e-3F * float(frame_.depth.data()[i]));
+    }
   }
-  ViewVolume volume() const { return {setup_.model, *setup_.fixed_pose, kRange}; }
 
- private:
   Camera(simulation::SimulatedKinect kinect, std::unique_ptr<hole_filling::HoleFiller> filler,
          const Rigid3& pose)
       : kinect_(std::move(kinect)), filler_(std::move(filler)) {
@@ -111,6 +136,7 @@ class Camera {
     setup_.fixed_pose = pose;
     setup_.calibration_error_m = kCalibrationErrorM;
     conditioner_.begin(setup_, std::nullopt);
+    background_.begin(setup_.unit, setup_.noise);
   }
 
   simulation::SimulatedKinect kinect_;
@@ -118,6 +144,11 @@ class Camera {
   client::CameraSetup setup_;
   decoding::FrameConditioner conditioner_;
   RgbdFrame frame_;
+  std::uint64_t version_ = 0;
+  background_memory::BackgroundMemory background_;
+  std::shared_ptr<const RgbdFrame> covered_;
+  std::uint64_t covered_version_ = 0;
+  Image<float> farthest_m_{kCameraWidth, kCameraHeight};
 };
 
 // The viewpoint lies between the first two cameras, a little nearer to the person.
@@ -176,13 +207,13 @@ Result<ViewScore> run_scene(std::string_view name, const RunSettings& settings) 
   ViewError error;
   renderer::MergedView view;
   TrueEyeView truth;
-  std::uint64_t version = 0;
+  std::uint64_t versions = 0;
   const int frames = kSettlingFrames + settings.frames;
   for (int frame = 0; frame < frames; ++frame) {
     const double phase = frame % simulation::kPeriodFrames / double(simulation::kPeriodFrames);
     std::vector<color_matching::PosedFrame> posed;
     for (Camera& camera : cameras) {
-      if (auto captured = camera.capture(phase, static_cast<std::uint64_t>(frame)); !captured)
+      if (auto captured = camera.capture(phase, static_cast<std::uint64_t>(frame), versions); !captured)
         return fail(captured.error());
       posed.push_back(camera.posed_frame());
     }
@@ -190,12 +221,17 @@ Result<ViewScore> run_scene(std::string_view name, const RunSettings& settings) 
       corrections.follow(color_matching::match_colors(posed), std::chrono::seconds(1));
     std::vector<renderer::CameraView> views;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      views.push_back(cameras[i].view(++version));
+      views.push_back(cameras[i].view());
       views.back().color_correction = corrections.correction(i);
+      if (auto remembered = cameras[i].remembered_view()) {
+        remembered->color_correction = corrections.correction(i);
+        views.push_back(*remembered);
+      }
     }
     if (frame < kSettlingFrames) continue;
     if (auto drawn = renderer->render(views, eye, {.color = true, .depth = true}, view); !drawn)
       return fail(drawn.error());
+    for (std::size_t i = 0; i < cameras.size(); ++i) volumes[i].farthest_m = &cameras[i].farthest_m();
     truth = describe_truth(true_eye->trace(phase), eye, volumes);
     error.add(truth, view, frame > kSettlingFrames);
   }

@@ -10,6 +10,7 @@ namespace copresence::view_bench {
 namespace {
 
 constexpr float kEdgeSteps = 8.0F;      // Smallest step of an edge, in disparity steps of a Kinect.
+constexpr float kSameSteps = 4.0F;      // Largest error of a measurement, in disparity steps.
 constexpr float kFlatSteps = 1.0F;      // Largest curvature of a flat surface, in disparity steps.
 constexpr double kFlatLuma = 6;         // Largest change of the true colour across a flat seam.
 constexpr float kStep = 1.0F / 351.3F;  // A Kinect v1's disparity step, 1/m.
@@ -49,12 +50,19 @@ Image<std::uint8_t> dilate(const Image<std::uint8_t>& image, int radius) {
   return result;
 }
 
-bool is_in(const ViewVolume& camera, const Eigen::Vector3d& world_point) {
+// How a camera relates to a point of the world.
+enum class Sight { kOutside, kInside, kEverSeen };
+Sight sight(const ViewVolume& camera, const Eigen::Vector3d& world_point) {
   const Eigen::Vector3d point = camera.world_from_camera.inverse() * world_point;
-  if (point.z() < camera.range.near_m || point.z() > camera.range.far_m) return false;
+  if (point.z() < camera.range.near_m || point.z() > camera.range.far_m) return Sight::kOutside;
   const Eigen::Vector2d pixel = project(camera.model, point);
-  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.model.width - 1 &&
-         pixel.y() <= camera.model.height - 1;
+  if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() > camera.model.width - 1 ||
+      pixel.y() > camera.model.height - 1) {
+    return Sight::kOutside;
+  }
+  if (!camera.farthest_m) return Sight::kInside;
+  const float farthest = (*camera.farthest_m)(int(pixel.x() + 0.5), int(pixel.y() + 0.5));
+  return std::abs(inverse(farthest) - 1 / point.z()) < kSameSteps * kStep ? Sight::kEverSeen : Sight::kInside;
 }
 
 // Difference of each pixel to its four neighbours, which is large at fine detail.
@@ -69,8 +77,12 @@ double laplacian(const Pixels& image, int x, int y) {
 TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::ViewPose& eye,
                            std::span<const ViewVolume> cameras) {
   const int width = truth.color.width(), height = truth.color.height();
-  TrueEyeView result{
-      truth.color, truth.depth_m, Image<std::uint8_t>(width, height), {}, Image<std::uint8_t>(width, height)};
+  TrueEyeView result{truth.color,
+                     truth.depth_m,
+                     Image<std::uint8_t>(width, height),
+                     Image<std::uint8_t>(width, height),
+                     {},
+                     Image<std::uint8_t>(width, height)};
   Image<std::uint8_t> edges(width, height);
   const auto w = [&](int x, int y) { return inverse(truth.depth_m(x, y)); };
   for (int y = 0; y < height; ++y) {
@@ -80,8 +92,10 @@ TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::Vi
         const Eigen::Vector3d ray((x - eye.intrinsics.cx) / eye.intrinsics.fx,
                                   (y - eye.intrinsics.cy) / eye.intrinsics.fy, 1);
         const Eigen::Vector3d point = eye.world_from_eye * Eigen::Vector3d(z * ray);
-        result.reachable(x, y) = std::any_of(cameras.begin(), cameras.end(),
-                                             [&](const ViewVolume& camera) { return is_in(camera, point); });
+        Sight best = Sight::kOutside;
+        for (const ViewVolume& camera : cameras) best = std::max(best, sight(camera, point));
+        result.reachable(x, y) = best != Sight::kOutside;
+        result.ever_seen(x, y) = best == Sight::kEverSeen;
       }
       if (x > 0 && std::abs(w(x, y) - w(x - 1, y)) > kEdgeSteps * kStep) edges(x, y) = edges(x - 1, y) = 1;
       if (y > 0 && std::abs(w(x, y) - w(x, y - 1)) > kEdgeSteps * kStep) edges(x, y) = edges(x, y - 1) = 1;
@@ -102,6 +116,15 @@ double ViewError::Squares::psnr() const {
   return 10 * std::log10(255.0 * 255.0 * 3 * static_cast<double>(samples) / std::max(sum, 1e-9));
 }
 
+void ViewError::Mean::add(double value) {
+  sum += value;
+  ++samples;
+}
+
+double ViewError::Mean::value() const {
+  return samples == 0 ? 0 : sum / static_cast<double>(samples);
+}
+
 void ViewError::add(const TrueEyeView& truth, const renderer::MergedView& view, bool is_next) {
   assert(truth.color.width() == view.color.width() && truth.color.height() == view.color.height());
   for (int y = 0; y < view.height; ++y) {
@@ -115,7 +138,10 @@ void ViewError::add(const TrueEyeView& truth, const renderer::MergedView& view, 
       };
       add_to(all_);
       if (origin == renderer::Origin::kSeen) add_to(seen_);
+      if (origin == renderer::Origin::kRemembered) add_to(remembered_);
       if (origin == renderer::Origin::kExtended) add_to(extended_);
+      if (origin != renderer::Origin::kSeen && truth.ever_seen(x, y))
+        recalled_.add(origin == renderer::Origin::kRemembered);
       if (truth.at_silhouette(x, y)) add_to(silhouette_);
     }
   }
@@ -123,6 +149,7 @@ void ViewError::add(const TrueEyeView& truth, const renderer::MergedView& view, 
   add_sharpness(truth, view);
   if (is_next && last_color_.width() == view.width) add_flicker(truth, view);
   last_color_ = view.color;
+  last_origin_ = view.origin;
   last_truth_ = truth.color;
   ++views_;
 }
@@ -137,8 +164,7 @@ void ViewError::add_seams(const TrueEyeView& truth, const renderer::MergedView& 
       if (view.camera(from, y) != left || view.camera(to, y) != right) continue;
       const double step = luma(view.color(to, y)) - luma(view.color(from, y));
       const double true_step = luma(truth.color(to, y)) - luma(truth.color(from, y));
-      seams_ += std::abs(step - true_step);
-      ++seam_pairs_;
+      seams_.add(std::abs(step - true_step));
     }
   }
 }
@@ -149,8 +175,12 @@ void ViewError::add_flicker(const TrueEyeView& truth, const renderer::MergedView
       if (!truth.reachable(x, y) || view.origin(x, y) == renderer::Origin::kEmpty) continue;
       const Rgb8 now = truth.color(x, y), before = last_truth_(x, y);
       if (now.r != before.r || now.g != before.g || now.b != before.b) continue;
-      flicker_ += std::abs(luma(view.color(x, y)) - luma(last_color_(x, y)));
-      ++flicker_pixels_;
+      const double change = std::abs(luma(view.color(x, y)) - luma(last_color_(x, y)));
+      flicker_.add(change);
+      const renderer::Origin origin = view.origin(x, y);
+      if (origin != last_origin_(x, y)) continue;
+      if (origin == renderer::Origin::kRemembered) flicker_remembered_.add(change);
+      if (origin == renderer::Origin::kExtended) flicker_extended_.add(change);
     }
   }
 }
@@ -181,13 +211,19 @@ ViewScore ViewError::score() const {
   };
   score.seen_percent = percent(seen_);
   score.extended_percent = percent(extended_);
-  score.empty_percent = std::max(0.0, 100 - score.seen_percent - score.extended_percent);
+  score.remembered_percent = percent(remembered_);
+  score.empty_percent =
+      std::max(0.0, 100 - score.seen_percent - score.remembered_percent - score.extended_percent);
+  score.recalled_percent = 100 * recalled_.value();
   score.psnr = all_.psnr();
   score.psnr_seen = seen_.psnr();
+  score.psnr_remembered = remembered_.psnr();
   score.psnr_extended = extended_.psnr();
   score.psnr_silhouette = silhouette_.psnr();
-  score.flicker = share(flicker_, double(flicker_pixels_));
-  score.seam_step = share(seams_, double(seam_pairs_));
+  score.flicker = flicker_.value();
+  score.flicker_remembered = flicker_remembered_.value();
+  score.flicker_extended = flicker_extended_.value();
+  score.seam_step = seams_.value();
   score.sharpness = share(laplacian_, true_laplacian_);
   return score;
 }

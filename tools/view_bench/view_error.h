@@ -22,6 +22,8 @@ struct ViewVolume {
   CameraModel model;
   Rigid3 world_from_camera;
   DepthRange range;
+  /// The farthest depth that each of its pixels has ever measured; metres, 0 for none. Null: not known.
+  const Image<float>* farthest_m = nullptr;
 };
 
 /// The ground truth at the viewpoint, and masks that the metrics need.
@@ -29,6 +31,7 @@ struct TrueEyeView {
   ColorImage color;
   Image<float> depth_m;
   Image<std::uint8_t> reachable;      ///< Is 1 if a camera could have shown the surface.
+  Image<std::uint8_t> ever_seen;      ///< Is 1 if a camera has ever measured the surface.
   Image<std::uint8_t> at_silhouette;  ///< Is 1 within kSilhouettePixels of a depth edge.
   Image<std::uint8_t> is_flat;        ///< Is 1 where depth and colour are smooth within kSeamPixels.
 };
@@ -41,13 +44,18 @@ TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::Vi
 
 /// One scene's result: PSNR in dB, shares in percent of reachable pixels, differences in 1/255.
 struct ViewScore {
-  double seen_percent = 0, extended_percent = 0, empty_percent = 0;
+  double seen_percent = 0, remembered_percent = 0, extended_percent = 0, empty_percent = 0;
+  /// Share of remembered pixels among those that a camera saw earlier and none sees now.
+  double recalled_percent = 0;
   double psnr = 0;             ///< PSNR over all reachable pixels.
   double psnr_seen = 0;        ///< PSNR over pixels that a camera sees.
+  double psnr_remembered = 0;  ///< PSNR over pixels that a camera remembers; NaN if none.
   double psnr_extended = 0;    ///< PSNR over pixels that extend a surface; NaN if none.
   double psnr_silhouette = 0;  ///< PSNR over pixels near depth edges.
   /// Mean change of shown pixels between consecutive views, where the ground truth does not change.
   double flicker = 0;
+  /// The same over pixels that both views show as remembered, or as extended.
+  double flicker_remembered = 0, flicker_extended = 0;
   /// Mean step across borders between cameras on flat surfaces, less that of the ground truth.
   double seam_step = 0;
   double sharpness = 0;  ///< Variance of the Laplacian, as a share of the ground truth's.
@@ -74,11 +82,19 @@ class ViewError {
   void add_flicker(const TrueEyeView& truth, const renderer::MergedView& view);
   void add_sharpness(const TrueEyeView& truth, const renderer::MergedView& view);
 
-  Squares all_, seen_, extended_, silhouette_;
-  double flicker_ = 0, seams_ = 0, laplacian_ = 0, true_laplacian_ = 0;
-  std::uint64_t flicker_pixels_ = 0, seam_pairs_ = 0;
+  struct Mean {
+    double sum = 0;
+    std::uint64_t samples = 0;
+    void add(double value);
+    double value() const;
+  };
+
+  Squares all_, seen_, remembered_, extended_, silhouette_;
+  Mean flicker_, flicker_remembered_, flicker_extended_, seams_, recalled_;
+  double laplacian_ = 0, true_laplacian_ = 0;
   int views_ = 0;
   Image<Rgba8> last_color_;
+  Image<renderer::Origin> last_origin_;
   ColorImage last_truth_;
 };
 

@@ -234,7 +234,7 @@ void BackgroundExtension::smooth_row(int y, const std::vector<Block>& from, std:
 void BackgroundExtension::list_pictures(const ViewPose& eye, std::span<const CameraView> cameras) {
   pictures_.clear();
   for (const CameraView& camera : cameras) {
-    if (!(camera.opacity > 0)) continue;
+    if (!(camera.opacity > 0) || camera.is_remembered) continue;
     const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
     const CameraModel& model = camera.model;
     pictures_.push_back({camera_from_eye.rotation.cast<float>(), camera_from_eye.translation.cast<float>(),

@@ -117,7 +117,7 @@ class CpuRenderer : public Renderer {
   void prepare(std::span<const CameraView> cameras) override {
     make_surfaces(cameras.size());
     workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
-      if (cameras[i].opacity > 0) surfaces_[i].update(cameras[i]);
+      if (is_drawn(cameras[i])) surfaces_[i].update(cameras[i]);
     });
   }
 
@@ -126,17 +126,18 @@ class CpuRenderer : public Renderer {
     make_surfaces(cameras.size());
     shape_view(eye, wanted, view);
     workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
-      if (!(cameras[i].opacity > 0)) return surfaces_[i].hide();
+      if (!is_drawn(cameras[i])) return surfaces_[i].hide();
       surfaces_[i].update(cameras[i]);
       surfaces_[i].project(eye, cameras[i].world_from_camera);
       surfaces_[i].sort_into_tiles(view.width, view.height);
     });
     merge_cameras_.clear();
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      merge_cameras_.push_back(merge_camera(cameras[i], eye, surfaces_[i].texture));
+      merge_cameras_.push_back(merge_camera(cameras[i], eye, surfaces_[i].texture, style_.brightness()));
+      merge_cameras_.back().index = static_cast<int>(i);
     }
     const int tiles = (view.height + kTileRows - 1) / kTileRows;
-    seen_pixels_.assign(tiles, 0);
+    pixels_.assign(tiles, {});
     workers_.run(tiles, [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, wanted, view); });
     std::size_t extended = 0;
     if (inverse_.width() > 0) extended = extension_.apply(eye, cameras, inverse_, style_, workers_, view);
@@ -146,11 +147,26 @@ class CpuRenderer : public Renderer {
   }
 
  private:
+  // What a worker needs for one tile: those cameras that have patches in it, and their fragments.
+  struct Scratch {
+    std::vector<MergeCamera> cameras;
+    std::vector<Tile> tiles;
+  };
+  // Numbers of pixels of a tile.
+  struct Pixels {
+    std::size_t shown = 0;       // by any camera
+    std::size_t remembered = 0;  // of these, by a remembered background
+  };
+
+  bool is_drawn(const CameraView& camera) const {
+    return camera.opacity > 0 && !(camera.is_remembered && style_.show == UnseenStyle::Show::kBlack);
+  }
+
   void make_surfaces(std::size_t cameras) {
-    assert(cameras <= kMostCameras);
+    assert(cameras <= kMostViews);
     while (surfaces_.size() < cameras) surfaces_.emplace_back(settings_.largest_block);
     scratch_.resize(workers_.count());
-    for (auto& tiles : scratch_) tiles.resize(cameras);
+    for (Scratch& scratch : scratch_) scratch.tiles.resize(cameras);
   }
 
   void shape_view(const ViewPose& eye, HostPixels wanted, MergedView& view) {
@@ -168,54 +184,65 @@ class CpuRenderer : public Renderer {
     shape(inverse_, wanted.color && style_.show != UnseenStyle::Show::kBlack);
   }
 
-  void draw_tile(int number, std::vector<Tile>& tiles, const ViewPose& eye, HostPixels wanted,
-                 MergedView& view) {
+  void draw_tile(int number, Scratch& scratch, const ViewPose& eye, HostPixels wanted, MergedView& view) {
     const int top = number * kTileRows;
     const int rows = std::min(kTileRows, view.height - top);
-    for (std::size_t i = 0; i < tiles.size(); ++i) {
-      const CameraSurface& surface = surfaces_[i];
-      tiles[i].begin(view.width, top, rows, static_cast<float>(eye.far_m), surface.texture.width() - 1,
-                     surface.texture.height() - 1);
-      if (surface.tiles.empty()) continue;
+    scratch.cameras.clear();
+    for (const MergeCamera& camera : merge_cameras_) {
+      const CameraSurface& surface = surfaces_[camera.index];
+      if (surface.tiles.empty() || surface.tiles[number].empty()) continue;
+      Tile& tile = scratch.tiles[scratch.cameras.size()];
+      scratch.cameras.push_back(camera);
+      tile.begin(view.width, top, rows, static_cast<float>(eye.far_m), surface.texture.width() - 1,
+                 surface.texture.height() - 1);
       for (const std::uint32_t p : surface.tiles[number]) {
         draw_patch(surface.mesh, surface.mesh.patches[p], surface.extents[p], surface.vertices,
-                   surface.matrix, static_cast<float>(eye.near_m), tiles[i]);
+                   surface.matrix, static_cast<float>(eye.near_m), tile);
       }
     }
-    let_stale_give_way(tiles);
-    if (!tiles.empty()) {
-      merge_tile(merge_cameras_, tiles, wanted, view, inverse_);
-    } else {
+    const std::span<Tile> tiles(scratch.tiles.data(), scratch.cameras.size());
+    if (tiles.empty()) {
       show_nothing(top, rows, wanted, view);
+    } else {
+      give_way(scratch.cameras, tiles);
+      pixels_[number].remembered = count_remembered(scratch.cameras, tiles);
+      merge_tile(scratch.cameras, tiles, wanted, view, inverse_);
     }
     mark_unseen(number, top, rows, wanted, view);
   }
 
-  // Finishes a tile: sets the background's colour and the origins, and counts the seen pixels.
+  // Finishes a tile: sets the background's colour and the origins, and counts the shown pixels.
   void mark_unseen(int tile, int top, int rows, HostPixels wanted, MergedView& view) {
     const Rgba8 background{style_.background.r, style_.background.g, style_.background.b, 0};
+    const auto origin = [this](std::uint8_t camera) {
+      if (camera == kNoCamera) return Origin::kEmpty;
+      return merge_cameras_[camera].rank == Rank::kRemembered ? Origin::kRemembered : Origin::kSeen;
+    };
     for (int y = top; y < top + rows; ++y) {
       if (wanted.depth) {
-        for (int x = 0; x < view.width; ++x)
-          view.origin(x, y) = view.camera(x, y) == kNoCamera ? Origin::kEmpty : Origin::kSeen;
+        for (int x = 0; x < view.width; ++x) view.origin(x, y) = origin(view.camera(x, y));
       }
       if (!wanted.color) continue;
-      std::size_t seen = 0;
+      std::size_t shown = 0;
       for (Rgba8& pixel : view.color.row(y)) {
-        seen += pixel.a != 0;
+        shown += pixel.a != 0;
         if (pixel.a == 0) pixel = background;
       }
-      seen_pixels_[tile] += seen;
+      pixels_[tile].shown += shown;
     }
   }
 
   OriginShares shares(std::size_t extended, std::size_t pixels) const {
-    std::size_t seen = 0;
-    for (const std::size_t count : seen_pixels_) seen += count;
+    Pixels sum;
+    for (const Pixels& tile : pixels_) {
+      sum.shown += tile.shown;
+      sum.remembered += tile.remembered;
+    }
     const auto share = [pixels](std::size_t count) {
       return static_cast<float>(count) / static_cast<float>(pixels);
     };
-    return {share(seen), share(extended), share(pixels - seen - extended)};
+    return {share(sum.shown - sum.remembered), share(sum.remembered), share(extended),
+            share(pixels - sum.shown - extended)};
   }
 
   void show_nothing(int top, int rows, HostPixels wanted, MergedView& view) {
@@ -230,24 +257,41 @@ class CpuRenderer : public Renderer {
     }
   }
 
-  void let_stale_give_way(std::vector<Tile>& tiles) const {
-    for (std::size_t stale = 0; stale < tiles.size(); ++stale) {
-      if (merge_cameras_[stale].opacity_256 == 256) continue;
-      for (std::size_t live = 0; live < tiles.size(); ++live) {
-        if (merge_cameras_[live].opacity_256 == 256) tiles[stale].give_way_to(tiles[live]);
+  static void give_way(std::span<const MergeCamera> cameras, std::span<Tile> tiles) {
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      for (std::size_t other = 0; other < tiles.size(); ++other) {
+        if (cameras[other].rank < cameras[i].rank) tiles[i].give_way_to(tiles[other]);
       }
     }
+  }
+
+  // The number of pixels that show a remembered background. Requires give_way().
+  static std::size_t count_remembered(std::span<const MergeCamera> cameras, std::span<const Tile> tiles) {
+    std::vector<const Tile*> remembered;
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      if (cameras[i].rank == Rank::kRemembered) remembered.push_back(&tiles[i]);
+    }
+    if (remembered.empty()) return 0;
+    std::size_t pixels = 0;
+    const Tile& first = *remembered[0];
+    for (int y = first.top(); y < first.top() + first.rows(); ++y) {
+      for (int x = 0; x < first.width(); ++x) {
+        pixels += std::any_of(remembered.begin(), remembered.end(),
+                              [&](const Tile* tile) { return tile->depths(y)[x] > tile->empty(); });
+      }
+    }
+    return pixels;
   }
 
   Executor& workers_;
   CpuRendererSettings settings_;
   std::vector<CameraSurface> surfaces_;
   std::vector<MergeCamera> merge_cameras_;
-  std::vector<std::vector<Tile>> scratch_;  // Indexed by worker and camera.
+  std::vector<Scratch> scratch_;  // By worker.
   UnseenStyle style_;
   BackgroundExtension extension_;
-  InverseDepthView inverse_;              // Inverse depths of the nearest fragments.
-  std::vector<std::size_t> seen_pixels_;  // By tile.
+  InverseDepthView inverse_;    // Of the nearest fragments, if surfaces are extended.
+  std::vector<Pixels> pixels_;  // By tile.
 };
 
 }  // namespace

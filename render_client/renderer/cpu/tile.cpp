@@ -100,9 +100,9 @@ void Tile::begin(int width, int top, int rows, float far_m, int camera_width, in
   texel_.resize(w_.size());
 }
 
-void Tile::give_way_to(const Tile& live) {
+void Tile::give_way_to(const Tile& other) {
   for (std::size_t i = 0; i < w_.size(); ++i) {
-    if (live.w_[i] > empty_) w_[i] = empty_;
+    if (other.w_[i] > empty_) w_[i] = empty_;
   }
 }
 

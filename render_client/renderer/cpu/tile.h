@@ -31,8 +31,8 @@ class Tile {
   /// These are far below the sensor's noise, since DepthMesh connects only points of one surface.
   void draw(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c, const ViewVertex& d);
 
-  /// Removes the fragments of pixels that have one in `live`. Requires a tile of the same rows.
-  void give_way_to(const Tile& live);
+  /// Removes the fragments of pixels that have one in `other`. Requires a tile of the same rows.
+  void give_way_to(const Tile& other);
 
   int width() const { return width_; }
   int top() const { return top_; }

@@ -31,7 +31,7 @@ struct CameraSpan {
 };
 
 struct Span {
-  std::array<CameraSpan, kMostCameras> cameras;
+  std::array<CameraSpan, kMostViews> cameras;
   // Inverse depths of the nearest fragments in the span and in the pixel after it.
   alignas(32) std::array<float, kSpan + kLanes> nearest;
   alignas(32) std::array<std::int32_t, kSpan> first;  // Camera of the nearest fragment.
@@ -95,7 +95,7 @@ class SpanMerge {
   void survey(int x, int groups) {
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
-      Floats w[kMostCameras];
+      Floats w[kMostViews];
       Floats nearest = w[0] = load<Floats>(depths_[0] + at);
       Ints first{}, overlap{}, shown = nearest > empty_;
       for (std::size_t i = 1; i < count(); ++i) {
@@ -143,8 +143,8 @@ class SpanMerge {
   // Computes the weights of every camera's fragments at eight pixels: blend_weight() of
   // merge_rules.h up to a common factor and without its factor cos(theta). Returns whether a
   // fragment other than the nearest counts.
-  bool compute_weights(int x, int at, const Floats (&w)[kMostCameras]) {
-    Floats z[kMostCameras], noise[kMostCameras], uncertainty[kMostCameras];
+  bool compute_weights(int x, int at, const Floats (&w)[kMostViews]) {
+    Floats z[kMostViews], noise[kMostViews], uncertainty[kMostViews];
     Floats nearest = w[0], nearest_z{}, nearest_uncertainty{};
     for (std::size_t i = 0; i < count(); ++i) {
       z[i] = 1.0F / w[i];
@@ -217,8 +217,8 @@ class SpanMerge {
       return alpha(colors) * load<Floats>(&span_.cameras[i].weight_per_incidence[at]);
     };
     // The best fragment so far, and all other fragments.
-    Ints best_colors = load<Ints>(&span_.cameras[0].colors[at]), other_colors[kMostCameras];
-    Floats best_weight = weight_of(0, best_colors), other_weight[kMostCameras];
+    Ints best_colors = load<Ints>(&span_.cameras[0].colors[at]), other_colors[kMostViews];
+    Floats best_weight = weight_of(0, best_colors), other_weight[kMostViews];
     best = Ints{};
     for (std::size_t i = 1; i < count(); ++i) {
       const Ints colors = load<Ints>(&span_.cameras[i].colors[at]);
@@ -267,7 +267,7 @@ class SpanMerge {
     for (int lane = 0; lane < count; ++lane) {
       const int here = x + at + lane, camera = best[lane];
       const bool shown = span_.shown[at + lane] != 0;
-      view_.camera(here, y_) = shown ? static_cast<std::uint8_t>(camera) : kNoCamera;
+      view_.camera(here, y_) = shown ? static_cast<std::uint8_t>(cameras_[camera].index) : kNoCamera;
       if (!shown) {
         view_.depth_m(here, y_) = view_.quality(here, y_) = 0;
         continue;
@@ -286,10 +286,10 @@ class SpanMerge {
   std::span<const Tile> tiles_;
   float empty_;
   int y_ = 0;
-  const float* depths_[kMostCameras];  // Points to the first element of the span.
-  const std::uint32_t* texels_[kMostCameras];
-  float depth_of_row_[kMostCameras];      // The term b y + c of MergeCamera::depth.
-  float noise_per_square_[kMostCameras];  // The uncertainty_per_square() of each camera.
+  const float* depths_[kMostViews];  // First elements of the span.
+  const std::uint32_t* texels_[kMostViews];
+  float depth_of_row_[kMostViews];      // The term b y + c of MergeCamera::depth.
+  float noise_per_square_[kMostViews];  // The uncertainty_per_square() of each camera.
   MergedView& view_;
   Image<float>& inverse_;
   float apart_;  // Least difference in inverse depth at a silhouette edge, 1/m.
@@ -299,7 +299,8 @@ class SpanMerge {
 
 }  // namespace
 
-MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture) {
+MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture,
+                         float brightness) {
   const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
   const Eigen::Vector3d row = camera_from_eye.rotation.row(2);
   const double a = row.x() / eye.intrinsics.fx, b = row.y() / eye.intrinsics.fy;
@@ -310,7 +311,9 @@ MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const Ca
                      .cast<float>();
   source.calibration_error_m = static_cast<float>(camera.calibration_error_m);
   source.noise = camera.noise;
-  if (camera.opacity < 1) source.opacity_256 = std::min(static_cast<int>(256 * camera.opacity + 0.5F), 255);
+  const float opacity = camera.opacity * (camera.is_remembered ? brightness : 1);
+  if (opacity < 1) source.opacity_256 = std::min(static_cast<int>(256 * opacity + 0.5F), 255);
+  source.rank = rank(camera.opacity, camera.is_remembered);
   return source;
 }
 
@@ -332,7 +335,7 @@ void merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> til
 
 void merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
                 MergedView& view, Image<float>& inverse) {
-  assert(!cameras.empty() && cameras.size() <= kMostCameras && cameras.size() == tiles.size());
+  assert(!cameras.empty() && cameras.size() <= kMostViews && cameras.size() == tiles.size());
   switch (cameras.size()) {
     case 1:
       return merge_spans<1>(cameras, tiles, wanted, view, inverse);

@@ -8,6 +8,7 @@
 
 #include "render_client/renderer/cpu/camera_texture.h"
 #include "render_client/renderer/cpu/tile.h"
+#include "render_client/renderer/merge_rules.h"
 #include "render_client/renderer/renderer.h"
 
 namespace copresence::renderer {
@@ -20,10 +21,14 @@ struct MergeCamera {
   Eigen::Vector4f depth;
   float calibration_error_m = 0;
   DepthNoise noise;
-  int opacity_256 = 256;  ///< 256 times CameraView::opacity.
+  int opacity_256 = 256;  ///< 256 times the brightness of its colours.
+  Rank rank = Rank::kLive;
+  int index = 0;  ///< The camera's value in MergedView::camera.
 };
 
-MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture);
+/// Everything but the index. `brightness` of remembered surfaces, 0 to 1.
+MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture,
+                         float brightness);
 
 /// Merges a tile. tiles[i] belongs to cameras[i]. `inverse` gets the inverse depths of the nearest
 /// fragments along the eye's axis, 1/m, or 0 where there is no fragment. It may be empty if they

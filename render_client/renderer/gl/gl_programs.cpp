@@ -157,17 +157,20 @@ void DrawMesh::run(const gl::Texture& inverse, const gl::Texture& rays, const gl
   layer.draw_indirect(program_, indices, command);
 }
 
-Result<void> FadeLayers::run(std::span<const float> opacities, const gl::Texture& fragments) {
-  auto compiled = programs_.find(opacities.size());
+Result<void> FadeLayers::run(std::span<const Layer> layers, const gl::Texture& fragments) {
+  auto compiled = programs_.find(layers.size());
   if (compiled == programs_.end()) {
-    const std::array defines = {Define{"LAYERS", std::to_string(opacities.size())}};
+    const std::array defines = {Define{"LAYERS", std::to_string(layers.size())}};
     auto program = gl::Program::compute(*context_, shaders::fade_layers_comp, defines);
     if (!program) return fail(program.error());
-    compiled = programs_.emplace(opacities.size(), std::move(*program)).first;
+    compiled = programs_.emplace(layers.size(), std::move(*program)).first;
   }
   gl::Program& program = compiled->second;
   fragments.bind_image(0, Access::kReadWrite);
-  for (std::size_t i = 0; i < opacities.size(); ++i) program.set(element("opacity", i).c_str(), opacities[i]);
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    program.set(element("opacity", i).c_str(), layers[i].opacity);
+    program.set(element("rank", i).c_str(), static_cast<int>(layers[i].rank));
+  }
   program.dispatch_over(fragments.width(), fragments.height());
   return {};
 }
@@ -278,7 +281,8 @@ void ExtendBackground::estimate_blocks(const gl::Texture& color, const gl::Textu
 
 Result<void> ExtendBackground::run(std::span<const Camera> cameras, const ViewUniforms& view, float near_m,
                                    const UnseenStyle& style, const gl::Texture& color,
-                                   const gl::Texture& depth, const gl::Texture& origin) {
+                                   const gl::Texture& depth, const gl::Texture& camera,
+                                   const gl::Texture& origin) {
   if (auto compiled = compile(cameras.size()); !compiled) return compiled;
   const int width = (color.width() + kExtensionBlock - 1) / kExtensionBlock;
   const int height = (color.height() + kExtensionBlock - 1) / kExtensionBlock;
@@ -293,6 +297,7 @@ Result<void> ExtendBackground::run(std::span<const Camera> cameras, const ViewUn
   gl::Program& fill = fill_.at(cameras.size());
   blocks_->estimates.bind(0);
   blocks_->gaps.bind(1);
+  camera.bind(2);
   color.bind_image(0, Access::kWrite);
   depth.bind_image(1, Access::kReadWrite);
   origin.bind_image(2, Access::kWrite);
@@ -308,6 +313,7 @@ Result<void> ExtendBackground::run(std::span<const Camera> cameras, const ViewUn
     fill.set(element("camera_from_eye", i).c_str(), cameras[i].camera_from_eye);
     fill.set(element("intrinsics", i).c_str(),
              Eigen::Vector4f(Eigen::Vector4d(model.fx, model.fy, model.cx, model.cy).cast<float>()));
+    fill.set(element("is_remembered", i).c_str(), cameras[i].is_remembered ? 1 : 0);
     fill.set(element("picture", i).c_str(),
              cameras[i].is_drawn ? Eigen::Vector2f(Eigen::Vector2i(model.width, model.height).cast<float>())
                                  : Eigen::Vector2f(Eigen::Vector2f::Zero()));

@@ -103,14 +103,18 @@ class DrawMesh {
   gl::Program program_;
 };
 
-/// Fades the layers of stale cameras, and clears them where a live camera shows anything:
-/// fade_layers.comp. A shader is compiled once for each number of layers.
+/// Fades the layers of stale cameras and of remembered backgrounds, and clears them where a layer of
+/// a lower rank shows anything: fade_layers.comp. A shader is compiled once for each number of
+/// layers.
 class FadeLayers {
  public:
   explicit FadeLayers(gl::Context& context) : context_(&context) {}
 
-  /// Requires one opacity per layer, 1 for a live camera.
-  Result<void> run(std::span<const float> opacities, const gl::Texture& fragments);
+  struct Layer {
+    float opacity;
+    Rank rank;
+  };
+  Result<void> run(std::span<const Layer> layers, const gl::Texture& fragments);
 
  private:
   gl::Context* context_;
@@ -170,15 +174,16 @@ class ExtendBackground {
   struct Camera {
     Eigen::Matrix<float, 3, 4> camera_from_eye;
     CameraModel model;
-    bool is_drawn;
+    bool is_drawn, is_remembered;
   };
 
   explicit ExtendBackground(gl::Context& context) : context_(&context) {}
 
-  /// Changes colour (kRgba8), depth (kR32f, m) and origin (kR8ui) where depth is 0.
+  /// Changes colour (kRgba8) and depth (kR32f, m) where depth is 0. Sets the origins (kR8ui).
+  /// `camera` is the image MergedView::camera (kR8ui).
   Result<void> run(std::span<const Camera> cameras, const ViewUniforms& view, float near_m,
                    const UnseenStyle& style, const gl::Texture& color, const gl::Texture& depth,
-                   const gl::Texture& origin);
+                   const gl::Texture& camera, const gl::Texture& origin);
 
  private:
   struct Blocks {

@@ -97,10 +97,10 @@ class GlRenderer final : public Renderer {
   void set_unseen(const UnseenStyle& style) override { style_ = style; }
 
   void prepare(std::span<const CameraView> cameras) override {
-    assert(cameras.size() <= kMostCameras);
+    assert(cameras.size() <= kMostViews);
     make_cameras(cameras);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      if (cameras[i].opacity > 0) cameras_[i].update(cameras[i], shaders_);
+      if (is_drawn(cameras[i])) cameras_[i].update(cameras[i], shaders_);
     }
   }
 
@@ -170,17 +170,22 @@ class GlRenderer final : public Renderer {
       gl::Framebuffer& layer = layers_->by_camera[i];
       layer.clear_color(0, {0, 0, 0, 0});
       layer.clear_depth(1);
-      if (!(cameras[i].opacity > 0)) continue;
+      if (!is_drawn(cameras[i])) continue;
       cameras_[i].draw((clip_from_world * cameras[i].world_from_camera.matrix()).cast<float>(), draw_, layer);
     }
   }
 
   Result<void> fade_layers(std::span<const CameraView> cameras) {
-    opacities_.clear();
-    for (const CameraView& camera : cameras) opacities_.push_back(camera.opacity);
-    if (std::all_of(opacities_.begin(), opacities_.end(), [](float opacity) { return opacity >= 1; }))
+    faded_.clear();
+    for (const CameraView& camera : cameras) {
+      faded_.push_back({camera.opacity * (camera.is_remembered ? style_.brightness() : 1),
+                        rank(camera.opacity, camera.is_remembered)});
+    }
+    if (std::all_of(faded_.begin(), faded_.end(),
+                    [](const FadeLayers::Layer& layer) { return layer.rank == Rank::kLive; })) {
       return {};
-    auto faded = fade_.run(opacities_, layers_->fragments);
+    }
+    auto faded = fade_.run(faded_, layers_->fragments);
     context_.barrier(Reader::kFetch | Reader::kFramebuffer);
     return faded;
   }
@@ -203,6 +208,10 @@ class GlRenderer final : public Renderer {
     return softened;
   }
 
+  bool is_drawn(const CameraView& camera) const {
+    return camera.opacity > 0 && !(camera.is_remembered && style_.show == UnseenStyle::Show::kBlack);
+  }
+
   // Returns whether the pixels that no camera shows need a colour or an origin.
   bool treats_unseen(HostPixels wanted) const {
     return wanted.depth || style_.show != UnseenStyle::Show::kBlack || !(style_.background == Rgb8{});
@@ -212,11 +221,11 @@ class GlRenderer final : public Renderer {
     extend_cameras_.clear();
     for (const CameraView& camera : cameras) {
       const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
-      extend_cameras_.push_back(
-          {camera_from_eye.matrix().topRows<3>().cast<float>(), camera.model, camera.opacity > 0});
+      extend_cameras_.push_back({camera_from_eye.matrix().topRows<3>().cast<float>(), camera.model,
+                                 camera.opacity > 0 && !camera.is_remembered, camera.is_remembered});
     }
     return extend_.run(extend_cameras_, view_uniforms(eye), static_cast<float>(eye.near_m), style_,
-                       target.color, target.depth, target.origin);
+                       target.color, target.depth, target.camera, target.origin);
   }
 
   void show_nothing(Target& target) const {
@@ -258,7 +267,7 @@ class GlRenderer final : public Renderer {
   ExtendBackground extend_;
   UnseenStyle style_;
   std::vector<GlCamera> cameras_;
-  std::vector<float> opacities_;
+  std::vector<FadeLayers::Layer> faded_;
   std::vector<MergeLayers::Camera> merge_cameras_;
   std::vector<ExtendBackground::Camera> extend_cameras_;
   std::optional<Layers> layers_;

@@ -58,6 +58,55 @@ TEST(CpuMerge, AStaleCameraIsShownOnlyWhereNoLiveCameraShowsAnything) {
   }
 }
 
+TEST(CpuMerge, ARememberedBackgroundIsShownOnlyWhereNoCameraShowsAnything) {
+  // The remembered wall is nearer and has the better quality. The right half of the live camera is a hole.
+  Looking live(kinect_model(), wall(3), plain(kGreen)), remembered(kinect_model(), wall(1.2), plain(kRed));
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 320; x < 640; ++x) {
+      live.frame.depth(x, y) = 0;
+      live.frame.state(x, y) = DepthState::kHole;
+    }
+  }
+  remembered.view.is_remembered = true;
+  flow::WorkerPool workers(1, "test");
+  const auto renderer = make_cpu_renderer(workers);
+  const ViewPose eye = eye_at_origin(kWidth, kHeight);
+  const int left = kWidth / 2 - 60, right = kWidth / 2 + 60, y = kHeight / 2;
+  const auto show = [&](UnseenStyle::Show style) {
+    renderer->set_unseen({.show = style});
+    MergedView view;
+    EXPECT_TRUE(renderer->render(views_of({&live, &remembered}), eye, {.color = true, .depth = true}, view));
+    EXPECT_TRUE(near_color(view.color(left, y), kGreen));
+    EXPECT_EQ(view.origin(left, y), Origin::kSeen);
+    return view;
+  };
+  const MergedView plain = show(UnseenStyle::Show::kExtend);
+  EXPECT_TRUE(near_color(plain.color(right, y), kRed));
+  EXPECT_EQ(plain.origin(right, y), Origin::kRemembered);
+  EXPECT_EQ(plain.camera(right, y), 1);
+  EXPECT_NEAR(plain.depth_m(right, y), 1.2, 1e-3);
+  ASSERT_TRUE(plain.shares);
+  std::size_t pixels = 0;
+  for (const Origin origin : plain.origin.pixels()) pixels += origin == Origin::kRemembered;
+  EXPECT_GT(pixels, 0U);
+  EXPECT_FLOAT_EQ(plain.shares->remembered, float(pixels) / (kWidth * kHeight));
+  EXPECT_TRUE(near_color(show(UnseenStyle::Show::kDim).color(right, y), {110, 15, 15}));
+  EXPECT_EQ(show(UnseenStyle::Show::kBlack).origin(right, y), Origin::kEmpty);
+}
+
+TEST(CpuMerge, AStaleCameraCoversARememberedBackground) {
+  Looking stale(kinect_model(), wall(3), plain(kGreen)), remembered(kinect_model(), wall(1.2), plain(kRed));
+  stale.view.opacity = 0.5F;
+  remembered.view.is_remembered = true;
+  flow::WorkerPool workers(1, "test");
+  const auto renderer = make_cpu_renderer(workers);
+  renderer->set_unseen({.show = UnseenStyle::Show::kExtend});
+  MergedView view;
+  ASSERT_TRUE(renderer->render(views_of({&remembered, &stale}), eye_at_origin(kWidth, kHeight),
+                               {.color = true}, view));
+  EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), {15, 110, 15}));
+}
+
 TEST(CpuMerge, ACameraThatIsGoneIsNotDrawn) {
   Looking gone(kinect_model(), wall(1.2), plain(kRed)), live(kinect_model(), wall(3), plain(kGreen));
   gone.view.opacity = 0;

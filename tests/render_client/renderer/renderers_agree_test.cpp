@@ -164,6 +164,43 @@ TEST_F(RenderersAgree, OnStaleCameras) {
   expect_agreement(differ(stale, 16));
 }
 
+// The second camera's surface is a remembered background.
+TEST_F(RenderersAgree, OnRememberedBackgrounds) {
+  InlineExecutor workers;
+  const auto cpu = make_cpu_renderer(workers);
+  const auto gl = make_gl_renderer(context());
+  ASSERT_TRUE(gl);
+  Scene remembered = scene({.noise = true});
+  remembered.cameras[1].is_remembered = true;
+  for (const auto show : {UnseenStyle::Show::kExtend, UnseenStyle::Show::kDim, UnseenStyle::Show::kBlack}) {
+    cpu->set_unseen({.show = show});
+    (*gl)->set_unseen({.show = show});
+    const ViewPose eye = orbiting_eye(kWidth, kHeight, 14.0, 2);
+    MergedView ours, theirs;
+    constexpr HostPixels kAll{.color = true, .depth = true};
+    ASSERT_TRUE(cpu->render(remembered.cameras, eye, kAll, ours));
+    ASSERT_TRUE((*gl)->render(remembered.cameras, eye, kAll, theirs));
+    int remembered_pixels = 0, other_origin = 0, other_color = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const bool is_ours = ours.origin(x, y) == Origin::kRemembered;
+        remembered_pixels += is_ours;
+        other_origin += is_ours != (theirs.origin(x, y) == Origin::kRemembered);
+        if (!is_ours || theirs.origin(x, y) != Origin::kRemembered) continue;
+        const Rgba8 p = ours.color(x, y), q = theirs.color(x, y);
+        other_color += std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)}) > 8;
+      }
+    }
+    if (show == UnseenStyle::Show::kBlack) {
+      EXPECT_EQ(remembered_pixels + other_origin, 0);
+      continue;
+    }
+    EXPECT_GT(remembered_pixels, kWidth * kHeight / 100);
+    EXPECT_LT(other_origin, 0.002 * kWidth * kHeight);
+    EXPECT_LT(other_color, 0.01 * remembered_pixels);
+  }
+}
+
 TEST_F(RenderersAgree, OnACameraThatIsGone) {
   Scene gone = scene({.noise = true});
   gone.cameras[1].opacity = 0;

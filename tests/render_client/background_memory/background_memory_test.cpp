@@ -72,7 +72,7 @@ TEST_F(BackgroundMemoryTest, RemembersTheWallBehindABox) {
 TEST_F(BackgroundMemoryTest, RemembersTheWallThatABoxHasUncovered) {
   learn(box(), 30);
   EXPECT_EQ(memory_.covered(), nullptr);
-  learn(wall(), kSteadyFrames + 3);
+  learn(wall(), kSteadyFrames + 6);  // Its colours are taken within six frames.
   learn(box());
   EXPECT_EQ(walls_behind(), kBoxPixels);
 }

@@ -329,7 +329,7 @@ Command markers_command(CLI::App& program) {
       ->add_option(
           "--chessboard", settings->chessboard,
           "use a chessboard of COLUMNSxROWS inner corners instead of markers; it must stand still and "
-          "upright where all cameras see it; depth is not used")
+          "upright where all cameras see it; depth only checks --square")
       ->check([settings](const std::string& text) { return parse_board_size(text, settings->board); });
   parser->add_option("--square", settings->square_mm, "side of the chessboard's squares, mm")
       ->check(command_line::number(1, 1000))

@@ -91,7 +91,8 @@ Result<void> CaptureStage::run(flow::Mailbox<CapturedFrame>& captured, const std
     has_begun_ = true;
     const std::uint64_t sequence = frame->metadata.sequence;
     heartbeat_.captured(sequence);
-    if (keeps_every_frame) pulse.rest();  // Here the disk and the encoder set the pace, not the clock.
+    // The thread may wait long for the disk and the encoder, since no frame may be dropped.
+    if (keeps_every_frame) pulse.rest();
     if (recording_) recording_->offer(*frame, keeps_every_frame, stop);
     if (keeps_every_frame) captured.wait_until_taken(stop);
     captured.put({std::move(*frame), source_.counters()});

@@ -82,7 +82,8 @@ Result<Parts> open_parts(const ServerSettings& settings, const scene::Camera* ca
   return Parts{std::move(*recording), std::move(*encoding), std::move(*server)};
 }
 
-/// Returns the last message to the clients. Two reasons tell a client not to wait for this server.
+/// Returns the last message to the clients. After kAllFramesAreSent and kRecordingIsOver, clients
+/// do not wait for this server to return.
 std::string farewell(const Result<void>& result, const std::stop_token& stop, bool has_all_frames) {
   if (!result) return result.error().what;
   if (stop.stop_requested()) return "the server was stopped";

@@ -22,8 +22,8 @@ struct Setting {
 };
 
 /// Returns the settings in the order of their lines.
-/// Fails with kInvalid and FILE:LINE if the text is no TOML or a key occurs twice. Also fails so if
-/// a value is neither a text, a number, true nor false.
+/// Fails with kInvalid and FILE:LINE if the text is not TOML or a key occurs twice. Also fails so
+/// if a value is neither a text, a number, true nor false.
 Result<std::vector<Setting>> parse_settings(std::string_view text, const std::filesystem::path& path);
 
 /// Parses the file at `path`. Fails like parse_settings(), and with kNotFound if there is no file.

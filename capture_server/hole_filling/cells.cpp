@@ -14,7 +14,8 @@ namespace {
 
 constexpr float kNoSurface = -1e6f;  // A value that differs from every depth by more than any slope allows.
 constexpr float kNothingYet = 1e6f;
-constexpr std::uint8_t kNowhereNear = 200;  // In cells. Adding 12 does not overflow a byte.
+// In cells. Adding kReachCells to this number does not overflow a byte.
+constexpr std::uint8_t kNowhereNear = 200;
 
 // One vector register holds eight pixels.
 constexpr int kLanes = 8;

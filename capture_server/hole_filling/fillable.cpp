@@ -31,7 +31,8 @@ void mark_columns(const StateImage& state, int widest, int widest_at_border, Ima
       holes = static_cast<std::uint8_t>(holes == 0 ? 0 : std::min<int>(holes + border, kLongest));
     }
   }
-  // From here on, `run` is the length of the whole run, passed upwards from its last pixel.
+  // The second pass goes upwards. From here on, `run` is the length of the whole run of holes,
+  // which is known at the run's lowest pixel.
   std::fill(run.begin(), run.end(), std::uint8_t{0});
   // The loop uses only bytes: with an int, compilers process a quarter as many pixels at a time.
   const auto longest_short = static_cast<std::uint8_t>(widest - 1);

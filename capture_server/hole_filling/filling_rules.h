@@ -25,10 +25,10 @@ constexpr int kWidestAtBorderPx = 12;
 
 constexpr int kCellPx = 4;        ///< Edge length of the cells from which wide holes are filled.
 constexpr int kReachCells = 12;   ///< Reach of the search for measured cells in each direction, in cells.
-constexpr int kCellEnough = 5;    ///< Least number of measured pixels, of 16, in a usable cell.
+constexpr int kCellEnough = 5;    ///< A usable cell has at least this many measured pixels of 16.
 constexpr float kOneSurface = 6;  ///< In steps. A cell with a larger depth range holds two surfaces.
 constexpr float kLinked = 5;      ///< In steps. Candidate surfaces that differ by less belong to one surface.
-constexpr int kWorthPixels = 8;   ///< Least number of measured pixels for a candidate surface.
+constexpr int kWorthPixels = 8;   ///< Minimum number of measured pixels for a candidate surface.
 constexpr float kSteepest = 1;    ///< In steps per pixel. Steeper differences are edges, not slopes.
 /// In steps. Measured pixels with a smaller distance to a candidate correct it.
 constexpr float kSameSurface = 3;

@@ -49,8 +49,8 @@ class HoleFiller {
 
   virtual std::string_view name() const = 0;  ///< "cpu" or "gl", as in --compute.
 
-  /// True if any thread may call fill(), one at a time. False if only the thread of open() may call
-  /// it.
+  /// True if any thread may call fill(), one at a time. False if only the thread that called open()
+  /// may call fill().
   virtual bool is_free_of_threads() const { return true; }
 
   /// Fills the narrow holes of `frame`. Depth and state change only in holes. Requires depth and

@@ -29,9 +29,9 @@ class MedianFilling final : public HoleFiller {
   /// The conditions under which a window fills a hole.
   struct Window {
     int radius;
-    int enough;      ///< Least number of pixels with depth.
-    int enough_rim;  ///< Least number of pixels with depth on the rim.
-    float widest;    ///< Largest difference of depths, in steps.
+    int enough;      ///< Minimum number of pixels with depth.
+    int enough_rim;  ///< Minimum number of pixels with depth on the window's rim.
+    float widest;    ///< Largest difference between depths, in steps.
   };
   void pass(const Window& window, RgbdFrame& frame);
   void load(const DepthImage& depth);

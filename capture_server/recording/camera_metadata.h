@@ -45,8 +45,8 @@ struct CameraMetadata {
 std::string to_json(const CameraMetadata& note);
 
 /// The inverse of to_json(). Unknown keys are ignored.
-/// Fails with kCorrupt on bad JSON, a missing key, an invalid camera model, a pose that is no rigid
-/// transform, or a text of more than 64 KiB.
+/// Fails with kCorrupt on bad JSON, a missing key, an invalid camera model, a pose that is not a
+/// rigid transform, or a text of more than 64 KiB.
 Result<CameraMetadata> parse_camera_metadata(std::string_view json);
 
 }  // namespace copresence::recording

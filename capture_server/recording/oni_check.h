@@ -86,8 +86,8 @@ Result<void> check_playable(const RecordedStream& depth, std::string_view name);
 
 /// Parses the record chain of the file at `path`. Frames' payloads are skipped.
 /// Fails with kNotFound if the file does not exist or cannot be read. Fails with kCorrupt if the
-/// file is no recording, cut off or damaged; the message names the place. Fails with kUnsupported
-/// without depth, or if a stream is cropped, of odd size or in an unknown format.
+/// file is not a recording, is cut off or is damaged; the message names the place. Fails with
+/// kUnsupported without depth, or if a stream is cropped, of odd size or in an unknown format.
 Result<RecordingSummary> check(const std::string& path);
 
 /// Runs check() and check_playable() on a file that was just written. Every writer calls this

@@ -22,8 +22,8 @@ constexpr Duration kStallAfter = std::chrono::seconds(1);
 // The first frame takes longer, since a Kinect's projector and exposure have to settle.
 constexpr Duration kFirstFrameAfter = std::chrono::seconds(3);
 constexpr int kSliceMs = 50;  // Longest delay of a stop request.
-// The longest silence that a single wait can count as. If a wait took longer, the process was
-// suspended.
+// A single wait adds at most this time to the camera's silence. If the wait took longer, the
+// process was suspended.
 constexpr Duration kMostALook = milliseconds(500);
 constexpr std::int64_t kReuseColorUs = 100'000;
 constexpr std::uint64_t kSettledAfter = 60;  // In frames.
@@ -82,7 +82,8 @@ class DeviceSource final : public FrameSource {
 
  private:
   // A picture, its time of arrival and its pixels. Pixels are copied on arrival, while the other
-  // stream's picture is still on its way. A repeated colour picture is copied a second time.
+  // stream's picture is still on its way. A colour picture that belongs to several frames is copied
+  // again for each further frame.
   struct Held {
     openni::VideoFrameRef picture;
     Instant at{};

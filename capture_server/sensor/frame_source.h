@@ -102,8 +102,8 @@ class FrameSource {
   /// Fails with kEndOfStream at a recording's end or on a stop request.
   /// Fails with kTimeout if a camera sent nothing for a second.
   /// Fails with kUnavailable if the camera is gone. Open the source again, unless it reconnects
-  /// itself (reconnecting_source.h). For a recording, it means that its session shows none of its
-  /// frames for a second. Call next() again.
+  /// itself (reconnecting_source.h). A replay fails with kUnavailable while its session shows none
+  /// of its frames for a second. Then call next() again.
   /// Fails with kCorrupt if no depth picture of a recording could be decoded for a second, or to
   /// its end. Call next() again: the recording plays on at its pace.
   virtual Result<RgbdFrame> next(std::stop_token stop) = 0;

@@ -82,7 +82,8 @@ class RecordingSource final : public FrameSource {
   Synchronizer synchronizer_;
   SourceCounters counters_;
 
-  // Used if no depth of the recording can be decoded: its time passes, but nothing more is read.
+  // These members are used if no depth of the recording can be decoded. The source then waits until
+  // the recording would end, but reads nothing more.
   std::optional<Instant> begun_, pass_ends_;
   std::uint64_t lost_by_pass_ = 0;
 
@@ -178,7 +179,7 @@ Result<void> RecordingSource::end_pass() {
   return {};
 }
 
-// The next result for a recording without decodable depth.
+// Returns the next result for a recording without decodable depth.
 Result<RgbdFrame> RecordingSource::wait_out(const std::stop_token& stop) {
   const bool keeps_pace = settings_.loop || settings_.pace == SourceSettings::Pace::kReal;
   if (keeps_pace) {

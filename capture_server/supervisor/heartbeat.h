@@ -86,7 +86,7 @@ class Pulse {
 
   /// The thread made progress. The next call follows within SupervisorPolicy::silence.
   void beat() { set(Pace::kWorking); }
-  /// The thread waits for another thread, a viewer or a disk, so silence is no fault.
+  /// The thread waits for another thread, a viewer or a disk, so silence is not a fault.
   void rest() { set(Pace::kResting); }
   /// The thread is about to open or close a camera, which may take SupervisorPolicy::opening.
   void open() { set(Pace::kOpening); }

@@ -42,7 +42,7 @@ struct SupervisorPolicy {
   std::chrono::milliseconds first_pause{100};
   std::chrono::milliseconds longest_pause{2000};
   std::chrono::milliseconds healthy_after{10000};  ///< A child that lived this long ends a row of crashes.
-  int most_in_a_row = 10;  ///< The supervisor gives up after so many crashes in a row.
+  int most_in_a_row = 10;  ///< The supervisor gives up after this many crashes in a row.
   /// In frames. Two crashes are at the same place if at most this many frames lie between.
   std::uint64_t same_place = 90;
 

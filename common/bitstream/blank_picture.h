@@ -7,7 +7,8 @@
 //
 // Each picture is one slice. Keyframes are predicted from mid grey without a residual. Other
 // pictures repeat the picture before.
-// Source: ITU-T H.264 (08/2021), 7.3.2.1, 7.3.2.2, 7.3.3 and table 7-11. Thread: a value.
+// Source: ITU-T H.264 (08/2021), 7.3.2.1, 7.3.2.2, 7.3.3 and table 7-11. Thread: distinct objects
+// are independent.
 
 #include <cstdint>
 #include <vector>

@@ -45,7 +45,7 @@ std::uint16_t share(int of, std::uint16_t coefficient) {
 
 void luma(const Channels& __restrict in, int count, std::uint8_t* __restrict y) {
   constexpr int kBits = 8;  // Fractional bits.
-  // Half of the last bit, plus half of what rounding down three products can lose.
+  // Adds 1/2 for rounding, and half of the largest error that rounding down three products causes.
   constexpr int kRounding = (1 << (kBits - 1)) + 1;
   for (int x = 0; x < count; ++x) {
     const auto sum = static_cast<std::uint16_t>(share(in.r[x] << kBits, kYr) + share(in.g[x] << kBits, kYg) +

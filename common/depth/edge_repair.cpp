@@ -6,10 +6,13 @@
 namespace copresence::depth {
 namespace {
 
-constexpr int kReach = 2;          // Pixels to either side.
-constexpr int kBlock = 32;         // Number of pixels that are tested for edges at a time.
-constexpr float kEdgeSteps = 10;   // Sides that differ by more steps are two surfaces.
-constexpr float kFlyingSteps = 5;  // A flying pixel differs from both sides by more steps.
+constexpr int kReach = 2;   // Pixels to either side.
+constexpr int kBlock = 32;  // Number of pixels that are tested for edges at a time.
+// In disparity steps. If the pixels on both sides differ by more than this, they are on two
+// surfaces.
+constexpr float kEdgeSteps = 10;
+// In disparity steps. A flying pixel differs from both sides by more than this.
+constexpr float kFlyingSteps = 5;
 // Share of the difference between the sides. A pixel farther from both sides is not repaired.
 constexpr float kSureShare = 0.3f;
 
@@ -29,7 +32,7 @@ void EdgeRepair::repair(DepthImage& depth) {
       repair_row(row + kReach, old, old + kReach, old + 2 * kReach, width - 2 * kReach);
     }
   }
-  // Along columns, the row above is already repaired, which is harmless.
+  // The pass along columns reads rows above that it has already repaired.
   for (int y = kReach; y + kReach < height; ++y) {
     std::uint16_t* const row = depth.row(y).data();
     repair_row(row, depth.row(y - kReach).data(), row, depth.row(y + kReach).data(), width);

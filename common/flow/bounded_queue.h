@@ -20,7 +20,8 @@ class BoundedQueue {
   /// Requires capacity > 0.
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// True if put() would succeed now. A single producer can ask before it makes an expensive value.
+  /// True if put() would succeed now. If there is only one producer, it can check this before it
+  /// makes an expensive value.
   bool has_room() const {
     std::lock_guard lock(mutex_);
     return !closed_ && values_.size() < capacity_;

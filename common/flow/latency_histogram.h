@@ -1,6 +1,7 @@
 #pragma once
 
-// Computes percentiles of a duration over a run, in constant memory. Thread: a value.
+// Computes percentiles of a duration over a run, in constant memory. Thread: distinct objects are
+// independent.
 
 #include <array>
 #include <cstdint>

@@ -40,7 +40,8 @@ class Mailboxes {
     return std::exchange(slots_[slot], std::nullopt);
   }
 
-  /// Waits for a put() after the last return of wait(), until `deadline` or a stop request.
+  /// Waits until a value was put since wait() last returned, but at most until `deadline` or a stop
+  /// request.
   void wait(std::stop_token stop, Instant deadline) {
     std::unique_lock lock(mutex_);
     filled_.wait_until(lock, stop, deadline, [this] { return puts_ != seen_; });

@@ -8,8 +8,8 @@
 // camera shows that camera's picture, pixel by pixel, if size and field of view are equal. The rule
 // is OpenNI's: convertDepthToWorld() takes column / width - 0.5, so column width / 2 is on the
 // optical axis. The middle of the picture, at (width - 1) / 2, would shift the scene 3 mm sideways
-// at 3 m. Calibrated principal points of real Kinects differ from both by up to ten pixels. Thread:
-// free functions on values, safe anywhere.
+// at 3 m. Calibrated principal points of real Kinects lie up to ten pixels from either point.
+// Thread: free functions on values, safe anywhere.
 
 #include <Eigen/Core>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
 // A block of graphics memory of constant size, for storage blocks, indices and indirect commands.
-// Thread: the thread of its context.
+// Thread: only the thread of its context (context.h).
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #pragma once
 
 // Draws triangles into colour textures and a depth texture of the same size. Vertices have no
-// attributes: shaders fetch their data from textures by gl_VertexID. Thread: the thread of its
-// context.
+// attributes: shaders fetch their data from textures by gl_VertexID. Thread: only the thread of its
+// context (context.h).
 
 #include <array>
 #include <cstddef>

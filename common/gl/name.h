@@ -1,7 +1,8 @@
 #pragma once
 
 // Owns one OpenGL name, the integer that identifies an object. A moved-from Name holds 0 and owns
-// nothing. Thread: the thread of its context. Destroy the object before its context.
+// nothing. Thread: only the thread of its context (context.h). Destroy the object before its
+// context.
 
 #include <cstdint>
 #include <utility>

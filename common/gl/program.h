@@ -1,7 +1,7 @@
 #pragma once
 
-// A linked shader program: a compute shader, or a vertex and a fragment shader. Thread: the thread
-// of its context.
+// A linked shader program: a compute shader, or a vertex and a fragment shader. Thread: only the
+// thread of its context (context.h).
 
 #include <Eigen/Core>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #pragma once
 
 // A picture in graphics memory, or an array of pictures (layers). Size and format are constant. Row
-// 0 is the top row, as in Image, and has v = 0. Thread: the thread of its context.
+// 0 is the top row, as in Image, and has v = 0. Thread: only the thread of its context (context.h).
 
 #include <cstddef>
 #include <cstdint>

@@ -5,7 +5,7 @@
 // x264 keeps the pictures below its rate, but it spends slightly less than allowed and does not
 // count the side data. So each picture gets its own rate: the nominal rate minus the side data,
 // corrected by the level of a leaky bucket. The level is the number of bits that earlier frames
-// spent above the rate. Thread: a value.
+// spent above the rate. Thread: distinct objects are independent.
 
 #include <cstddef>
 

@@ -4,8 +4,8 @@
 //
 // A call fails if the frame is damaged, cut or out of order, or if an earlier frame is missing. A
 // call fails, too, if the two pictures belong to different frames. All later calls fail until the
-// next keyframe, so a wrong picture is never returned. Thread: one at a time; different decoders
-// are independent.
+// next keyframe, so a wrong picture is never returned. Thread: one thread at a time; different
+// decoders are independent.
 
 #include <cstdint>
 #include <optional>

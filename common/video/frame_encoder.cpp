@@ -10,7 +10,8 @@ namespace copresence::video {
 
 namespace {
 
-/// Size of x264's buffer for colour, in frames. A keyframe may delay a link of this rate as long.
+/// Size of x264's buffer for colour: the bits of this many frames of mean size. A keyframe may have
+/// that size, so sending it at the mean rate takes this many frame periods.
 constexpr double kColorBufferFrames = 3;
 
 PictureRate color_rate(int kbps, double frames_per_second) {

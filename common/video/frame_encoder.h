@@ -1,7 +1,7 @@
 #pragma once
 
 // Encodes frames to H.264: the depth picture with its side data (side_data.h), and the colour
-// picture of the same instant. Each call encodes one frame. Thread: one at a time; different
+// picture of the same instant. Each call encodes one frame. Thread: one thread at a time; different
 // encoders are independent.
 
 #include <cstdint>

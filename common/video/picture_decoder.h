@@ -4,7 +4,7 @@
 //
 // The bytes may be untrusted: the result is an error, or a picture of the expected format and size.
 // After an error only a keyframe is accepted, since other pictures depend on the failed picture.
-// Thread: one at a time; different decoders are independent.
+// Thread: one thread at a time; different decoders are independent.
 
 #include <cstdint>
 #include <span>

@@ -36,7 +36,7 @@ constexpr const char* kDepthOptions =
     ":psy=0:aq-mode=0"
     // Depth is smooth between sharp edges. 4x4 transforms follow these edges; 8x8 transforms cost 6
     // % more bits. Small partitions save 12 % of the bits at the same error. A strong deblocking
-    // filter saves 4 to 8 % of the error. Depth has no fades, so weighted prediction is off.
+    // filter reduces the error by 4 to 8 %. Depth has no fades, so weighted prediction is off.
     ":no-8x8dct=1:analyse=i4x4,p8x8,p4x4:deblock=2,2:weightp=0:subme=0"
     // Rounding less towards zero gives a third fewer large errors at the same rate.
     ":deadzone-inter=11:deadzone-intra=11";

@@ -5,8 +5,8 @@
 //
 // The first picture is a keyframe (IDR, with its parameter sets). Later keyframes are made only on
 // request. Samples are full range and are not copied for x264. Equal inputs give equal outputs. At
-// QP 0 the decoder returns exactly the same samples. Thread: one at a time; different encoders are
-// independent.
+// QP 0 the decoder returns exactly the same samples. Thread: one thread at a time; different
+// encoders are independent.
 
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,7 @@
 #pragma once
 
-// Writes and reads little-endian numbers on machines of any byte order. Thread: values.
+// Writes and reads little-endian numbers on machines of any byte order. Thread: distinct objects
+// are independent.
 
 #include <bit>
 #include <concepts>

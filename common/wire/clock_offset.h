@@ -4,7 +4,7 @@
 // server answers a ping with its time, which is assumed to be the middle of the round trip. So the
 // error is at most half the round trip. The best ping has the smallest bound: half its round trip
 // plus the possible drift since then. The drift is not estimated, since the error would exceed it.
-// Thread: values.
+// Thread: distinct objects are independent.
 
 #include <cstdint>
 #include <deque>

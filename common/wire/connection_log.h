@@ -4,7 +4,8 @@
 //
 // Each client that joins or leaves gets one line, up to kLines per kPeriod. At the end of a period,
 // one line counts the further clients that joined and left. Another line counts the connections
-// that ended before they acknowledged a frame, with reasons and main network. Thread: a value.
+// that ended before they acknowledged a frame, with reasons and main network. Thread: distinct
+// objects are independent.
 
 #include <cstddef>
 #include <cstdint>

@@ -21,7 +21,9 @@ using asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kFirstPings{100}, kPings{1000};
-constexpr int kFirst = 8;  // Number of pings at the short interval, for an early clock offset.
+// The first kFirst pings follow each other at the short interval, so that the clock offset is soon
+// accurate.
+constexpr int kFirst = 8;
 constexpr std::size_t kMaxUnsent = 64 * 1024;
 // Limit of status messages between two frames. Plugging a camera by hand causes a few such
 // messages.

@@ -1,7 +1,8 @@
 #pragma once
 
 // A listening TCP socket. The supervising parent process creates the socket, and its child process
-// serves it. So the port stays open while a crashed child is replaced. Thread: a value.
+// serves it. So the port stays open while a crashed child is replaced. Thread: distinct objects are
+// independent.
 
 #include <string>
 

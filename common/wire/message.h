@@ -6,7 +6,7 @@
 // A message is a header of 8 bytes and a body. Numbers are little-endian. The client sends Hello.
 // The server answers with a Reject, or with a Welcome and then frames. The client acknowledges each
 // frame. Hello and Reject have the same layout in every version, so that different releases can
-// recognise each other. Thread: values.
+// recognise each other. Thread: distinct objects are independent.
 
 #include <array>
 #include <cstddef>

@@ -17,7 +17,8 @@ namespace copresence::drivers {
 class ForeignDriver {
  public:
   /// Loads the library. The library stays loaded until the process ends, since threads of PS1080
-  /// were seen to run in it after its shutdown. Returns nothing if the file is no OpenNI2 driver.
+  /// were seen to run in it after its shutdown. Returns nothing if the file is not an OpenNI2
+  /// driver.
   static std::optional<ForeignDriver> load(const std::string& path);
 
   /// The following functions call the functions that the library exports.

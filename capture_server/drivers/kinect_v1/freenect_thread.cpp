@@ -7,7 +7,7 @@
 namespace copresence::drivers {
 namespace {
 
-constexpr int kInterrupted = -10;  // libusb's code for an interruption by a signal, which is no error.
+constexpr int kInterrupted = -10;  // libusb's code for an interruption by a signal, which is not an error.
 constexpr long kSliceUs = 5000;    // Longest time that a call of run() waits for the thread.
 
 }  // namespace

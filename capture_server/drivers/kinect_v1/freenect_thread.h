@@ -26,8 +26,9 @@ class FreenectThread {
 
   /// Opens the Kinect with this serial number and processes its transfers. `on_lost` is called
   /// once, on the new thread, when the transfers fail. After that run() fails.
-  /// Fails with kUnavailable and libfreenect's message, or if the Kinect does not answer within
-  /// `opens_within`. In the second case the thread closes the Kinect once it answers.
+  /// Fails with kUnavailable and libfreenect's message if libfreenect reports an error. Fails with
+  /// kUnavailable, too, if the Kinect does not answer within `opens_within`. In the second case the
+  /// thread closes the Kinect once it answers.
   static Result<std::unique_ptr<FreenectThread>> open(const std::string& serial,
                                                       std::function<void()> on_lost,
                                                       std::chrono::milliseconds opens_within = kOpensWithin);

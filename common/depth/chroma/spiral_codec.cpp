@@ -118,12 +118,12 @@ class SpiralEncoder final : public PlaneEncoder {
   }
 
  private:
-  // Returns Y of a pixel whose chroma codes `upper`.
+  // Returns the Y of code `coded` if the chroma sample stands for the upper bits `upper`.
   std::uint8_t luma(unsigned coded, unsigned upper) const {
     return static_cast<std::uint8_t>(coded ^ (variant_.fold && (upper & 1) ? 255u : 0u));
   }
 
-  // Writes a row of Y for pixels whose chroma codes their own upper bits.
+  // Writes a row of Y for pixels whose chroma sample stands for their own upper bits.
   void write_luma_row(const std::uint16_t* coded, int width, std::uint8_t* y) const {
     const unsigned mirrored = variant_.fold ? 255 : 0;
     for (int x = 0; x < width; ++x)

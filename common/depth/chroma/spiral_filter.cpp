@@ -6,10 +6,11 @@
 namespace copresence::depth {
 namespace {
 
-// In 13-bit codes, each about 0.56 mm over the default range.
+// Both limits are in 13-bit codes. A code is about 0.56 mm over the default range.
 // Half a period. A pixel farther than this from the pixels on both sides may be wrong.
 constexpr int kOff = 128;
-// Upper bits that bring a pixel this close to a side are accepted.
+// Other upper bits are accepted if they bring the pixel within this distance of the pixel on one
+// side.
 constexpr int kClose = 24;
 
 constexpr int kNone = -1;

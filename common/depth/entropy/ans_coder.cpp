@@ -14,7 +14,8 @@ void AnsWriter::finish(std::vector<std::uint8_t>& out) {
   constexpr std::uint32_t kFrequency = (1u << kStartAt) - 1, kStart = (1u << AdaptiveCdf::kBits) - 1;
   std::uint32_t state[kStreams];
   std::fill_n(state, kStreams, kLeastState);
-  // A symbol gives at most one word of half its size, so words can overwrite symbols.
+  // Each symbol of 32 bits yields at most one word of 16 bits. So the words can be written over the
+  // symbols that are already encoded.
   auto* byte = reinterpret_cast<std::uint8_t*>(next_);
   const std::uint8_t* const end = byte;
   for (const std::uint32_t* symbol = next_; symbol != begin_;) {

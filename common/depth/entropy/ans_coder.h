@@ -2,8 +2,8 @@
 
 // Entropy coder: asymmetric numeral systems, the range variant (Duda 2013). A symbol takes about
 // -log2(its probability) bits and is decoded with one multiplication. Two interleaved streams of
-// symbols, each with its own state, share the 16-bit words of the output. So a processor can work
-// on both streams at a time.
+// symbols, each with its own state, share the 16-bit words of the output. The streams are
+// independent, so a processor can work on both at the same time.
 //
 // The symbol that is encoded last is decoded first. The writer therefore collects all symbols and
 // encodes them backwards at the end. The reader reads zeros past the end of its bytes, and decodes

@@ -49,8 +49,8 @@ std::vector<double> Codebook::scene_spacing(std::span<const std::uint16_t> level
   distance[0] = std::min(distance[0], kMargin);
   const double all = std::accumulate(pixels.begin(), pixels.end(), 0.0);
   std::vector<bool> rare(levels.size());
-  // Beyond the last level there are few steps up to the end of the range, and scenes often need
-  // them later. So these steps do not count as rare.
+  // Steps beyond the last level do not count as rare: they are few, and scenes often need them
+  // later.
   double steps_of_rare = distance[0], steps_of_others = steps(levels.back(), range_.far);
   for (std::size_t i = 1; i < levels.size(); ++i) {
     const std::size_t first = i < kNeighbours ? 0 : i - kNeighbours;
@@ -96,7 +96,7 @@ void Codebook::assign_evenly(DepthRangeUnits range) {
 }
 
 // Returns the code at which a level belongs between two codes: evenly in 1/z between their levels.
-// Before the first and after the last level, the spacing there is continued.
+// Before the first level and after the last, the spacing of the outermost levels is extrapolated.
 int Codebook::place(std::uint16_t level, int below, int above) const {
   if (below < 0 && above == kCodes) return static_cast<int>(std::lround(steps(range_.near, level)));
   if (below < 0)

@@ -7,7 +7,8 @@
 // Between the known levels, as many codes are free as the sensor has disparity steps there
 // (DepthNoise). So a new level usually gets a code without moving other levels. A code without a
 // level stands for a depth between its neighbours' levels, evenly in 1/z. See
-// docs/internals/codecs.md for the bytes of a change (codebook_change.cpp). Thread: a value.
+// docs/internals/codecs.md for the bytes of a change (codebook_change.cpp). Thread: distinct
+// objects are independent.
 
 #include <cstdint>
 #include <span>

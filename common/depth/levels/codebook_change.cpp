@@ -15,8 +15,9 @@
 namespace copresence::depth {
 namespace {
 
-constexpr int kNumberBits = 17;   // Numbers are below 2^17 - 1.
-constexpr std::size_t kBase = 8;  // Distance in entries of the two that predict the next entry.
+constexpr int kNumberBits = 17;  // Numbers are below 2^17 - 1.
+// The next entry is predicted from two earlier entries that are this many entries apart.
+constexpr std::size_t kBase = 8;
 
 // Codes a number: the bit length of number + 1 in unary, then its bits below the leading one.
 class NumberModel {

@@ -90,8 +90,8 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
     const bool full = static_cast<std::size_t>(table_.count()) + fresh.size() > Codebook::kCodes;
     if (full && !advertised_.empty()) {
-      // Advertised and other levels are too many. From now on, use only levels that appear in
-      // frames.
+      // There are too many advertised and other levels for the codes. From now on, use only levels
+      // that appear in frames.
       advertised_.clear();
       levels_.clear();
       std::fill(code_of_depth_.begin(), code_of_depth_.end(), kUnknown);
@@ -138,8 +138,9 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
   }
 
-  // Returns true if new spacing would be so much finer at this frame's depths that a keyframe is
-  // worthwhile. Tests only some frames, so that the codebook changes rarely.
+  // Returns true if a keyframe with new spacing is worthwhile: if the codes at this frame's depths
+  // would become finer by kWorthwhileBits on average. Tests only some frames, so that the codebook
+  // changes rarely.
   bool has_scene_moved(const DepthImage& depth, const StateImage& states) {
     if (even_ || lossless_ || frames_since_layout_ < kFramesBetweenLayouts ||
         frames_since_layout_ % kFramesBetweenLooks != 0) {
@@ -192,9 +193,10 @@ class QuantizedEncoder final : public PlaneEncoder {
 
   static constexpr std::size_t kSampling = 13;  // Counts every 13th pixel.
   static constexpr int kFramesBetweenLayouts =
-      30;  // Least number of frames between adaptive's own keyframes.
+      30;  // Minimum number of frames between adaptive's own keyframes.
   static constexpr int kFramesBetweenLooks = 10;
-  static constexpr double kWorthwhileBits = 0.5;  // Least gain for a keyframe: about 6 % less error.
+  // Minimum gain for a keyframe, in bits per pixel. Half a bit reduces the error by about 6 %.
+  static constexpr double kWorthwhileBits = 0.5;
 
   DepthRangeUnits range_;
   bool adaptive_;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Pixel states as bit planes, 64 pixels a word, for the coder of the validity mask. Thread: values.
+// Pixel states as bit planes, 64 pixels a word, for the coder of the validity mask. Thread:
+// distinct objects are independent.
 
 #include <algorithm>
 #include <bit>

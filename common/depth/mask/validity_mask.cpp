@@ -13,8 +13,8 @@ namespace {
 
 // A run with unexpected states is halved until its length is below twice kLeastRun.
 constexpr int kLeastRun = 8;
-constexpr int kStretch = 48;               // Number of pixels that are coded with one set of windows.
-constexpr std::size_t kMostDecisions = 4;  // Per pixel: two for its state, and less than two for runs.
+constexpr int kStretch = 48;               // Number of pixels in a stretch; see Windows.
+constexpr std::size_t kMostDecisions = 4;  // Per pixel: two for its state, fewer than two for runs.
 
 struct Models {
   std::array<BinaryContext, 1 << 17> measured;
@@ -24,7 +24,9 @@ struct Models {
   BinaryContext any_filled;
 };
 
-// Windows of 64 pixels around a stretch. Pixel x of the stretch is bit x + 2 of each window.
+// A row is coded in stretches of kStretch pixels. The windows hold the states of 64 pixels around a
+// stretch, in the rows above it and in the frame before. Pixel i of the stretch has bit i + 2 of
+// each window.
 struct Windows {
   std::uint64_t above2, above, before, before_below;
 
@@ -52,11 +54,12 @@ class Scan {
  private:
   void row(int y) {
     coder_.expect(kMostDecisions * static_cast<std::size_t>(width_));
-    Coder coder = coder_;  // A copy that stays in registers.
+    Coder coder = coder_;  // A local copy, which the compiler keeps in registers.
     left_measured_ = left_filled_ = 0;
     std::uint64_t* const measured = now_.measured.row(y);
     std::uint64_t* const filled = now_.filled.row(y);
-    int mixed_until = 0;  // Before this column, some pixels differ from the expected state.
+    // The pixels from x up to this column are known not to have all the expected state.
+    int mixed_until = 0;
     for (int x = 0; x < width_;) {
       const int state = state_to_the_left();
       const bool mixed = x < mixed_until;

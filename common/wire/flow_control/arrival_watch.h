@@ -3,7 +3,7 @@
 // Detects a dead connection from the arrival of bytes. Arriving bytes show that the connection
 // works, even if they are slow: at 100 kbit/s a keyframe takes 6 s. A message also has a time limit
 // by its size, so a peer cannot send single bytes forever. A path below kSlowestPath is too slow.
-// Time in which the client does not read does not count. Thread: a value.
+// Time in which the client does not read does not count. Thread: distinct objects are independent.
 
 #include <cstddef>
 #include <optional>

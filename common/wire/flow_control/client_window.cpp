@@ -110,8 +110,8 @@ void ClientWindow::adapt_allowance(Instant now) {
   if (now < round_->ends_at) return;
   const Duration least = kFewestPeriods * frame_period_;
   if (round_->least_queueing > least) {
-    // The queue did not shrink with the allowance. Perhaps there is no queue, and the path is
-    // longer.
+    // The delay did not fall when the allowance was reduced. Perhaps there is no queue, and the
+    // path has become longer.
     drains_ = allowance_ == least;
     allowance_ = least;
   } else {

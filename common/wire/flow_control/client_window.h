@@ -16,12 +16,13 @@
 // `can_accept()`: the client accepts a frame that was encoded for others, since skipping it would
 // cost a keyframe. The allowance is 500 ms, and up to 300 ms more behind a slow keyframe.
 //
-// On an unknown path, 2 requested or 6 accepted frames may be in flight. An overdue acknowledgement
-// shows that a path has stopped or become much slower. The limit follows the path's jitter: twice
-// the largest lateness of the last seconds plus one period. The limit is at least 3 periods for
-// requested frames and 5 for accepted frames. After a skipped frame, the client cannot decode any
-// frame before the next keyframe. The client can accept a keyframe once no frame is in flight to
-// it. Thread: a value.
+// While the path's delivery rate is unknown, a client requests a frame if fewer than 2 frames are
+// in flight, and accepts one if fewer than 6 are. An overdue acknowledgement shows that a path has
+// stopped or become much slower. The limit follows the path's jitter: twice the largest lateness of
+// the last seconds plus one period. The limit is at least 3 periods for requested frames and 5 for
+// accepted frames. After a skipped frame, the client cannot decode any frame before the next
+// keyframe. The client can accept a keyframe once no frame is in flight to it. Thread: distinct
+// objects are independent.
 
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +36,7 @@ namespace copresence::wire {
 
 class ClientWindow {
  public:
-  /// Largest numbers of frames in flight, on any path and on an unknown path.
+  /// Largest numbers of frames in flight: in all cases, and while the delivery rate is unknown.
   static constexpr std::size_t kFrames = 64, kFramesOnUnknownPath = 6;
   /// Largest number of bytes in flight. The last frame may exceed this limit.
   static constexpr std::size_t kBytes = 1024 * 1024;
@@ -49,8 +50,8 @@ class ClientWindow {
   bool fell_behind() const { return !in_sync_ && has_begun_; }
   /// True if the client can accept only a keyframe: it is not in sync, and no frame is in flight.
   bool awaits_keyframe() const { return !in_sync_ && in_flight_.empty(); }
-  /// Returns the time until which a client in sync requests another frame if nothing changes. The
-  /// time is in the past if the client requests no frame.
+  /// Returns the time until which a client in sync requests another frame, unless a frame is sent
+  /// or acknowledged before. The time is in the past if the client requests no frame at present.
   Instant wants_until() const;
   bool can_accept(bool keyframe, Instant now) const;
 
@@ -77,7 +78,7 @@ class ClientWindow {
   };
   struct Limits {
     Duration allowance;
-    int overdue_periods;  // Least delay that counts as overdue, in frame periods.
+    int overdue_periods;  // Minimum delay that counts as overdue, in frame periods.
     std::size_t frames_on_unknown_path;
   };
   Instant room_until(const Limits& limits) const;

@@ -53,7 +53,8 @@ void PathEstimate::measure_rate(const Sent& frame, Instant now) {
   Duration interval = std::max<Duration>(now - frame.at, std::chrono::milliseconds(1));
   bool limited_by_path = false;
   if (frame.alone) {
-    // This interval includes the base delay, which is harmless before the next frame is due.
+    // This interval also includes the base delay, so the rate is underestimated. The error does not
+    // matter if the acknowledgement arrives before the next frame is due.
     if (interval > tolerance_ / 2) return;
   } else {
     const Duration sent_apart = frame.at - previous_->at,

@@ -18,9 +18,10 @@
 // Otherwise a queue of our own frames would become part of the base delay. If no frame came near
 // the base delay for 10 s, is_stale() asks the sender to let the path run empty once.
 //
-// The first frame is a keyframe. If sending limits the delivery rate, that rate is too low, and so
-// is the base delay from this keyframe. The first smaller frame that takes no longer than the
-// keyframe corrects both. Thread: a value.
+// The first frame is a keyframe. If the sender is slower than the path, the estimated rate is too
+// low. The base delay that follows from this rate and the keyframe is then too low as well. The
+// first smaller frame that takes no longer than the keyframe corrects both. Thread: distinct
+// objects are independent.
 
 #include <cstddef>
 #include <cstdint>

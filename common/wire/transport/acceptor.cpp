@@ -45,7 +45,8 @@ void Acceptor::accept() {
   acceptor_.async_accept([this](const asio::error_code& error, tcp::socket socket) {
     if (!acceptor_.is_open()) return;
     if (error) {
-      // Most likely no file descriptors are free. Some become free once other connections end.
+      // Most likely, all file descriptors are in use. Try again later, when other connections have
+      // ended.
       again_.expires_after(kAcceptAgain);
       return again_.async_wait([this](const asio::error_code& cancelled) {
         if (!cancelled) accept();

@@ -76,7 +76,8 @@ void Connection::begin() {
   set(SOL_SOCKET, SO_TIMESTAMPNS, 1);
   asio::error_code ignored;
   socket_.non_blocking(true, ignored);
-  last_arrival_ = Clock::now();  // No byte can have arrived before now.
+  // Lower bound of the arrival times: no byte can have arrived earlier.
+  last_arrival_ = Clock::now();
 }
 
 void Connection::read(std::initializer_list<asio::mutable_buffer> buffers, Done done) {

@@ -1,8 +1,8 @@
 #version 450 core
 // checked with: -DCELL=8 -DCELL_PIXELS=16 -DUNKNOWN_INCIDENCE=0.25
 //
-// Computes cos(theta) of each cell of CELL x CELL pixels (merge_rules.h, kCell). If the cell is no
-// planar block, a plane is fitted to its pixels with depth. Each invocation handles one cell.
+// Computes cos(theta) of each cell of CELL x CELL pixels (merge_rules.h, kCell). If the cell is not
+// a planar block, a plane is fitted to its pixels with depth. Each invocation handles one cell.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 0) uniform usampler2D depth;

@@ -7,7 +7,7 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2DArray fragments;  // Colour and weight; 0 without a fragment.
-layout(binding = 1) uniform sampler2DArray depths;     // From 0, near plane, to 1, far plane.
+layout(binding = 1) uniform sampler2DArray depths;     // Depth: 0 at the near plane, 1 at the far plane.
 layout(binding = 0, rgba8) writeonly uniform image2D merged;
 layout(binding = 1, r32f) writeonly uniform image2D merged_depth;
 layout(binding = 2, r8ui) writeonly uniform uimage2D merged_camera;

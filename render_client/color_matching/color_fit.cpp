@@ -15,8 +15,9 @@ constexpr std::size_t kMostTested = 1000;  // Each guess is tested on at most th
 constexpr float kCoarse = 18.0F / 255;
 constexpr float kFine = 9.0F / 255;
 constexpr float kLeastGain = 0.4F, kMostGain = 2.5F, kMostOffset = 0.25F;
-constexpr float kApart = 0.12F;  // A gain needs two values that differ by at least this.
-constexpr double kHold = 3e-4;   // Weight of `near`, relative to the number of pairs.
+// Two pairs determine the gain of a channel only if their values differ by at least this.
+constexpr float kApart = 0.12F;
+constexpr double kHold = 3e-4;  // Weight of `near`, relative to the number of pairs.
 
 // A random generator that gives the same numbers, and thus the same correction, on every machine.
 class RandomGenerator {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Filters, clips and smooths a decoded frame before it is rendered. Thread: one at a time.
+// Filters, clips and smooths a decoded frame before it is rendered. Thread: one thread at a time.
 
 #include <Eigen/Core>
 #include <optional>

@@ -15,7 +15,8 @@
 //
 // The filter of librealsense also keeps a depth value until a change lasts longer than noise would.
 // Unlike that filter, this one decides for whole blocks and uses colour to detect motion. The
-// constants suit the noise of a Kinect v1 (docs/internals/simulation.md). Thread: one at a time.
+// constants suit the noise of a Kinect v1 (docs/internals/simulation.md). Thread: one thread at a
+// time.
 
 #include <cstdint>
 #include <vector>
@@ -73,7 +74,7 @@ class TemporalFilter {
   };
   // The results of a row of blocks, repeated for each column of pixels.
   struct Spread {
-    std::vector<float> gain;  // Least weight of new depth.
+    std::vector<float> gain;  // Minimum weight of new depth.
     // A greater difference of a colour channel replaces the mean. One value per channel.
     std::vector<std::int16_t> jump;
   };

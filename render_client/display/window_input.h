@@ -1,6 +1,7 @@
 #pragma once
 
-// Translates mouse and key events of a window into gestures. Thread: one at a time per object.
+// Translates mouse and key events of a window into gestures. Thread: one thread at a time per
+// object.
 
 #include <optional>
 #include <vector>

@@ -14,8 +14,8 @@ constexpr double kRateTolerance = 1.01;
 constexpr double kEarly = 1.0;
 /// A view waits at most this long for its token. Otherwise the next view shows its frames.
 constexpr Duration kMostDelay = std::chrono::milliseconds(4);
-/// The leader changes only if another gap is longer by this fraction of a period. Each change can
-/// delay a view by half an interval.
+/// Another camera becomes the phase leader only if the gap after its frame is longer by this
+/// fraction of a period. Each change can delay a view by half an interval.
 constexpr double kHysteresis = 0.1;
 
 Duration seconds(double value) {
@@ -83,7 +83,7 @@ void RenderPacer::choose_leaders(Instant now) {
     if (place + 1 == count) gap += period;
     if (camera_at(place).leader) gap += std::chrono::duration_cast<Duration>(kHysteresis * period);
     if (camera_at(place).clock.period() > period + period / 2)
-      gap = -period;  // A much slower camera never leads.
+      gap = -period;  // A much slower camera never becomes a leader.
     gaps.emplace_back(gap, place);
   }
   std::sort(gaps.begin(), gaps.end(), std::greater<>());

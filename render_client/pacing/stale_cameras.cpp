@@ -10,7 +10,7 @@ constexpr int kFadeShare = 3;  // Fading begins after 1 / kFadeShare of the time
 constexpr int kPeriodsBeforeFading = 2, kPeriodsBeforeGone = 3;
 /// Time between views while cameras fade and no frames arrive.
 constexpr std::chrono::milliseconds kFadeStep{100};
-/// Least time between two log lines about a camera that comes and goes.
+/// Minimum time between two log lines about a camera that comes and goes.
 constexpr std::chrono::seconds kSayEvery{10};
 
 }  // namespace

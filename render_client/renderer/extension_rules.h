@@ -1,7 +1,7 @@
 #pragma once
 
 // Rules by which both renderers fill the pixels of a view that no camera has seen. The farther
-// surfaces around a hole are continued behind the object that hides them.
+// surfaces around a hole are extended behind the object that hides them.
 //
 // The rules use the inverse depth w = 1/z (1/m, z along the eye's axis). A plane's w is an affine
 // function of the pixel. The view is divided into blocks of kExtensionBlock pixels a side.

@@ -151,7 +151,7 @@ inline float blend_share(float weight, float best_weight) {
   return std::clamp((weight - kTieRatio * best_weight) / ((1.0F - kTieRatio) * best_weight), 0.0F, 1.0F);
 }
 
-/// Least depth difference of a silhouette edge, in disparity steps of the coarsest sensor in the
+/// Minimum depth difference at a silhouette edge, in disparity steps of the coarsest sensor in the
 /// view. For a Kinect, an object 5 cm in front of a wall at 2.5 m has a silhouette edge.
 inline constexpr float kSilhouetteSteps = 8.0F;
 inline constexpr int kSilhouetteDivisor = 4;

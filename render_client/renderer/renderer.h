@@ -4,9 +4,9 @@
 //
 // Each camera's depth image becomes a mesh without triangles across depth discontinuities. The
 // meshes are drawn from the eye's pose, and the drawings are merged pixel by pixel. Among the
-// fragments within the uncertainty range of the nearest, those with the best quality index count
-// (thesis 2.6.1). Both renderers follow renderer/merge_rules.h, and a test compares their pictures.
-// Thread: one thread makes, uses and destroys a renderer.
+// fragments within the uncertainty range of the nearest, those with the best quality index are
+// shown (thesis 2.6.1). Both renderers follow renderer/merge_rules.h, and a test compares their
+// pictures. Thread: one thread makes, uses and destroys a renderer.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -58,14 +58,14 @@ struct CameraView {
 enum class Origin : std::uint8_t {
   kSeen,        ///< A camera's newest frame shows this point.
   kRemembered,  ///< A camera saw this point earlier, and something covers it now.
-  kExtended,    ///< No camera shows it. Surfaces around it are continued (extension_rules.h).
-  kEmpty,       ///< No camera shows it, and no surface is continued there.
+  kExtended,    ///< No camera shows it. A surface beside it was extended (extension_rules.h).
+  kEmpty,       ///< No camera shows it, and no surface was extended to it.
 };
 
 /// Selects the look of pixels that no camera sees now.
 struct UnseenStyle {
   enum class Show {
-    kExtend,  ///< Remembered backgrounds are shown, and the surfaces around are continued.
+    kExtend,  ///< Shows remembered backgrounds, and extends the surfaces around other pixels.
     kDim,     ///< As kExtend, at half of the brightness.
     kBlack,   ///< All unseen pixels are kEmpty.
   };
@@ -115,7 +115,7 @@ class Renderer {
   virtual std::string_view name() const = 0;  ///< Returns "cpu" or "gl", as in --renderer.
 
   /// Sets how unseen pixels look from the next view on. The default is kBlack with a black
-  /// background. Surfaces are continued only if the colour is wanted.
+  /// background. Surfaces are extended only if the colour is wanted.
   virtual void set_unseen(const UnseenStyle& style) = 0;
 
   /// Makes meshes and textures of these cameras in advance. Call it while no view is due. The next

@@ -1,7 +1,7 @@
 #pragma once
 
 // Limits the log lines about one camera. All lines that a server causes are logged through this
-// class. Otherwise a hostile or broken server could fill the disk. Thread: one at a time.
+// class. Otherwise a hostile or broken server could fill the disk. Thread: one thread at a time.
 
 #include <array>
 #include <cstdint>

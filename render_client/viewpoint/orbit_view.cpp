@@ -10,7 +10,7 @@ namespace copresence::viewpoint {
 namespace {
 
 constexpr double kTurnPerHeight = std::numbers::pi;
-// Least angle between the view's direction and the vertical.
+// Minimum angle between the view's direction and the vertical.
 constexpr double kClosestToPole = 2.0 * std::numbers::pi / 180;
 constexpr double kZoomPerNotch = 0.9;
 constexpr double kNearest = 0.1, kFarthest = 30;  // Metres between eye and pivot.

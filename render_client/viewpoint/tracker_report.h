@@ -21,7 +21,7 @@ class TrackerReport {
  public:
   /// A line is logged after this time without a datagram.
   static constexpr std::chrono::seconds kSilence{5};
-  /// The least time between two lines of one kind.
+  /// The minimum time between two lines of one kind.
   static constexpr std::chrono::seconds kBetweenLines{60};
 
   explicit TrackerReport(std::uint16_t port) : port_(port) {}

@@ -1,7 +1,8 @@
 #pragma once
 
-// Continues farther surfaces into the parts of a view that no camera has seen (extension_rules.h).
-// Thread: one at a time. The result does not depend on the number of workers.
+// Extends the farther surfaces into the parts of a view that no camera has seen
+// (extension_rules.h). Thread: one thread at a time. The result does not depend on the number of
+// workers.
 
 #include <Eigen/Core>
 #include <array>

@@ -10,7 +10,7 @@ namespace {
 constexpr int kStripRows = 16;  // The height of a patch. MeshBlocks is ordered by patches.
 }
 
-// Draws the borders of one level's blocks. Addresses are unchecked, because most pixels pass here.
+// Draws the borders of one level's blocks. For speed, the code uses pointers without bounds checks.
 class BlockStitching::Level {
  public:
   Level(const PlanarBlocks& planar, int level, const MeshBlocks& blocks, InverseDepth& inverse,

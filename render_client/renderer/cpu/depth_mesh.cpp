@@ -196,7 +196,7 @@ class PatchBuilder {
     return result;
   }
 
-  // Addresses are unchecked, since build_mesh() has checked the sizes.
+  // The pointers are used without bounds checks, since build_mesh() has checked the sizes.
   const float* const rays_;  // The ray x, y of each pixel.
   // Both steps are 0 if x is equal within each column and y within each row. Then the first row and
   // column are enough, and stay in the cache.
@@ -205,7 +205,8 @@ class PatchBuilder {
   const int w_row_, width_, last_x_, last_y_;
   const float gap_, slope_;
   DepthMesh& mesh_;
-  std::uint32_t first_vertex_ = 0, quads_ = 0, triangles_ = 0;  // Numbers in all earlier patches.
+  // Numbers of elements in all earlier patches.
+  std::uint32_t first_vertex_ = 0, quads_ = 0, triangles_ = 0;
 
   int left_ = 0, top_ = 0;
   std::uint32_t vertices_ = 0;

@@ -6,7 +6,8 @@
 // matrix M = K_eye [R | t] maps it to (X, Y, Z). K_eye is the eye's pinhole matrix, and R and t are
 // the pose of the camera in the eye's frame. The pixel in the view is (X, Y) / Z. w/Z is the
 // inverse depth along the eye's axis. Within a triangle, 1/Z, w/Z, u/Z and v/Z are affine functions
-// of the view's pixel. The texture coordinates are u = (u/Z) / (1/Z) and v = (v/Z) / (1/Z).
+// of the pixel's position in the view. The texture coordinates are u = (u/Z) / (1/Z) and
+// v = (v/Z) / (1/Z).
 
 #include <Eigen/Core>
 #include <limits>
@@ -25,7 +26,9 @@ struct ViewVertex {
   float pad[2];  ///< Aligns the interpolated members below to 16 bytes.
   float w;       ///< Inverse depth along the eye's axis, 1/m.
   float k;       ///< The reciprocal 1/Z.
-  float u, v;    ///< (kTexelSteps * pixel + 1/2) / Z. The 1/2 makes truncation round.
+  /// The value (kTexelSteps * c + 1/2) / Z, where c is the coordinate in the camera's picture in
+  /// pixels. Because of the added 1/2, a later truncation rounds to the nearest step.
+  float u, v;
 };
 static_assert(sizeof(ViewVertex) == 32);
 

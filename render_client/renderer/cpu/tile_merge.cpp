@@ -24,7 +24,8 @@ constexpr int kGroups = kSpan / kLanes;
 
 // Intermediate results for one camera's fragments.
 struct CameraSpan {
-  // The value is 0 if the fragment does not count, and 1 if no other camera's fragment counts.
+  // The value is 0 if the fragment does not contribute to the pixel, and 1 if no other camera's
+  // fragment does.
   alignas(32) std::array<float, kSpan> weight_per_incidence;
   // Texels as in CameraTexture. They are valid where the weight is not 0.
   alignas(32) std::array<std::uint32_t, kSpan> colors;
@@ -36,7 +37,7 @@ struct Span {
   alignas(32) std::array<float, kSpan + kLanes> nearest;
   alignas(32) std::array<std::int32_t, kSpan> first;  // Camera of the nearest fragment.
   alignas(32) std::array<std::int32_t, kSpan> shown;  // All bits are set where there is a fragment.
-  // Whether fragments of several cameras count at a pixel of the group.
+  // Whether fragments of several cameras contribute to a pixel of the group.
   std::array<bool, kGroups> is_contested;
 };
 
@@ -142,7 +143,7 @@ class SpanMerge {
 
   // Computes the weights of every camera's fragments at eight pixels: blend_weight() of
   // merge_rules.h up to a common factor and without its factor cos(theta). Returns whether a
-  // fragment other than the nearest counts.
+  // fragment other than the nearest contributes.
   bool compute_weights(int x, int at, const Floats (&w)[kMostViews]) {
     Floats z[kMostViews], noise[kMostViews], uncertainty[kMostViews];
     Floats nearest = w[0], nearest_z{}, nearest_uncertainty{};
@@ -168,7 +169,7 @@ class SpanMerge {
     return bits(rivals) != 0;
   }
 
-  // Samples a camera's texture where its fragments count.
+  // Samples a camera's texture where its fragments contribute.
   void sample(std::size_t i, int groups) {
     CameraSpan& camera = span_.cameras[i];
     const TextureSampler texture(*cameras_[i].texture);
@@ -194,7 +195,7 @@ class SpanMerge {
     return rb | g | (colors & static_cast<std::int32_t>(0xFF000000U));
   }
 
-  // Returns the colours of a group in which one camera counts at each pixel.
+  // Returns the colours of a group in which only one camera contributes to each pixel.
   Ints first_colors(int at) const {
     Ints colors{};
     for (std::size_t i = 0; i < count(); ++i) {
@@ -292,7 +293,7 @@ class SpanMerge {
   float noise_per_square_[kMostViews];  // The uncertainty_per_square() of each camera.
   MergedView& view_;
   Image<float>& inverse_;
-  float apart_;  // Least difference in inverse depth at a silhouette edge, 1/m.
+  float apart_;  // Minimum difference in inverse depth at a silhouette edge, 1/m.
   SilhouetteBits silhouettes_;
   Span span_;
 };

@@ -1,8 +1,8 @@
 #pragma once
 
-// Merges the fragments of all cameras in a tile of the view, and softens silhouette edges. The
-// texture of a camera is sampled only where its fragments have a weight. Thread: different tiles
-// may be merged at the same time.
+// Merges the fragments of all cameras in a tile of the view, and softens silhouette edges. A
+// camera's texture is sampled only at pixels where the camera's fragment has a weight above 0.
+// Thread: different tiles may be merged at the same time.
 
 #include <span>
 

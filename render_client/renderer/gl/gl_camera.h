@@ -1,7 +1,7 @@
 #pragma once
 
 // Holds one camera's frame, texture and triangles on the graphics card until the frame changes.
-// Thread: the thread of the OpenGL context.
+// Thread: only the thread of the OpenGL context.
 
 #include <Eigen/Core>
 #include <cstdint>

@@ -1,7 +1,8 @@
 #pragma once
 
 // The shaders of the GL renderer, one class each. The arguments of run() become uniforms and
-// bindings. Constants of merge_rules.h are compiled in. Thread: the OpenGL context's thread.
+// bindings. Constants of merge_rules.h are compiled in. Thread: only the thread of the OpenGL
+// context.
 
 #include <Eigen/Core>
 #include <array>

@@ -17,7 +17,7 @@
 //   soften_silhouettes    Softens edges where depth jumps.
 //   extend_*              Fill pixels that no camera has seen.
 //
-// Thread: the thread of the OpenGL context.
+// Thread: only the thread of the OpenGL context.
 
 #include <memory>
 

@@ -3,7 +3,7 @@
 // The moving part of a scene: rigid parts on joints. In the world "room" the parts form a person
 // who shifts weight, waves and gestures. The motion has the period 1 in `phase`: pose and velocity
 // at phase 1 are those at phase 0.
-// Thread: values; pose() is pure.
+// Thread: distinct objects are independent; pose() is safe on any thread.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -28,7 +28,9 @@ BlobRows::BlobRows(int cell, std::uint32_t seed, int width)
     weight_[static_cast<std::size_t>(i)] = w;
     mean_square += (w * w + (1 - w) * (1 - w)) / static_cast<float>(cell);
   }
-  gain_ = 1 / mean_square;  // This is 1 / sqrt(mean square along x times mean square along y).
+  // The mean variance of a pixel is mean_square (along x) times mean_square (along y). The gain
+  // makes it 1.
+  gain_ = 1 / mean_square;
   for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i] = hash(seed, static_cast<std::uint32_t>(i));
   fill_lattice_row(0, below_);
 }

@@ -47,7 +47,7 @@ class ColorResponse {
   std::array<std::array<std::int16_t, 3>, 256> curve_;  // Gamma curve as [true value][channel], times 16.
   std::array<std::int32_t, 9> mixing_fixed_{};          // Crosstalk, times 4096.
   std::array<std::int32_t, 3> offset_fixed_{};          // Offset, times 16.
-  std::vector<std::int8_t> grain_;                      // A tile of noise, times 16.
+  std::vector<std::int8_t> grain_;                      // A tile of noise values, times 16.
 };
 
 }  // namespace copresence::simulation

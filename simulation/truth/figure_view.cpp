@@ -10,7 +10,7 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 constexpr std::size_t kSampleCount = kFigureSamples.size();
-// Number of hits drawn at once. The data of so many hits fits into the cache.
+// Number of hits drawn at once. The data of this many hits fit into the cache.
 constexpr std::size_t kHitBatch = 512;
 
 // Computes the share of a lamp's power that arrives at each point, as if from the lamp's centre.
@@ -170,7 +170,8 @@ void FigureView::draw_hits(std::size_t part, const Eigen::Isometry3f& world_from
   for (std::vector<float>& channel : sample_colors_) channel.resize(n * kSampleCount);
   albedo(material, {sample_u_, sample_v_}, {sample_colors_[0], sample_colors_[1], sample_colors_[2]});
   for (std::size_t c = 0; c < 3; ++c) {
-    float* __restrict color = sample_colors_[c].data();  // The first n elements are replaced by light.
+    // The light of the n hits is stored in the first n elements.
+    float* __restrict color = sample_colors_[c].data();
     const float* __restrict lamp = point_light_.lamp[c].data();
     const float* __restrict rest = point_light_.rest[c].data();
     const float* __restrict hidden = hidden_.data();

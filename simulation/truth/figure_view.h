@@ -65,7 +65,8 @@ class FigureView {
   std::vector<float> hidden_;  // Share of the lamp that is in shadow.
   // First samples of all hits, followed by all second samples and so on.
   std::vector<float> sample_u_, sample_v_;
-  // Colours of the samples in this order. The first sample of each hit becomes its light.
+  // Colours of the samples, in the same order as their texture coordinates. The first sample of
+  // each hit becomes its light.
   std::array<std::vector<float>, 3> sample_colors_;
   std::vector<Rgb8> screen_;
 };

@@ -16,7 +16,7 @@ namespace copresence::calibrate {
 namespace {
 
 constexpr std::chrono::milliseconds kConnectTimeout{2000};
-constexpr int kMostLost = 90;  // Most frames in a row that may fail to decode.
+constexpr int kMostLost = 90;  // Largest number of consecutive frames that may fail to decode.
 // The frame timeout is longer than a camera needs after it is plugged in again.
 constexpr std::chrono::seconds kFrameTimeout{10};
 

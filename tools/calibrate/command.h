@@ -34,7 +34,7 @@ CLI::Option* add_overwrite(CLI::App& parser, bool& overwrite);
 Result<void> refuse_existing(std::initializer_list<std::string> files, bool overwrite);
 
 /// Like refuse_existing(), but accepts an existing scene file, because the command updates it.
-/// Fails  kInvalid if `file` exists, is no scene file, and `overwrite` is false.
+/// Fails  kInvalid if `file` exists, is not a scene file, and `overwrite` is false.
 Result<void> refuse_other_than_scene(const std::string& file, bool overwrite);
 
 /// Adds `--dictionary` (see canonical_dictionary()) and `--border-bits`.

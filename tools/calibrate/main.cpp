@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   for (const Command& command : commands) {
     if (!command.parser->parsed()) continue;
     if (const auto done = command.run(); !done) {
-      std::fflush(stdout);  // Makes the error come last in a log.
+      std::fflush(stdout);  // Writes all other output before the error message.
       fmt::print(stderr, "calibrate {}: {}\n", command.parser->get_name(), done.error().what);
       return 1;
     }

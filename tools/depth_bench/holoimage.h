@@ -43,7 +43,8 @@ class Holoimage {
 
   depth::DepthFormat format_;
   double pixel_, sine_, cosine_;  // Pixel distance in the format's unit.
-  // Fringe coordinate of the first stair and fringe width, in the format's unit.
+  // Fringe coordinate at which the first stair begins, and the width of a fringe, in the format's
+  // unit.
   double first_, width_;
   double stair_;  // S in equation 2.6, from 0 to 255.
 };

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using pictures::Format;
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{kLargestSide} * kLargestSide;
-// The value of a hole in 7-Scenes. In other data sets it is no measurement either.
+// The value of a hole in 7-Scenes. It is not a measurement in other data sets either.
 constexpr std::uint16_t kNotMeasured = 65535;
 // A Kinect's raw disparity has 11 bits; the largest value stands for a hole. The toolbox of NYU
 // Depth v2 converts it to metres by kMetresTimesDisparity / (kDisparityAtInfinity - raw).

@@ -156,7 +156,9 @@ Result<ListedStreams> from_associations(const fs::path& list, const std::string&
     ListedImage& color = line.images[depth_first ? 1 : 0];
     if (relative(color).string().find("rgb") == std::string::npos &&
         relative(color).string().find("colo") != std::string::npos) {
-      found.has_tum_depth = false;  // Data sets with "color", such as OpenLORIS, have millimetres.
+      // Data sets that write "color" instead of "rgb", such as OpenLORIS, store depth in
+      // millimetres.
+      found.has_tum_depth = false;
     }
     found.depth.push_back(std::move(line.images[depth_first ? 0 : 1]));
     found.color.push_back(std::move(color));

@@ -50,7 +50,8 @@ StreamInfo describe(const RecordedStream& stream) {
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   info.seconds = (static_cast<double>(*last - *first) + period_us) * 1e-6;
   info.without_time = recording::steps_without_time(stream);
-  // The duration of playback. If times do not advance, the player uses the usual period.
+  // Sets the duration of playback. If at least a quarter of the times do not increase, the player
+  // shows the frames one usual period apart.
   const bool has_times = 4 * info.without_time < times.size();
   if (!has_times) info.seconds = static_cast<double>(times.size()) * period_us * 1e-6;
   double bytes = 0;

@@ -36,10 +36,10 @@ struct TimeScale {
 };
 
 /// Recognises the unit of the numbers of one stream by the first rule that applies:
-///   1. All numbers are dates from 2000 to 2100 in one unit.
+///   1. If all numbers are dates from 2000 to 2100 in one unit, that unit is right.
 ///   2. Whole numbers with steps of 1 to 4 are frame numbers.
-///   3. Only one unit gives 4 to 200 images per second.
-///   4. Only one unit gives 0.1 to 300 images per second.
+///   3. If only one unit gives 4 to 200 images per second, that unit is right.
+///   4. If only one unit gives 0.1 to 300 images per second, that unit is right.
 /// `frames_per_second` converts frame numbers.
 /// Fails  kInvalid if several units or none are possible. The message lists the possible
 ///        interpretations and names the option --times.

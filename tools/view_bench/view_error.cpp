@@ -12,7 +12,7 @@ namespace {
 constexpr float kEdgeSteps = 8.0F;      // Smallest step of an edge, in disparity steps of a Kinect.
 constexpr float kSameSteps = 4.0F;      // Largest error of a measurement, in disparity steps.
 constexpr float kFlatSteps = 1.0F;      // Largest curvature of a flat surface, in disparity steps.
-constexpr double kFlatLuma = 6;         // Largest change of the true colour across a flat seam.
+constexpr double kFlatLuma = 6;         // Largest change of the true brightness across a flat seam.
 constexpr float kStep = 1.0F / 351.3F;  // A Kinect v1's disparity step, 1/m.
 
 double luma(const Rgb8& p) {

@@ -115,8 +115,8 @@ BENCHMARK(new_frame)->Unit(benchmark::kMillisecond);
 
 // Measures merging with colours and silhouettes, on one thread for a 1280x720 view. As in the
 // renderer, each tile is merged right after it is drawn, but only the merge is timed. With
-// `one_room`, the cameras see the same surfaces, and nearly all pixels are blended. Otherwise the
-// cameras see walls behind each other.
+// `one_room`, the cameras see the same surfaces, and nearly all pixels are blended. Otherwise each
+// camera sees a wall at a different distance, and only the nearest wall is visible.
 void merge(benchmark::State& state) {
   constexpr int kRows = 16;
   Room room(int(state.range(0)), state.range(1) != 0);

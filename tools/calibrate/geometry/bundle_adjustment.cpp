@@ -16,7 +16,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
 constexpr double kHuber = 2.5;     // Residuals beyond this many sigmas get less weight.
-constexpr double kNearest = 0.01;  // Least depth of a point while the solver searches, metres.
+constexpr double kNearest = 0.01;  // Minimum depth of a point while the solver searches, metres.
 
 // `step` is a rotation vector, then a translation, both in the camera's own frame.
 Rigid3 moved(const Rigid3& pose, const Vector6& step) {

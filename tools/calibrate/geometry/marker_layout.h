@@ -21,7 +21,8 @@ struct NamedPoint {
   Eigen::Vector3d position;  ///< Position in metres, in any frame.
 };
 
-/// Least extents of a layout, metres. In a smaller layout, depth noise makes poses too inaccurate.
+/// Minimum extents of a layout, metres. In a smaller layout, depth noise makes poses too
+/// inaccurate.
 inline constexpr double kLeastExtent = 0.6;       ///< Greatest distance between two markers.
 inline constexpr double kLeastOffLine = 0.15;     ///< Distance of the farthest marker from the best line.
 inline constexpr double kLeastOffPlane = 0.10;    ///< Distance of the farthest marker from the best plane.

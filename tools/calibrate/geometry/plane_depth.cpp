@@ -138,7 +138,8 @@ Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
                                           " of its pixels have depth; at least " +
                                           std::to_string(kFewestPixels) + " are needed");
   }
-  std::minstd_rand random(1);  // The same samples give the same plane.
+  // A constant seed, so that the same samples always give the same plane.
+  std::minstd_rand random(1);
   std::uniform_int_distribution<std::size_t> any(0, samples.size() - 1);
   // If half of the samples are wrong, one draw of three samples in eight has only good ones.
   constexpr int kDraws = 60;

@@ -49,15 +49,16 @@ class DepthAverage {
   /// Share of pixels with depth, averaged over the frames.
   double measured_share() const;
 
-  /// Share of the pixels measured in at least half of the frames that are not still. The causes are
-  /// moving objects and edges at which the sensor flickers.
+  /// Share of the pixels measured in at least half of the frames that are not still. Such pixels
+  /// lie on moving objects, and at edges where the sensor flickers.
   double unsteady_share() const;
 
  private:
   struct Counts {
     std::uint16_t measured = 0;  ///< Number of frames with depth.
     std::uint16_t agreeing = 0;  ///< Number of values in the sum.
-    std::uint16_t against = 0;   ///< Number of values of other surfaces since the mean began.
+    /// Number of values on other surfaces since the first value of the mean.
+    std::uint16_t against = 0;
   };
   bool is_measured(const Counts& counts) const {
     return counts.measured > 0 && 2 * counts.measured >= frames_;

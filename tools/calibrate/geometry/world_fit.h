@@ -49,7 +49,7 @@ struct PairFit {
   /// allow the linear solver.
   std::optional<double> linear_rms_m;
   std::string no_linear;                   ///< Reason why the linear solver cannot be used, or empty.
-  double least_scale = 1, most_scale = 1;  ///< Scales of the linear solution.
+  double least_scale = 1, most_scale = 1;  ///< Smallest and largest scale of LinearFit.
 };
 
 struct WorldFit {
@@ -68,8 +68,8 @@ struct WorldSettings {
   std::size_t reference = 0;
   Rigid3 world_from_reference;
   Solver solver = Solver::kRigid;
-  /// True if the points are corners of one rigid board. The board's known size gives better depth
-  /// than a sensor, so the layout may be smaller than check_layout() requires.
+  /// True if the points are corners of one rigid board. Depth from the board's known size is more
+  /// accurate than a sensor's, so the layout may be smaller than check_layout() requires.
   bool is_board = false;
 };
 

@@ -13,13 +13,13 @@
 namespace copresence::calibrate {
 namespace {
 
-constexpr std::ptrdiff_t kSmallestGroup = 3;  // Fewest views in a group.
+constexpr std::ptrdiff_t kSmallestGroup = 3;  // Minimum number of views in a group.
 // Two cameras differ if a focal length or principal point differs by more than this share of the
 // focal length and this number of standard deviations.
 constexpr double kLeastDifference = 0.012, kLeastSigmas = 5;
 // A group whose views scatter less than this, relative to the corners' noise, is one camera.
 constexpr double kTightScatter = 1.5;
-// Least distance between the two cameras' parameters, relative to the scatter in a group.
+// Minimum distance between the two cameras' parameters, relative to the scatter in a group.
 constexpr double kLeastDistance = 130;
 
 // Squared error of one view as a function of a small change of the camera's parameters: squares - 2

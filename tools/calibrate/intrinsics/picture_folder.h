@@ -20,7 +20,7 @@ struct PictureFolder {
 };
 
 /// Reads the headers of all pictures.
-/// Fails  kNotFound if there are none; kCorrupt for a file that is no picture; kInvalid if the
+/// Fails  kNotFound if there are none; kCorrupt for a file that is not a picture; kInvalid if the
 ///        sizes differ, or if no camera model can have the size.
 Result<PictureFolder> open_picture_folder(const std::filesystem::path& folder);
 

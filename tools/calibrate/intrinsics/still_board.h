@@ -24,7 +24,8 @@ Result<StillBoard> find_still_board(const Board& board, std::span<const ColorIma
                                     const CameraModel& model);
 
 /// Returns the board's distance computed from its size, divided by its measured depth. This ratio
-/// is 1 if the squares have the size in `board`. Returns nothing if the depth is no plane.
+/// is 1 if the squares have the size in `board`. Returns nothing if the measured depth is not
+/// planar.
 std::optional<double> size_over_depth(const StillBoard& still, const Board& board, const DepthAverage& depth,
                                       const CameraModel& model);
 

@@ -9,8 +9,8 @@
 namespace copresence::calibrate {
 namespace {
 
-constexpr double kLeastCosine = 0.7;  // Least cosine between normals of one surface's points.
-constexpr double kNearest_m = 0.1;    // Least depth in front of the other camera.
+constexpr double kLeastCosine = 0.7;  // Minimum cosine between normals of one surface's points.
+constexpr double kNearest_m = 0.1;    // Minimum depth in front of the other camera.
 
 // Projects the points of surface a into the picture of camera b.
 class Projector {

@@ -50,8 +50,8 @@ struct Agreement {
   double median_m = 0, p95_m = 0;            ///< Distance of the inliers along the normal.
   double median_sigmas = 0, p95_sigmas = 0;  ///< The distance in units of expected noise.
   double rms_m = 0;                          ///< RMS weighted by sigma; a violation counts as 50 mm.
-  /// Sum over inliers of 1 - (distance / 50 mm)^2, less the violations, as a share of both cameras'
-  /// points. The better pose has the higher score.
+  /// The sum of 1 - (distance / 50 mm)^2 over the inliers, minus the number of violations, divided
+  /// by the number of points of both cameras. The better pose has the higher score.
   double score = 0;
   int points = 0;
 };

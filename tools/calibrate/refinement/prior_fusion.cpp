@@ -14,9 +14,10 @@ namespace {
 
 constexpr IcpLevel kFusion{0.05, 4, 1};
 constexpr std::array<IcpLevel, 1> kHalf{{{0.05, 4, 15}}};
-constexpr double kSurprising = 22.5;  // Chi squared of six numbers; chance exceeds it once in 1000.
+// With six degrees of freedom, chi squared exceeds this value by chance once in 1000 cases.
+constexpr double kSurprising = 22.5;
 constexpr double kWorthMoving = 0.7;  // A pose moves only if its new error is below this share of the old.
-constexpr double kConfirmed = 2;      // Least t score on the blocks that were left out.
+constexpr double kConfirmed = 2;      // Minimum t score on the blocks that were left out.
 constexpr double kHardlyFixed = 0.1;  // Largest share of a camera's parameters that may be fixed.
 constexpr double kFirm_m = 1e-7;      // Error of a pose that must not move.
 
@@ -58,7 +59,8 @@ std::optional<SurfaceEstimate> estimate_at(const IcpProblem& problem, const Fixe
   if (information.info() != Eigen::Success || information.vectorD().minCoeff() <= 0) return {};
   const Eigen::MatrixXd half =
       information.solve(estimate.free.transpose() * equations.scatter * estimate.free);
-  // A fit makes residuals smaller than errors. The factor corrects for the degrees of freedom.
+  // The residuals of a fit are smaller than the errors of the data. The factor corrects this by the
+  // degrees of freedom.
   estimate.covariance = information.solve(half.transpose()) *
                         (static_cast<double>(blocks) / static_cast<double>(blocks - numbers));
   estimate.covariance.diagonal().array() += 1e-14;

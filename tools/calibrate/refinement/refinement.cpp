@@ -28,7 +28,7 @@ constexpr int kScoreSpacing = 6;
 constexpr double kFarthest_m = 0.35, kFarthest_rad = 0.3;
 constexpr double kSamePlace_m = 0.003, kSamePlace_rad = 0.002;
 constexpr std::size_t kMostFollowed = 5;
-constexpr double kSeenAtAll = 0.02;  // Least overlap of a pair that is used.
+constexpr double kSeenAtAll = 0.02;  // Minimum overlap of a pair that is used.
 
 // Starting poses: the given one, and poses shifted and turned to both sides along each camera axis.
 std::vector<Rigid3> starts_around(const Rigid3& world_from_camera) {
@@ -129,7 +129,7 @@ std::vector<Direction> directions_of(const Eigen::MatrixXd& fixed, const Observa
   std::vector<Direction> out;
   for (Eigen::Index column = 0; column < fixed.cols(); ++column) {
     const Eigen::Matrix<double, 6, 1> part = fixed.block<6, 1>(static_cast<Eigen::Index>(6 * index), column);
-    if (part.norm() < 0.3) continue;  // This is mostly a motion of another camera.
+    if (part.norm() < 0.3) continue;  // In this direction, mostly another camera moves.
     out.push_back({part.head<3>(), part.tail<3>(), observability.values[column]});
   }
   return out;

@@ -20,8 +20,8 @@
 
 namespace copresence::calibrate {
 
-inline constexpr double kLeastOverlap = 0.10;        ///< Least share of common points in a pair of cameras.
-inline constexpr double kLeastObservability = 0.01;  ///< Least value of Direction::observability.
+inline constexpr double kLeastOverlap = 0.10;        ///< Minimum share of common points in a pair of cameras.
+inline constexpr double kLeastObservability = 0.01;  ///< Minimum value of Direction::observability.
 
 /// A motion of one camera that the surfaces do not determine, of length 1.
 struct Direction {

@@ -7,7 +7,7 @@
 namespace copresence::calibrate {
 namespace {
 
-constexpr double kLeastPlanar = 0.02;  // Least share of pixels with a plane.
+constexpr double kLeastPlanar = 0.02;  // Minimum share of pixels with a plane.
 
 Result<StillView> still_view(const NamedSource& source, const scene::Camera& known,
                              const std::string& scene_path) {

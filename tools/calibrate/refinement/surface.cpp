@@ -17,7 +17,8 @@ namespace {
 
 // The disparity at depth z (metres) is kSteps / z disparity steps.
 constexpr auto kSteps = static_cast<float>(kKinectV1Noise.disparity_constant_m);
-constexpr int kRadius = 6;  // In pixels; the window has every second pixel of 13 x 13.
+// Radius of the window in pixels. The window uses every second column and row of 13 x 13 pixels.
+constexpr int kRadius = 6;
 constexpr int kSamples = (kRadius + 1) * (kRadius + 1);
 constexpr int kFewest = kSamples / 2;
 // Cosine between normal and ray below which a Kinect's depth is useless.

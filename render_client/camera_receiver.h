@@ -1,7 +1,7 @@
 #pragma once
 
 // Receives, decodes, filters and clips the frames of one camera, and puts them into a mailbox. Also
-// remembers what the camera has seen behind the things that stand before it.
+// remembers surfaces that the camera saw earlier and that something hides now.
 // Thread: call run() on a thread of its own. Mailboxes, states and statistics may be shared.
 
 #include <memory>

@@ -21,7 +21,7 @@ struct UsbCamera {
   bool blocked = false;               ///< True if this user cannot open the camera because of these problems.
 };
 
-/// Folders in which the system describes itself. Tests use other folders.
+/// Folders in which the system lists USB devices and processes. Tests use other folders.
 struct UsbPaths {
   std::string devices = "/sys/bus/usb/devices";
   std::string nodes = "/dev/bus/usb";

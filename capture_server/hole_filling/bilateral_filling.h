@@ -25,7 +25,7 @@ class BilateralFilling final : public HoleFiller {
 
  private:
   DepthRangeUnits range_;
-  std::vector<float> kernel_;  // Weights of the centre and of one side.
+  std::vector<float> kernel_;  // Weights of the kernel's centre and of one side.
   // Sums of one row, with empty margins as wide as the kernel's radius.
   std::vector<float> column_sum_, column_weight_;
 };

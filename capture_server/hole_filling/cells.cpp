@@ -238,7 +238,8 @@ void Cells::find_reach() {
   const int columns = columns_;
   for (std::size_t d = 0; d < kDirections.size(); ++d) {
     const int towards = offset(kDirections[d]);
-    const bool upward = towards > 0;  // Rows are visited so that the neighbour's distance is known first.
+    // The order of the rows, in which a neighbour's distance is known before it is needed.
+    const bool upward = towards > 0;
     std::uint8_t* reaches = reach[d].data();
     for (int i = 0; i < rows_; ++i) {
       const int first = at(0, upward ? rows_ - 1 - i : i);

@@ -12,7 +12,7 @@
 namespace copresence::hole_filling {
 namespace {
 
-// Edge of a tile: a cell with the margin that the windows of its pixels reach.
+// Width and height of a tile: a cell, and a margin as wide as the radius of a pixel's window.
 constexpr int kTilePx = kCellPx + 2 * kWindowPx;
 static_assert(kWindowPx <= Cells::kMarginPx && kWindowPx == 2 && kCellPx == 4);
 // Weights exp(-d^2 / 4) at the distances d = 2, 1 and 0 pixels from the window's centre.

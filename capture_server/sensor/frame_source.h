@@ -50,7 +50,7 @@ struct SensorDescription {
 struct CameraControls {
   enum class Mode {
     kAutomatic,  ///< Follows the light.
-    /// Stays at the values of the 60th frame, so that cameras agree over time.
+    /// Stays at the values of the 60th frame, so that colours do not change during the stream.
     kFixed,
   };
   std::optional<Mode> exposure, white_balance;

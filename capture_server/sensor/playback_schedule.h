@@ -31,9 +31,10 @@ class PlaybackSchedule {
 
   /// Returns the instant at which the frame with this timestamp is due. `now` is the present time.
   /// A pause of more than a second is shortened to one second. If timestamps stand still or
-  /// decrease, frames follow each other by the period. The time gained in this way, up to a second,
-  /// is taken from later steps, which stay at least one period long. If a call comes more than 0.2
-  /// s late, the remaining schedule is shifted, so that no burst of frames follows.
+  /// decrease, frames follow each other by the period. The schedule is then ahead of the
+  /// timestamps. Up to a second of that lead is taken from later steps, which stay at least one
+  /// period long. If a call comes more than 0.2 s late, the remaining schedule is shifted, so that
+  /// no burst of frames follows.
   Instant due(std::int64_t timestamp_us, Instant now) {
     using std::chrono::microseconds;
     if (!begun_) {

@@ -13,7 +13,8 @@ constexpr int kBlock = 32;  // Number of pixels that are tested for edges at a t
 constexpr float kEdgeSteps = 10;
 // In disparity steps. A flying pixel differs from both sides by more than this.
 constexpr float kFlyingSteps = 5;
-// Share of the difference between the sides. A pixel farther from both sides is not repaired.
+// A pixel is repaired only if its distance from the nearer side is below this share of the
+// difference between the sides.
 constexpr float kSureShare = 0.3f;
 
 }  // namespace

@@ -43,7 +43,7 @@ void DepthRateController::set_kbps(int kbps) {
   assert(kbps > 0);
   const double before = frame_bits();
   kbps_ = kbps;
-  bucket_bits_ *= frame_bits() / before;  // Keeps the level in frames unchanged.
+  bucket_bits_ *= frame_bits() / before;  // Keeps the level unchanged, measured in frames.
 }
 
 PictureRate DepthRateController::picture_rate(std::size_t side_bytes) const {

@@ -224,7 +224,7 @@ class FrameClient::Protocol {
     ping_later();
   }
 
-  /// Adds an answer. The kernel's arrival time may be slightly before the question.
+  /// Adds an answer. The kernel's arrival time may be slightly earlier than `asked`.
   void learn_clock(Instant asked, Instant server_time) {
     estimate_.add(asked, server_time, std::max(asked, connection_.last_arrival()));
   }

@@ -18,7 +18,7 @@ constexpr int kBlock = 8;              // Width and height of a block, in pixels
 constexpr int kFewestCovered = 3;      // A block with fewer such pixels does not count as covered.
 constexpr int kFewestRefuted = 8;      // A block with fewer such pixels does not count as refuted.
 constexpr int kMeanShift = 2;          // A mean follows a new value by 1 / 2^2 of the difference.
-constexpr int kColorEvery = 6;         // Each row's colours are compared in one of so many frames.
+constexpr int kColorEvery = 6;         // Each row's colours are compared in one of this many frames.
 
 // Blocks around covered ones are drawn, too. So a covering object may move a little before the
 // surface behind it must be drawn anew, and the drawn surface meets the one that is seen.
@@ -130,7 +130,7 @@ void BackgroundMemory::learn_depth(const RgbdFrame& frame, int y) {
   std::uint8_t* const flags = flags_.data();
   const Tolerance tolerance_of = tolerance_;
   const int width = depth_.width();
-  // Without branches, so that the compiler can treat many pixels at a time.
+  // The loop has no branches, so that the compiler can vectorise it.
 #pragma GCC ivdep
   for (int x = 0; x < width; ++x) {
     const int z = measured[x], before = remembered[x], candidate = candidates[x], seen = times_seen[x];

@@ -1,18 +1,18 @@
 #pragma once
 
-// Remembers what a still camera has seen behind the things that now stand before it.
+// Remembers the surfaces that a still camera saw earlier and that something hides now.
 //
 // Every pixel keeps depth and colour of the farthest surface that it has seen steadily. Where
 // something nearer covers that surface, or where the newest frame has a hole, the surface is drawn
 // behind everything that is seen (renderer/merge_rules.h, Remembered). So the wall behind a person
 // stays visible from the side once the person has moved.
 //
-// A surface is remembered after kSteadyFrames frames that agree on it. It is replaced as soon as a
-// farther one has been seen that often. Its colour is taken only at some distance from what covers
-// it, since depth and colour disagree along silhouettes. If the camera moves, everything is
-// forgotten.
+// A surface is remembered after kSteadyFrames frames that agree on it. It is replaced once
+// kSteadyFrames frames agree on a farther surface. Its colour is taken only at some distance from
+// the covering object, since depth and colour disagree along silhouettes. If the camera moves,
+// everything is forgotten.
 //
-// Thread: one at a time.
+// Thread: one thread at a time.
 
 #include <algorithm>
 #include <cstdint>
@@ -44,8 +44,8 @@ class BackgroundMemory {
   std::shared_ptr<const RgbdFrame> covered() const { return covered_; }
 
  private:
-  /// How far two measurements of one surface may differ: in proportion to the square of the depth.
-  /// In whole numbers, so that the loop over all pixels can treat many at a time.
+  /// The largest difference between two measurements of one surface, proportional to the square of
+  /// the depth. The computation uses integers, so that the loop over all pixels can be vectorised.
   class Tolerance {
    public:
     Tolerance() = default;
@@ -60,13 +60,13 @@ class BackgroundMemory {
     int per_square_ = 0, most_ = 0;
   };
 
-  /// Compares a part of the newest frame with what is remembered there, in numbers of pixels.
+  /// The result of comparing a part of the newest frame with the remembered surfaces.
   struct Comparison {
-    std::uint32_t known = 0;      ///< Pixels with a remembered surface and a depth.
-    std::uint32_t agree = 0;      ///< Of these, the pixels that show the remembered surface.
-    std::uint32_t farther = 0;    ///< Of these, the pixels that show something farther.
-    std::uint32_t colored = 0;    ///< Pixels whose colours were compared.
-    std::uint32_t recolored = 0;  ///< Of these, the pixels whose colour has changed.
+    std::uint32_t known = 0;      ///< Number of pixels with a remembered surface and a depth.
+    std::uint32_t agree = 0;      ///< Number of the known pixels that show the remembered surface.
+    std::uint32_t farther = 0;    ///< Number of the known pixels that show something farther.
+    std::uint32_t colored = 0;    ///< Number of pixels whose colours were compared.
+    std::uint32_t recolored = 0;  ///< Number of the compared pixels whose colour has changed.
   };
 
   void forget(int width, int height);

@@ -50,7 +50,7 @@ struct CameraFrame {
   std::shared_ptr<const StreamDescription> stream;  ///< Changes with every new connection.
   std::shared_ptr<const CameraSetup> setup;         ///< The setup for this stream.
   bool times_believed = true;                       ///< Whether the server's times are plausible.
-  /// What the camera has seen behind the things that stand before it in `frame`. Null if there is
+  /// The surfaces that the camera saw earlier and that something hides in `frame`. Null if there is
   /// no such surface. Successive frames share it while it does not change.
   std::shared_ptr<const RgbdFrame> remembered;
 

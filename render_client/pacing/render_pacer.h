@@ -39,8 +39,9 @@ class RenderPacer {
  private:
   struct Camera {
     ArrivalClock clock;
-    bool fresh = false;   // Whether no view has shown its newest frame.
-    bool passed = false;  // Whether it led but had no token, so that its next frame is awaited.
+    bool fresh = false;  // Whether no view has shown its newest frame.
+    // Whether it was a leader and there was no token, so that its next frame is awaited.
+    bool passed = false;
     bool leader = false;
   };
 

@@ -49,8 +49,9 @@ struct CameraView {
   /// Opacity: 1 for a live camera, less for a stale one that sends no frames (merge_rules.h,
   /// Stale). A camera with opacity 0 is not drawn.
   float opacity = 1;
-  /// `frame` shows what the camera has seen behind the things that stand before it now. It is drawn
-  /// only where no camera's newest frame shows anything (merge_rules.h, Remembered).
+  /// If true, `frame` is a remembered background: surfaces that the camera saw earlier and that
+  /// something hides now. It is drawn only where no camera's newest frame shows anything
+  /// (merge_rules.h, Remembered).
   bool is_remembered = false;
 };
 

@@ -29,7 +29,7 @@ class ReconnectingSource final : public FrameSource {
                      Connect connect, Begin begin);
 
   /// Waits for the next frame of any connection. Connects again after a pause of at most half a
-  /// second. Fails as FrameSource::next(), and with kRefused if no further try can succeed.
+  /// second. Fails as FrameSource::next() does, and with kRefused if no further try can succeed.
   Result<wire::ReceivedFrame> next(std::stop_token stop, std::optional<Instant> latest = {}) override;
 
   /// Call one of these after each frame. undecodable() also requests a keyframe. A camera whose

@@ -50,8 +50,8 @@ class Viewer {
   void apply(const Gesture& gesture) { viewpoint_->apply(gesture); }
 
   /// Returns a pose for each eye. `head_from_eyes` are the poses of the display's eyes in the
-  /// viewer's head. A display with one picture has one eye, at the identity. The other parameters
-  /// are as in Viewpoint::at().
+  /// viewer's head. A display with one picture has one eye, whose pose is the identity. The other
+  /// parameters are as in Viewpoint::at().
   std::vector<ViewPose> at(std::uint64_t view_index, Instant display_time,
                            std::span<const Rigid3> head_from_eyes);
 

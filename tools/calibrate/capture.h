@@ -79,7 +79,7 @@ class Capture {
 };
 
 /// Opens and closes each source, so that a missing one is reported before any frames are read.
-/// Fails  as Capture::open().
+/// Fails  as Capture::open() does.
 Result<void> check_sources(std::span<const NamedSource> sources, const scene::Scene* scene);
 
 /// Number of frames that for_each_frame() will read: `most`, or all frames of a shorter recording.
@@ -91,7 +91,7 @@ bool is_sampled(std::size_t wanted, std::size_t number, std::size_t all);
 /// Calls `visit` with at most `most` frames: evenly spaced in a recording, or `pause` apart in a
 /// stream. Prints the text that `visit` returns, if any, with the frame's number to standard error.
 /// Returns the number of frames.
-/// Fails  as Capture::next(), except at the end of a recording; kCorrupt if there is no frame. All
+/// Fails  as Capture::next() does, except at the end of a recording; kCorrupt if there is no frame. All
 ///        frames before the error reach `visit`.
 using Visit = std::function<std::string(RgbdFrame)>;
 Result<std::size_t> for_each_frame(Capture& capture, std::size_t most, Duration pause, const Visit& visit);

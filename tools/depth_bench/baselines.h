@@ -16,7 +16,7 @@ std::span<const std::string_view> baseline_names();
 bool is_baseline(std::string_view name);
 
 /// Runs a baseline. The baselines split16 and holoimage run at QP 12, the others are lossless.
-/// Requires is_baseline(name). Fails as the video encoder.
+/// Requires is_baseline(name). Fails if the video encoder fails.
 Result<Row> run_baseline(const DepthRecording& recording, const std::string& name);
 
 }  // namespace copresence::depth_bench

@@ -26,7 +26,7 @@ struct Snapshot {
   DepthImage depth, back;
 };
 
-/// Codes and decodes all frames. Fails as the encoders and decoders.
+/// Codes and decodes all frames. Fails if an encoder or decoder fails.
 Result<Row> run_codec(const DepthRecording& recording, const std::string& codec, const Setting& setting,
                       Snapshot* snapshot = nullptr);
 
@@ -34,7 +34,7 @@ Result<Row> run_codec(const DepthRecording& recording, const std::string& codec,
 std::vector<std::string> tuning_candidates();
 
 /// Runs all candidates at a bitrate and sorts them by RMSE in disparity steps, the best first
-/// (thesis 5.1.2). Codecs more than a tenth above the bitrate come last. Fails as run_codec().
+/// (thesis 5.1.2). Codecs more than a tenth above the bitrate come last. Fails as run_codec() does.
 Result<std::vector<Row>> tune(const DepthRecording& recording, int kbps, video::Preset preset,
                               tools::Progress& progress);
 

@@ -47,7 +47,7 @@ Result<PictureHeader> read_header(const ReadAt& read_at);
 Result<PictureHeader> read_header(const std::filesystem::path& path);
 
 /// Reads a whole image file after checking its header.
-/// Fails  as read_header(); kInvalid for more than `most_pixels`, or for a file too large for them.
+/// Fails  as read_header() does; kInvalid for more than `most_pixels`, or for a file too large for them.
 Result<std::vector<std::uint8_t>> load(const std::filesystem::path& path,
                                        std::uint64_t most_pixels = kMostPixels);
 

@@ -26,7 +26,7 @@ struct RunSettings {
   std::string pictures;
 };
 
-/// Requires one of scene_names(). Fails as the simulator, the hole filler and the renderer.
+/// Requires one of scene_names(). Fails if the simulator, the hole filler or the renderer fails.
 Result<ViewScore> run_scene(std::string_view name, const RunSettings& settings);
 
 }  // namespace copresence::view_bench

@@ -47,10 +47,12 @@ struct ViewScore {
   double seen_percent = 0, remembered_percent = 0, extended_percent = 0, empty_percent = 0;
   /// Share of remembered pixels among those that a camera saw earlier and none sees now.
   double recalled_percent = 0;
-  double psnr = 0;             ///< PSNR over all reachable pixels.
-  double psnr_seen = 0;        ///< PSNR over pixels that a camera sees.
-  double psnr_remembered = 0;  ///< PSNR over pixels that a camera remembers; NaN if none.
-  double psnr_extended = 0;    ///< PSNR over pixels that extend a surface; NaN if none.
+  double psnr = 0;       ///< PSNR over all reachable pixels.
+  double psnr_seen = 0;  ///< PSNR over pixels that a camera sees.
+  /// PSNR over pixels that show a remembered background; NaN if there are none.
+  double psnr_remembered = 0;
+  /// PSNR over pixels that show an extended surface; NaN if there are none.
+  double psnr_extended = 0;
   double psnr_silhouette = 0;  ///< PSNR over pixels near depth edges.
   /// Mean change of shown pixels between consecutive views, where the ground truth does not change.
   double flicker = 0;

@@ -114,9 +114,9 @@ BENCHMARK_CAPTURE(stream, fake_kinect_without_drawing, "freenect://BENCH1", "sti
     ->Iterations(150);
 
 // Measures the time from the arrival of a depth picture until another thread has its frame. It
-// covers pairing with colour, copying from OpenNI2's buffers, the mailbox, and the wake-up of a
-// thread that is always ready. Waiting for colour is not counted. A fake Kinect's colour comes 9 ms
-// after depth, and the simulated camera's at the same time.
+// covers pairing with colour, copying from OpenNI2's buffers, the mailbox, and waking the other
+// thread, which is always waiting. Waiting for colour is not counted. A fake Kinect's colour comes
+// 9 ms after depth, and the simulated camera's at the same time.
 void arrival_to_encoder(benchmark::State& state, const std::string& uri) {
   if (!plug_in(uri)) return state.SkipWithError("run benchmarks/cameras.py");
   const auto source = open_device(uri);

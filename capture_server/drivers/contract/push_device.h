@@ -17,7 +17,8 @@ class PushDevice : public oni::driver::DeviceBase, public StreamOwner {
   /// Returns null if the device has no such sensor.
   oni::driver::StreamBase* createStream(OniSensorType type) final;
   void destroyStream(oni::driver::StreamBase* stream) final { delete stream; }
-  /// True if getProperty() succeeds. A device that has to ask its hardware overrides this function.
+  /// True if getProperty() succeeds. A device whose getProperty() has to ask the hardware overrides
+  /// this function.
   OniBool isPropertySupported(int property) override;
 
  protected:

@@ -21,7 +21,8 @@ class DeviceClock {
   std::uint64_t to_us(std::uint32_t ticks, std::int64_t host_us) {
     if (!begun_) {
       begun_ = true;
-      ticks_ = (std::int64_t{1} << 32) + ticks;  // The first picture of another stream may be older.
+      // The added wrap keeps ticks_ positive if the first picture of another stream is older.
+      ticks_ = (std::int64_t{1} << 32) + ticks;
       host_us_ = host_us;
     }
     const std::int64_t expected = ticks_ + (host_us - host_us_) * kTicksPerUs;

@@ -116,7 +116,7 @@ OniStatus SimulatedDevice::begin(PushStream& stream) {
 }
 
 void SimulatedDevice::end(PushStream& stream) {
-  std::jthread ending;  // Joins after the lock is released.
+  std::jthread ending;  // Joins the thread after the lock is released.
   const std::lock_guard lock(mutex_);
   streams_.remove(&stream);
   if (!streams_.empty()) return;

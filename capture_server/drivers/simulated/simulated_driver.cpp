@@ -71,7 +71,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
 
   void shutdown() override {
-    std::optional<PeriodicThread> ending;  // Joins after the lock is released.
+    std::optional<PeriodicThread> ending;  // Joins the thread after the lock is released.
     const std::lock_guard lock(mutex_);
     ending.swap(watch_);
   }

@@ -87,7 +87,8 @@ class RangeEncoder {
  private:
   void shift_low() {
     if (low_ >> 32) {
-      for (std::uint8_t* byte = next_ - 1; ++*byte == 0;) --byte;  // The first byte never overflows.
+      // A carry never passes the first byte.
+      for (std::uint8_t* byte = next_ - 1; ++*byte == 0;) --byte;
     }
     *next_++ = static_cast<std::uint8_t>(low_ >> 24);
     low_ = (low_ & 0x00ffffffu) << 8;

@@ -62,8 +62,8 @@ class Codebook {
   /// Appends the change that turns `earlier` into this codebook. Appends nothing if both are equal.
   void write_change(const Codebook& earlier, std::vector<std::uint8_t>& out) const;
 
-  /// Applies a change. No bytes mean no change. Fails with kCorrupt and changes nothing if the
-  /// levels would not ascend within the range afterwards.
+  /// Applies a change. If `bytes` is empty, the codebook stays unchanged. Fails with kCorrupt and
+  /// changes nothing if the levels would not ascend within the range afterwards.
   Result<void> read_change(std::span<const std::uint8_t> bytes);
 
   /// Returns the depth of each code: its level, or a depth between its neighbours' levels. Codes

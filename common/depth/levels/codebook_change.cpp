@@ -80,7 +80,7 @@ class ChangeModel {
 
  private:
   struct Prediction {
-    std::int64_t level, reach;  // `reach` is the distance from the last entry's level.
+    std::int64_t level, reach;  // `reach` is the distance of the prediction from the last entry's level.
   };
 
   // Predicts from the last entry and the kBase-th entry before it (or the first), evenly in 1/z.

@@ -4,8 +4,8 @@
 // path. See docs/decisions/0002-window-per-client.md for the reasons.
 //
 // A frame is in flight from the time it is queued for a client until that client acknowledges it.
-// All frames in flight must be expected to arrive within the path's base delay (path_estimate.h)
-// plus an allowance for queueing. There are two allowances:
+// The client gets a frame only if all frames in flight are expected to arrive within the path's
+// base delay (path_estimate.h) plus an allowance for queueing. There are two allowances:
 //
 // `wants_until()`: the client requests another frame. The allowance is 8 frame periods. If every
 // frame of half a second was delayed longer, the queue never empties, and the allowance becomes 2
@@ -17,12 +17,12 @@
 // cost a keyframe. The allowance is 500 ms, and up to 300 ms more behind a slow keyframe.
 //
 // While the path's delivery rate is unknown, a client requests a frame if fewer than 2 frames are
-// in flight, and accepts one if fewer than 6 are. An overdue acknowledgement shows that a path has
-// stopped or become much slower. The limit follows the path's jitter: twice the largest lateness of
-// the last seconds plus one period. The limit is at least 3 periods for requested frames and 5 for
-// accepted frames. After a skipped frame, the client cannot decode any frame before the next
-// keyframe. The client can accept a keyframe once no frame is in flight to it. Thread: distinct
-// objects are independent.
+// in flight, and accepts one if fewer than 6 are. The client gets no frame while an acknowledgement
+// is overdue, since the path has then stopped or become much slower. The time after which it is
+// overdue follows the path's jitter: twice the largest lateness of the last seconds plus one
+// period. That time is at least 3 periods for requested frames and 5 for accepted frames. After a
+// skipped frame, the client cannot decode any frame before the next keyframe. The client can accept
+// a keyframe once no frame is in flight to it. Thread: distinct objects are independent.
 
 #include <cstddef>
 #include <cstdint>

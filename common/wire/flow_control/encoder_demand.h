@@ -6,8 +6,9 @@
 // most one a second is requested. Within this limit, joining clients get a keyframe as soon as
 // possible. Clients that fell behind, or that request a keyframe, get shared keyframes. Shared
 // keyframes may add about a twentieth to the bytes of the stream. So a client on a slow path cannot
-// cost the others more. If no client is in sync, a keyframe costs no other client, and the limit of
-// a twentieth does not apply. Thread: a value; frame_server.cpp guards it by a mutex.
+// cost the others more than that. If no client is in sync, a keyframe costs no other client, and
+// the limit of a twentieth does not apply. Thread: one thread at a time; frame_server.cpp guards
+// the object by a mutex.
 
 #include <cstddef>
 #include <optional>

@@ -45,7 +45,7 @@ class Connection {
   void read(std::initializer_list<asio::mutable_buffer> buffers, Done done);
   /// Writes `buffers`, which must live until `done`. Only one write may be under way.
   void write(const std::vector<asio::const_buffer>& buffers, Done done);
-  /// Sends an end of the stream after the bytes written so far. Reading continues.
+  /// Signals the end of the stream to the peer, after the bytes written so far. Reading continues.
   void end_writing();
   void close();
   bool is_open() const { return socket_.is_open(); }

@@ -49,8 +49,8 @@ class DepthAverage {
   /// Share of pixels with depth, averaged over the frames.
   double measured_share() const;
 
-  /// Share of the pixels measured in at least half of the frames that are not still. Such pixels
-  /// lie on moving objects, and at edges where the sensor flickers.
+  /// Of the pixels that at least half of the frames measured, the share that is not still. Such
+  /// pixels lie on moving objects, and at edges where the sensor flickers.
   double unsteady_share() const;
 
  private:

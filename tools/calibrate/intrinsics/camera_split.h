@@ -24,7 +24,7 @@ struct CameraSplit {
 ///
 /// The method fits a mixture of two cameras, linearised at the joint fit, with the boards' poses
 /// eliminated. From many starts, it alternates between assigning views and solving for both
-/// cameras. The method then fits both groups of the best result in full.
+/// cameras. For the best result, the method then fits a camera to each group without linearisation.
 ///
 /// A split must pass three tests. Schwarz's criterion prefers two cameras. The focal lengths or
 /// principal points differ by more than their uncertainty. The parameters of the two cameras differ

@@ -42,7 +42,8 @@ double sides_of(const std::vector<cv::Point2f>& corners) {
   return sides;
 }
 
-// Searches a scaled-down picture. If it shows no markers or only small ones, searches a larger one.
+// Searches a scaled-down picture. If that picture shows no markers or only small ones, searches a
+// larger picture.
 SeenMarkers find_markers(const Board& board, const cv::Mat& gray) {
   constexpr double kSmall = 20;  // Side in pixels. The search misses many smaller markers.
   const auto dictionary = make_dictionary(board.dictionary);

@@ -10,7 +10,7 @@ namespace copresence::calibrate {
 namespace {
 
 constexpr double kLeastCosine = 0.7;  // Minimum cosine between normals of one surface's points.
-constexpr double kNearest_m = 0.1;    // Minimum depth in front of the other camera.
+constexpr double kNearest_m = 0.1;    // Minimum depth of a point in the other camera's frame.
 
 // Projects the points of surface a into the picture of camera b.
 class Projector {

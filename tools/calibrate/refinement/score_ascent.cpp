@@ -13,7 +13,9 @@ namespace {
 constexpr double kLower = 0.006;
 constexpr double kFarthest_m = 0.012;
 constexpr int kRounds = 6;
-constexpr double kFinest = 0.5;  // Smallest scale of the first distances; below it, the score is noise.
+// The search ends when the distances are below this fraction of the first ones, since noise then
+// dominates the score.
+constexpr double kFinest = 0.5;
 constexpr double kStill_m = 3e-4;
 
 double score_at(const IcpProblem& problem, const IcpLevel& level, std::span<const Rigid3> poses) {

@@ -43,12 +43,12 @@ class Capture {
     kAsDelivered,  ///< Colour and depth in their own cameras, as the sensor gives them.
   };
 
-  /// known   the camera in the scene file; may be null. The file's intrinsics and pose replace
-  ///         those of the source.
+  /// `known` is the camera in the scene file and may be null. The file's intrinsics and pose
+  /// replace those of the source.
   /// A stream is always registered by its server. Opening waits up to two seconds for the server's
   /// answer.
-  /// Fails   as open_source() or wire::FrameClient::connect(); kUnsupported for an unknown codec;
-  ///         kInvalid if the scene file has another picture size.
+  /// Fails as open_source() or wire::FrameClient::connect() does. Fails with kUnsupported for an
+  /// unknown codec, and with kInvalid if the scene file has another picture size.
   static Result<Capture> open(const NamedSource& source, const scene::Camera* known,
                               Frames frames = Frames::kRegistered);
 
@@ -63,8 +63,8 @@ class Capture {
   /// The sensor before registration, as the source and the scene file describe it.
   const sensor::SensorDescription& sensor() const { return sensor_; }
 
-  /// Fails  kEndOfStream after the last frame; kTimeout with the server's own message if a server
-  ///        sends no frame for ten seconds; otherwise as FrameSource::next().
+  /// Fails with kEndOfStream after the last frame. Fails with kTimeout and the server's own message
+  /// if a server sends no frame for ten seconds. Otherwise fails as FrameSource::next() does.
   Result<RgbdFrame> next();
 
  private:
@@ -79,7 +79,7 @@ class Capture {
 };
 
 /// Opens and closes each source, so that a missing one is reported before any frames are read.
-/// Fails  as Capture::open() does.
+/// Fails as Capture::open() does.
 Result<void> check_sources(std::span<const NamedSource> sources, const scene::Scene* scene);
 
 /// Number of frames that for_each_frame() will read: `most`, or all frames of a shorter recording.
@@ -91,8 +91,8 @@ bool is_sampled(std::size_t wanted, std::size_t number, std::size_t all);
 /// Calls `visit` with at most `most` frames: evenly spaced in a recording, or `pause` apart in a
 /// stream. Prints the text that `visit` returns, if any, with the frame's number to standard error.
 /// Returns the number of frames.
-/// Fails  as Capture::next() does, except at the end of a recording; kCorrupt if there is no frame. All
-///        frames before the error reach `visit`.
+/// Fails as Capture::next() does, except at the end of a recording. Fails with kCorrupt if there is
+/// no frame. All frames before the error reach `visit`.
 using Visit = std::function<std::string(RgbdFrame)>;
 Result<std::size_t> for_each_frame(Capture& capture, std::size_t most, Duration pause, const Visit& visit);
 

@@ -111,7 +111,7 @@ namespace {
 
 constexpr int kWidest = 960;  // Width of the sheet for more than two cameras, pixels.
 
-// scale  pixels of `image` per pixel of the camera.
+// `scale` is the number of pixels of `image` per pixel of the camera.
 void mark(cv::Mat& image, double scale, const FoundMarker& marker, const std::string& text,
           const cv::Scalar& color) {
   const Eigen::Vector2d middle = scale * marker.middle;

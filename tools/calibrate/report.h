@@ -16,7 +16,7 @@
 
 namespace copresence::calibrate {
 
-/// Fails  kUnavailable if the file cannot be written.
+/// Fails with kUnavailable if the file cannot be written.
 Result<void> write_json(const nlohmann::json& json, const std::string& path);
 
 /// {"camera","distortion_fitted","rms_px","focal_sigma_px","center_sigma_px","covered","views":[{"picture","rms_px"}],

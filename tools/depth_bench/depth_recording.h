@@ -20,7 +20,7 @@ struct DepthRecording {
 };
 
 /// Loads the first `frames` frames, or all if `frames` is 0.
-/// Fails  as open_source() does; kEndOfStream for a recording without frames.
+/// Fails as open_source() does, and with kEndOfStream for a recording without frames.
 Result<DepthRecording> load(const std::filesystem::path& recording, const DepthRange& range, int frames);
 
 }  // namespace copresence::depth_bench

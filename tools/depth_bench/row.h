@@ -37,7 +37,7 @@ struct Tally {
 /// Sets all members of a row except codec, pixel_format and setting. Requires at least one frame.
 void conclude(const Tally& tally, const DepthError& error, Row& row);
 
-/// Writes rows as a JSON list. Fails  kUnavailable if the file cannot be written.
+/// Writes rows as a JSON list. Fails with kUnavailable if the file cannot be written.
 Result<void> write_json(const std::vector<Row>& rows, const std::string& path);
 
 /// The heading and one line of the table on standard output.

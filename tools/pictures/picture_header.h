@@ -38,8 +38,8 @@ inline constexpr std::uint64_t kMostPixels = 100'000'000;
 using ReadAt = std::function<std::size_t(std::uint64_t offset, std::span<std::uint8_t> into)>;
 
 /// Reads a header. Messages do not contain a file name.
-/// Fails  kUnsupported for a known but unsupported format, with a message that names the format and
-///        a remedy; kCorrupt for a damaged or unknown format and for an image without a size.
+/// Fails with kUnsupported for a known but unsupported format; the message names the format and a
+/// remedy. Fails with kCorrupt for a damaged or unknown format and for an image without a size.
 Result<PictureHeader> read_header(const ReadAt& read_at);
 
 /// Reads the header of a file. Messages begin with the file's name. Also fails with kNotFound if
@@ -47,7 +47,8 @@ Result<PictureHeader> read_header(const ReadAt& read_at);
 Result<PictureHeader> read_header(const std::filesystem::path& path);
 
 /// Reads a whole image file after checking its header.
-/// Fails  as read_header() does; kInvalid for more than `most_pixels`, or for a file too large for them.
+/// Fails as read_header() does. Fails with kInvalid for more than `most_pixels`, or for a file too
+/// large for them.
 Result<std::vector<std::uint8_t>> load(const std::filesystem::path& path,
                                        std::uint64_t most_pixels = kMostPixels);
 

@@ -24,9 +24,9 @@ struct FromImagesReport {
 
 /// Reads the images in the order of their times and writes a recording. JPEG files are copied
 /// unchanged. The recording is then checked as capture_server checks it, and removed if it fails.
-/// Fails  as find_images() does; kCorrupt or kInvalid for an unsuitable image, for a recording that
-///        could not be played, or for an existing file without `overwrite`; kUnavailable if writing
-///        fails.
+/// Fails as find_images() does. Fails with kCorrupt or kInvalid for an unsuitable image, for a
+/// recording that could not be played, or for an existing file without `overwrite`. Fails with
+/// kUnavailable if writing fails.
 Result<FromImagesReport> make_from_images(const FromImagesSettings& settings,
                                           const recording::ProgressReport& progress);
 

@@ -28,8 +28,8 @@ inline constexpr int kLargestSide = 4096;
 
 /// Reads a depth image as stored: CV_16UC1 or CV_32FC1. Recordings need even sizes, so the last
 /// column or row of an odd size is left out.
-/// Fails  as pictures::load() does; kCorrupt if it cannot be decoded; kInvalid if it is larger than
-///        kLargestSide, or does not have one channel of 16 bits or floats.
+/// Fails as pictures::load() does, and with kCorrupt if the image cannot be decoded. Fails with
+/// kInvalid if it is larger than kLargestSide, or does not have one channel of 16 bits or floats.
 Result<cv::Mat> read_depth(const std::filesystem::path& path);
 
 /// Recognises the coding. Depth is smooth, so the byte order with the smoother image is right.
@@ -50,7 +50,7 @@ struct ColorPicture {
       jpeg_as_is;  ///< The JPEG file if a recording can contain it unchanged, otherwise empty.
 };
 
-/// Fails  as read_depth() does, but accepts any number of channels and bits.
+/// Fails as read_depth() does, but accepts any number of channels and bits.
 Result<ColorPicture> read_color(const std::filesystem::path& path);
 
 /// True if the stored width or height is odd. Fails as pictures::read_header() does.

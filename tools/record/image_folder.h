@@ -40,8 +40,8 @@ struct FolderChoice {
 /// Finds the images. Times and pairs are read from associations.txt or a similar name, from
 /// depth.txt and rgb.txt or color.txt, or from file names: a date, a time (recognise_times()) or a
 /// frame number.
-/// Fails  kNotFound if the folder, an image in a list, or all depth is missing; kInvalid for a list
-///        that cannot be read, and for ambiguous times or groups of images.
+/// Fails with kNotFound if the folder, an image in a list, or all depth is missing. Fails with
+/// kInvalid for a list that cannot be read, and for ambiguous times or groups of images.
 Result<ImageFolder> find_images(const std::filesystem::path& folder, const FolderChoice& choice);
 
 }  // namespace copresence::record

@@ -51,7 +51,8 @@ FolderContent list_images(const std::filesystem::path& folder);
 
 /// Chooses a group of this kind by its label or folder `wanted`. If `wanted` is empty, chooses the
 /// group with the lowest rank. Returns null if there is no group. `folder` is for messages.
-/// Fails  kNotFound if no group is called `wanted`; kInvalid if several have that rank.
+/// Fails with kNotFound if no group is called `wanted`, and with kInvalid if several have that
+/// rank.
 Result<const ImageGroup*> choose(const FolderContent& content, ImageKind kind, const std::string& wanted,
                                  const std::string& folder);
 

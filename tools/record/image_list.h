@@ -32,8 +32,8 @@ struct ListedStreams {
 /// name may be quoted, and may contain spaces if it ends with an image extension. These are
 /// ignored: comment lines with #, a byte order mark, a header line, Windows line ends and
 /// additional fields.
-/// Fails  kInvalid for a line that cannot be read, with its number; kNotFound if an image or a list
-///        of depth is missing.
+/// Fails with kInvalid and the line's number for a line that cannot be read. Fails with kNotFound
+/// if an image or a list of depth is missing.
 Result<std::optional<ListedStreams>> read_lists(const std::filesystem::path& folder,
                                                 std::vector<std::string>& remarks);
 

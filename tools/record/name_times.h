@@ -22,7 +22,7 @@ struct NamedTimes {
 /// "0000012-000000366000". A time has precedence over a frame number, and of several frame numbers
 /// the last one is used. Dates are UTC. If no number changes from name to name, the order of the
 /// names gives frame numbers. `unit` is recognised if not given.
-/// Fails  kInvalid if recognise_times() cannot decide.
+/// Fails with kInvalid if recognise_times() cannot decide.
 Result<NamedTimes> times_of_names(const std::vector<std::filesystem::path>& paths,
                                   std::optional<TimeUnit> unit, double frames_per_second);
 

@@ -56,7 +56,7 @@ struct RecordingInfo {
   std::optional<std::int64_t> started_unix_us;
 };
 
-/// Reads the whole file. Fails  as OniReader::open() does.
+/// Reads the whole file. Fails as OniReader::open() does.
 Result<RecordingInfo> read_info(const std::string& path, const recording::ProgressReport& progress);
 
 std::string to_table(const RecordingInfo& info);

@@ -41,14 +41,14 @@ struct TimeScale {
 ///   3. If only one unit gives 4 to 200 images per second, that unit is right.
 ///   4. If only one unit gives 0.1 to 300 images per second, that unit is right.
 /// `frames_per_second` converts frame numbers.
-/// Fails  kInvalid if several units or none are possible. The message lists the possible
-///        interpretations and names the option --times.
+/// Fails with kInvalid if several units or none are possible. The message lists the possible
+/// interpretations and names the option --times.
 Result<TimeScale> recognise_times(std::span<const TimeNumber> numbers, double frames_per_second);
 
 /// Interprets numbers in a given unit. Recognises only TimeScale::since_1970.
 TimeScale given_times(std::span<const TimeNumber> numbers, TimeUnit unit);
 
-/// Fails  kInvalid for a time of more than a thousand years before or after zero.
+/// Fails with kInvalid for a time of more than a thousand years before or after zero.
 Result<std::chrono::microseconds> to_time(const TimeNumber& number, TimeUnit unit, double frames_per_second);
 
 /// Finds a date with a time of day in a file name, such as "2022-04-15_10-20-30.123" or

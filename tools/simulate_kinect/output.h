@@ -18,11 +18,11 @@ namespace copresence::simulate_kinect {
 /// 127.0.0.1:7001. The source of each camera is its recording in the scene file's folder.
 std::string scene_toml(const CameraModel& model, std::span<const Rigid3> poses, const std::string& made_by);
 
-/// Fails  kUnavailable if the file cannot be written.
+/// Fails with kUnavailable if the file cannot be written.
 Result<void> write_text(const std::filesystem::path& path, const std::string& text);
 
 /// Writes depth_NNNN.png (16 bits, 0.1 mm) and color_NNNN.png to an existing folder.
-/// Fails  kUnavailable if a file cannot be written.
+/// Fails with kUnavailable if a file cannot be written.
 Result<void> write_truth(const std::filesystem::path& folder, int frame, const simulation::TrueView& view);
 
 }  // namespace copresence::simulate_kinect

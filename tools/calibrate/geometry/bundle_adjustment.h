@@ -33,10 +33,10 @@ struct BundleAdjustment {
 /// Levenberg-Marquardt over poses and points, with the points eliminated (Schur complement).
 /// Residuals beyond 2.5 sigma get less weight (Huber).
 ///
-/// start      an initial pose per camera, such as fit_rigid() gives. The pose of `reference` does
-///            not change.
-/// Requires   observations of every camera; every point (marker and part) lies in front of a camera
-///            that sees it.
+/// `start` has an initial pose for each camera, such as fit_rigid() gives. The pose of `reference`
+/// does not change.
+/// Requires observations of every camera. Every point (marker and part) must lie in front of a
+/// camera that sees it.
 BundleAdjustment adjust_bundle(std::span<const Observation> observations, std::span<const Rigid3> start,
                                std::size_t reference);
 

@@ -28,9 +28,11 @@ inline constexpr double kLeastOffLine = 0.15;     ///< Distance of the farthest 
 inline constexpr double kLeastOffPlane = 0.10;    ///< Distance of the farthest marker from the best plane.
 inline constexpr std::size_t kFewestMarkers = 4;  ///< Three markers determine a pose, but leave no residual.
 
-/// points   the markers that two cameras see in common, or that one camera shares with any other.
-/// cameras  names the cameras at the beginning of a message: "left and right".
-/// Fails    kInvalid: markers too few, too close, on a line, or (linear solver) in a plane.
+/// `points` are the markers that two cameras see in common, or that one camera shares with any
+/// other.
+/// `cameras` names the cameras at the beginning of a message: "left and right".
+/// Fails with kInvalid if there are too few markers, or if they are too close together or on a
+/// line. With the linear solver, also fails so if they are in a plane.
 Result<void> check_layout(std::span<const NamedPoint> points, Solver solver, const std::string& cameras);
 
 }  // namespace copresence::calibrate

@@ -121,8 +121,8 @@ struct PlaneFit {
 /// Fits a plane to the depth inside a convex outline (corner pixels in order). RANSAC finds the
 /// plane that most pixels lie on. Least squares over those pixels refines it.
 ///
-/// Fails   kNotFound: fewer than `kFewestPixels` of the pixels have depth, or fewer than half of
-///         those lie on one plane.
+/// Fails with kNotFound if fewer than `kFewestPixels` of the pixels have depth, or if fewer than
+/// half of those lie on one plane.
 inline constexpr int kFewestPixels = 30;
 Result<PlaneFit> fit_plane(const DepthAverage& depth, const CameraModel& model,
                            std::span<const Eigen::Vector2d> outline);

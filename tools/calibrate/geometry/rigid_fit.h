@@ -19,7 +19,7 @@ struct PointPair {
 
 /// Finds b_from_a with the smallest weighted sum of squared distances. Requires three pairs that
 /// are not on one line.
-/// Source   Umeyama 1991 without scale. Eigen::umeyama() does not support weights.
+/// Source: Umeyama 1991 without scale. Eigen::umeyama() does not support weights.
 Rigid3 fit_rigid(std::span<const PointPair> pairs);
 
 /// The affine map from points of a to points of b, and the rigid transform nearest to it.
@@ -31,8 +31,8 @@ struct LinearFit {
 
 /// Solves for the thesis's 12 unknowns by unweighted least squares. Requires four pairs that are
 /// not in one plane.
-/// Source   thesis appendix A.2, eq. 3.4 and 3.5; for n pairs, its 3n x 12 system separates into
-///          three of n x 4.
+/// Source: thesis appendix A.2, eq. 3.4 and 3.5. For n pairs, its 3n x 12 system separates into
+/// three of n x 4.
 LinearFit fit_linear(std::span<const PointPair> pairs);
 
 /// Root mean square distance of the pairs after applying `b_from_a`, metres.

@@ -73,7 +73,8 @@ struct WorldSettings {
   bool is_board = false;
 };
 
-/// Fails  kInvalid: a camera shares too few markers, or their layout is bad; see check_layout().
+/// Fails with kInvalid if a camera shares too few markers, or if their layout is bad
+/// (check_layout()).
 Result<WorldFit> fit_world(std::span<const Observation> observations, const RigNames& names,
                            const WorldSettings& settings);
 

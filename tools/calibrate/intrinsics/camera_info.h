@@ -26,14 +26,16 @@ std::string to_camera_info(const CameraInfo& camera);
 /// topic echo` print them, and OpenCV's YAML with the same keys. The distortion model is plumb_bob
 /// or rational_polynomial, under any of their usual names, or unnamed. The model may have up to 14
 /// coefficients; those after the eighth must be 0. The camera's name may contain any bytes.
-/// Fails  kCorrupt with `PATH:LINE: message`: invalid YAML, a missing key, or impossible numbers; a
-///        fisheye or other distortion model; binned or cropped pictures.
+/// Fails with kCorrupt and `PATH:LINE: message` for invalid YAML, a missing key or impossible
+/// numbers. Also fails so for other distortion models, such as fisheye, and for binned or cropped
+/// pictures.
 Result<CameraInfo> parse_camera_info(const std::string& text, const std::filesystem::path& path);
 
-/// Fails  kNotFound; kCorrupt for a file above 1 MiB, and as parse_camera_info().
+/// Fails with kNotFound if there is no such file, with kCorrupt if it exceeds 1 MiB, and as
+/// parse_camera_info() does.
 Result<CameraInfo> load_camera_info(const std::filesystem::path& path);
 
-/// Fails  kUnavailable if it cannot be written.
+/// Fails with kUnavailable if the file cannot be written.
 Result<void> save_camera_info(const CameraInfo& camera, const std::filesystem::path& path);
 
 }  // namespace copresence::calibrate

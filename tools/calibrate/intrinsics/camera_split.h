@@ -30,8 +30,8 @@ struct CameraSplit {
 /// principal points differ by more than their uncertainty. The parameters of the two cameras differ
 /// much more than those of the views in a group. A bent board fails this last test.
 ///
-/// joint      the fit of all `views` by one camera, in the same order.
-/// fit_group  fits a camera with the same distortion coefficients to some views, from `start`.
+/// `joint` is the fit of all `views` by one camera, in the same order.
+/// `fit_group` fits a camera with the same distortion coefficients to some views, from `start`.
 using FitGroup = std::function<Result<IntrinsicsFit>(std::span<const BoardView>, const CameraModel& start)>;
 std::optional<CameraSplit> find_two_cameras(std::span<const BoardView> views, const IntrinsicsFit& joint,
                                             const FitGroup& fit_group);

@@ -65,7 +65,7 @@ constexpr std::array<Distortion, 4> kDistortions{
      {"k1 k2 k3 p1 p2", 0, 5},
      {"k1 to k6 p1 p2", cv::CALIB_RATIONAL_MODEL, 8}}};
 
-// start  initial intrinsics; if null, they are estimated from the views.
+// `start` has initial intrinsics. If it is null, they are estimated from the views.
 Result<IntrinsicsFit> fit_once(std::span<const BoardView> views, int width, int height,
                                const Distortion& distortion, const CameraModel* start = nullptr) {
   std::vector<std::vector<cv::Point3f>> objects;

@@ -45,12 +45,13 @@ inline constexpr double kMostFocalSigma = 0.01, kMostCenterSigma = 0.01;
 /// The fit's rms_px relative to kGoodRmsPx at the picture's size. Up to 1 is good.
 double times_good_rms(const IntrinsicsFit& fit);
 
-/// Fails  kInvalid: fewer than kFewestViews views, or an error or uncertainty above the limits. The
-///        message names the likely cause: views of two cameras, a board that is hardly tilted or
-///        small, a wrong board size, or a fisheye lens.
+/// Fails with kInvalid for fewer than kFewestViews views, or if the error or the uncertainty is
+/// above the limits. The message names the likely cause: views of two cameras, a board that is
+/// hardly tilted or small, a wrong board size, or a fisheye lens.
 Result<IntrinsicsFit> fit_intrinsics(std::span<const BoardView> views, int width, int height);
 
-/// Finds the pose of the board for known intrinsics. Fails kInvalid if the corners do not give it.
+/// Finds the pose of the board for known intrinsics. Fails with kInvalid if the corners do not
+/// determine it.
 Result<ViewFit> locate_board(const BoardView& view, const CameraModel& model);
 
 }  // namespace copresence::calibrate

@@ -20,12 +20,12 @@ struct PictureFolder {
 };
 
 /// Reads the headers of all pictures.
-/// Fails  kNotFound if there are none; kCorrupt for a file that is not a picture; kInvalid if the
-///        sizes differ, or if no camera model can have the size.
+/// Fails with kNotFound if there are none, and with kCorrupt for a file that is not a picture.
+/// Fails with kInvalid if the sizes differ, or if no camera model can have the size.
 Result<PictureFolder> open_picture_folder(const std::filesystem::path& folder);
 
 /// Decodes one of the files, without the last column or row of an odd size.
-/// Fails  kCorrupt if the file is damaged.
+/// Fails with kCorrupt if the file is damaged.
 Result<ColorImage> load_picture(const PictureFolder& folder, const std::filesystem::path& file);
 
 }  // namespace copresence::calibrate

@@ -24,7 +24,7 @@ inline cv::Mat gray_of(const ColorImage& picture) {
 
 class ScaledPicture {
  public:
-  /// side  length of the longer side, pixels. A smaller picture keeps its size.
+  /// `side` is the length of the longer side in pixels. A smaller picture keeps its size.
   ScaledPicture(const cv::Mat& gray, int side) : gray_(gray) {
     const double scale = static_cast<double>(side) / std::max(gray.cols, gray.rows);
     if (scale < 1) {

@@ -19,7 +19,8 @@ struct StillBoard {
   ViewFit pose;
 };
 
-/// Fails  kNotFound: no picture shows the whole board; kInvalid: it moved, or has no pose.
+/// Fails with kNotFound if no picture shows the whole board. Fails with kInvalid if the board moved
+/// or has no pose.
 Result<StillBoard> find_still_board(const Board& board, std::span<const ColorImage> pictures,
                                     const CameraModel& model);
 

@@ -21,17 +21,17 @@ using Clicks = std::map<std::string, std::vector<FoundMarker>>;
 /// Standard deviation of a click, pixels.
 inline constexpr double kClickSigma = 1.5;
 
-/// Fails  kNotFound; kInvalid with `FILE:LINE: message` for a line of another form, or a marker
-///        that occurs twice in one camera.
+/// Fails with kNotFound if there is no such file. Fails with kInvalid and `FILE:LINE: message` for
+/// a line of another form, or a marker that occurs twice in one camera.
 Result<Clicks> load_clicks(const std::filesystem::path& file);
 
-/// Fails  kUnavailable if the file cannot be written.
+/// Fails with kUnavailable if the file cannot be written.
 Result<void> save_clicks(const Clicks& clicks, const std::filesystem::path& file);
 
 /// Shows a camera's picture in a window and waits for clicks. The markers are named click1, click2
 /// and so on; printed markers have other names. The space bar skips a marker that this camera does
 /// not see. Backspace removes the last click, and return ends.
-/// Fails  kUnavailable if no window can be opened; kRefused if the user closes it.
+/// Fails with kUnavailable if no window can be opened, and with kRefused if the user closes it.
 Result<std::vector<FoundMarker>> ask_for_clicks(const std::string& camera, const ColorImage& picture);
 
 class ClickList {

@@ -30,7 +30,7 @@ struct DepthToColor {
 /// instead of frames. Thread: one thread per object.
 class DepthToColorFinder {
  public:
-  /// Fails  kInvalid for an unknown dictionary.
+  /// Fails with kInvalid for an unknown dictionary.
   static Result<DepthToColorFinder> open(DepthUnit unit, const std::string& dictionary, int border_bits);
 
   /// Requires an image of the same size as the first one.
@@ -38,7 +38,7 @@ class DepthToColorFinder {
   /// Searches for markers, which takes longer than add_depth(). About twenty pictures are enough.
   void add_color(const ColorImage& color) { in_color_.add(color); }
 
-  /// Requires depth. Fails kInvalid: too few common markers, or a bad layout.
+  /// Requires depth. Fails with kInvalid for too few common markers or a bad layout.
   Result<DepthToColor> fit(const CameraModel& depth, const CameraModel& color) const;
 
  private:

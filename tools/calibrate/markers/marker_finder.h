@@ -25,8 +25,8 @@ struct FoundMarker {
 
 class MarkerFinder {
  public:
-  /// border_bits  width of the markers' black border, in cells.
-  /// Fails  kInvalid for a name that is not in marker_dictionaries() (dictionary.h).
+  /// `border_bits` is the width of the markers' black border, in cells.
+  /// Fails with kInvalid for a name that is not in marker_dictionaries() (dictionary.h).
   static Result<MarkerFinder> open(const std::string& dictionary, int border_bits = 1);
 
   /// Searches one more picture. All pictures must have the same size.

@@ -32,7 +32,7 @@ struct CameraObservations {
   std::vector<Unused> unused;
 };
 
-/// marker_names  names of all markers, by index; must contain every given marker.
+/// `marker_names` are the names of all markers, by index. They must contain every given marker.
 /// A clicked marker has no outline. A clicked marker's plane is fitted to a disc of `kClickRadius`
 /// metres.
 inline constexpr double kClickRadius = 0.05;

@@ -45,12 +45,13 @@ struct Sheet {
 
 /// A chessboard or ChArUco board on one page. If `square_m` is 0, uses the largest whole number of
 /// millimetres that fits. If `marker_m` is 0, uses about three quarters of a square.
-/// Fails  kInvalid if it does not fit on the paper, and as problem_of().
+/// Fails with kInvalid if the board does not fit on the paper, or if problem_of() rejects it.
 Result<Sheet> board_sheet(Board board, const Paper& paper);
 
 /// Prints one marker per page, with a white rim of at least one cell. A side of 0 means the largest
 /// whole number of centimetres that fits. Requires a known dictionary.
-/// Fails  kInvalid for a number that is not in the dictionary, and for a side that does not fit.
+/// Fails with kInvalid for a number that is not in the dictionary, and for a side that does not
+/// fit.
 Result<Sheet> marker_sheet(const std::string& dictionary, int border_bits, std::span<const int> numbers,
                            double side_m, const Paper& paper);
 

@@ -56,7 +56,7 @@ struct Agreement {
   int points = 0;
 };
 
-/// spacing  pixels between the points that are projected.
+/// `spacing` is the distance in pixels between the points that are projected.
 Agreement measure_agreement(const Surface& a, const Rigid3& world_from_a, const Surface& b,
                             const Rigid3& world_from_b, int spacing = 2);
 

@@ -74,7 +74,8 @@ struct NormalEquations {
 /// Optional results that cost time or memory.
 enum class Extra { kNone, kRows, kScatter };
 
-/// about  centre and radius of the motions; if null, those of the matches.
+/// `about` gives the centre and radius of the motions. If it is null, those of the matches are
+/// used.
 NormalEquations normal_equations(const IcpProblem& problem, std::span<const Rigid3> poses,
                                  const IcpLevel& level, Extra extra = Extra::kNone,
                                  const Motions* about = nullptr);

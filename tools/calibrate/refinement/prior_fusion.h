@@ -34,10 +34,10 @@ struct FusedPose {
 double paired_t_score(const IcpProblem& problem, std::span<const Rigid3> poses,
                       std::span<const Rigid3> others);
 
-/// given, errors_m  of all cameras, as in refine().
-/// found            the poses by the surfaces alone: the result of run_icp() with `fixed`.
-/// Returns          one pose per camera of problem.moving. Poses of unknown error are the found
-///                  ones, corrected for the movement of the others.
+/// `given` and `errors_m` belong to all cameras, as in refine().
+/// `found` has the poses by the surfaces alone: the result of run_icp() with `fixed`.
+/// Returns one pose per camera of problem.moving. Poses of unknown error are the found ones,
+/// corrected for the movement of the others.
 std::vector<FusedPose> fuse_with_prior(const IcpProblem& problem, const FixedDirections& fixed,
                                        std::span<const Rigid3> given, std::span<const double> errors_m,
                                        std::span<const Rigid3> found);

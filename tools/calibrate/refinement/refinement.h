@@ -64,11 +64,11 @@ struct Refinement {
   double least_observability = 0;     ///< Smallest observability of all motions of all cameras.
 };
 
-/// surfaces  one per camera, at least one. Requires as many poses and errors.
-/// poses     world_from_camera as given.
-/// errors_m  known errors of the given poses: root mean square shift of points in the shared
-///           volume, as `calibrate markers` estimates it; 0 if unknown. A pose with a known error
-///           moves only if the surfaces are clearly more accurate; see prior_fusion.h.
+/// `surfaces` has one element per camera, at least one. Requires as many poses and errors.
+/// `poses` are the given poses world_from_camera.
+/// `errors_m` are the known errors of the given poses: root mean square shift of points in the
+/// shared volume, as `calibrate markers` estimates it; 0 if unknown. A pose with a known error
+/// moves only if the surfaces are clearly more accurate; see prior_fusion.h.
 Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> poses,
                   std::span<const double> errors_m);
 

@@ -16,7 +16,7 @@
 
 namespace copresence::calibrate {
 
-/// poses  near the best ones, such as those of run_icp(). The score never decreases.
+/// `poses` must be near the best ones, such as those of run_icp(). The score never decreases.
 void maximise_score(const IcpProblem& problem, const IcpLevel& level, const FixedDirections& fixed,
                     std::vector<Rigid3>& poses);
 

@@ -28,8 +28,8 @@ struct StillView {
 inline constexpr std::size_t kFramesAveraged = 60;
 
 /// Reads every source, in order.
-/// Fails  as Capture::open() does; kInvalid for a camera that is not in the scene or has no pose;
-///        kCorrupt if hardly any pixel of a camera has steady depth.
+/// Fails as Capture::open() does. Fails with kInvalid for a camera that is not in the scene or has
+/// no pose. Fails with kCorrupt if hardly any pixel of a camera has steady depth.
 Result<std::vector<StillView>> still_views(std::span<const NamedSource> sources, const scene::Scene& scene,
                                            const std::string& scene_path);
 

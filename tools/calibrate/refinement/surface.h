@@ -22,8 +22,8 @@ struct Surface {
   int planar = 0;      ///< Number of pixels with a plane.
 };
 
-/// depth_m  metres along the optical axis, 0 = none, of the model's size. Depth outside of [near_m,
-///          far_m] is ignored.
+/// `depth_m` is in metres along the optical axis, 0 for none, and has the model's size. Depth
+/// outside of [near_m, far_m] is ignored.
 Surface make_surface(const Image<float>& depth_m, const CameraModel& model, float near_m = 0.4f,
                      float far_m = 5.0f);
 

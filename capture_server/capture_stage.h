@@ -21,7 +21,8 @@
 namespace copresence::server {
 
 /// Encoding and the decoding of recordings add this number to their threads' nice value. So a
-/// render_client on the same machine does not stutter. The price is one frame period at most.
+/// render_client on the same machine does not stutter. This costs at most one frame period of
+/// latency.
 inline constexpr int kStepsBelowRendering = 5;
 
 /// A frame on its way to the encode stage, with the source's counters at the time of its capture.

@@ -3,7 +3,7 @@
 // Joint filling on a graphics card, as compute shaders. The processing steps are those of
 // JointFilling, and a test compares the results. The first shaders gather the cells with fillable
 // holes in a list. The later shaders run over that list by indirect dispatch.
-// Thread: the thread to which the context belongs.
+// Thread: only the thread to which the context belongs.
 
 #include <memory>
 

@@ -21,8 +21,8 @@ enum class Method {
   kMedian,  ///< Two median passes, after Maimone and Fuchs.
   /// Mean weighted by pixel distance. It smears foreground (thesis 3.2, second version).
   kBilateral,
-  /// Mean weighted by pixel, depth and colour distance. This method bridges no surfaces (thesis
-  /// section 3.2, third version).
+  /// Mean weighted by pixel, depth and colour distance. This method does not bridge surfaces
+  /// (thesis section 3.2, third version).
   kJoint,
 };
 inline constexpr std::array kMethods{Method::kOff, Method::kMedian, Method::kBilateral, Method::kJoint};

@@ -32,7 +32,7 @@ class JpegEncoder {
 };
 
 /// Decodes untrusted bytes. A damaged picture is decoded as far as possible. Returns false if the
-/// bytes are no JPEG picture of exactly `image`'s size, or have more than 500 scans. `image` is
+/// bytes are not a JPEG picture of exactly `image`'s size, or have more than 500 scans. `image` is
 /// unspecified after a failure.
 bool decode_jpeg(std::span<const std::uint8_t> bytes, ColorImage& image);
 

@@ -281,8 +281,8 @@ Result<DeviceSource::Synchronizer::Pair> DeviceSource::next_pair(const std::stop
       time.look(kMostALook) + others + (counters_.frames ? kStallAfter : kFirstFrameAfter);
   Instant waits_until = Instant::max();  // End of the wait for colour.
   while (true) {
-    // A camera may send no depth while its projector is off. The gap in its frame numbers is then
-    // no loss.
+    // A camera may send no depth while its projector is off. The gap in its frame numbers then does
+    // not mean a loss.
     if (projector_ && projector_->follow_schedule()) last_index_[0] = 0;
     const Instant now = steady_clock::now();
     const bool may_wait = description_.has_color && now < waits_until;

@@ -38,8 +38,8 @@ class Projector {
 
   /// True if a depth picture received at `at` was exposed while this camera's projector was on. A
   /// picture is exposed and then transferred, so the first such picture arrives two periods after
-  /// the projector was switched on. The last such picture arrives with the end of the time slot.
-  /// Call this function on arrival of the picture, since the result depends on the present time.
+  /// the projector was switched on. The last such picture arrives at the end of the time slot. Call
+  /// this function on arrival of the picture, since the result depends on the present time.
   bool is_exposed(Instant at) const;
 
  private:

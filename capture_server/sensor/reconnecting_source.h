@@ -37,7 +37,7 @@ class ReconnectingSource final : public FrameSource {
   const std::chrono::milliseconds between_tries_;
   const SensorDescription description_;
   std::unique_ptr<FrameSource> source_;  // The pointer is null while the camera is absent.
-  SourceCounters before_;                // Sums over all closed sources.
+  SourceCounters before_;                // Sums of the counters of all closed sources.
 };
 
 }  // namespace copresence::sensor

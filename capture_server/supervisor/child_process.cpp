@@ -267,7 +267,8 @@ std::optional<ChildEnd> ChildProcess::look_at_threads(nanoseconds step) {
   return std::nullopt;
 }
 
-// Kills the child and waits at most kKilledWithin: a process that waits for a device may stay.
+// Kills the child and waits at most kKilledWithin for its end, because a process that waits for a
+// device cannot be killed.
 void ChildProcess::kill_at_once() const {
   ::kill(id_, SIGKILL);
   for (const auto until = Clock::now() + kKilledWithin; Clock::now() < until;) {

@@ -44,7 +44,7 @@ class SharedText {
 /// How long a thread may be silent.
 enum class Pace : int {
   kUnused,   ///< No thread reports here.
-  kResting,  ///< The thread waits for another thread, for any time.
+  kResting,  ///< The thread waits for another thread, without a time limit.
   kWorking,  ///< At most SupervisorPolicy::silence.
   kOpening,  ///< At most SupervisorPolicy::opening.
 };

@@ -3,8 +3,9 @@
 // A small parent process that survives crashes of OpenNI2 and of camera drivers. A child process
 // does all the work and reports its progress (heartbeat.h). If the child crashes, hangs or is
 // killed, the parent prints a message and starts another child. If the child is suspended, the
-// parent resumes it. Sockets that were opened before stay open, so clients find the same address.
-// Thread: the only thread of the process calls supervise(), before any library creates threads.
+// parent resumes it. Sockets that the parent has opened stay open, so clients find each new child
+// at the same address. Thread: the only thread of the process calls supervise(), before any library
+// creates threads.
 
 #include <sys/types.h>
 
@@ -41,7 +42,8 @@ struct SupervisorPolicy {
   /// Pause before a new child. The pause doubles with each crash in a row, up to `longest_pause`.
   std::chrono::milliseconds first_pause{100};
   std::chrono::milliseconds longest_pause{2000};
-  std::chrono::milliseconds healthy_after{10000};  ///< A child that lived this long ends a row of crashes.
+  std::chrono::milliseconds healthy_after{
+      10000};              ///< If a child lives this long, its crash is the first of a new row.
   int most_in_a_row = 10;  ///< The supervisor gives up after this many crashes in a row.
   /// In frames. Two crashes are at the same place if at most this many frames lie between.
   std::uint64_t same_place = 90;
@@ -59,8 +61,8 @@ struct SupervisorPolicy {
 /// A child that ended by a crash, a hang or another process's signal is replaced. A suspended child
 /// is resumed after `silence`. A sentence on standard error reports each of these events. The
 /// supervisor gives up after a second crash or hang at the same place of a recording, or a second
-/// crash during the same Heartbeat::Activity while preparing. It also gives up after a death while
-/// ending, or after `most_in_a_row` deaths in a row.
+/// crash during the same Heartbeat::Activity in the stage kPreparing. It also gives up after a
+/// death in the stage kEnding, or after `most_in_a_row` deaths in a row.
 ///
 /// Returns the result of `child_main`. After a stop it returns 0, even if the child crashed or was
 /// still opening its source. The result is 1, after a message, if the child did not stop in time or

@@ -11,9 +11,9 @@ namespace copresence::depth {
 
 namespace {
 
-// In disparity steps. A hole is filled again if its value differs from its border by more than this
-// plus the difference between the border's two ends. A lower limit costs bits in static scenes,
-// where borders flicker. A higher limit costs bits in moving scenes.
+// In disparity steps. A hole is filled again if its value differs from the depth beside it by more
+// than this plus the difference between the depths at its two ends. A lower limit costs bits in
+// static scenes, where borders flicker. A higher limit costs bits in moving scenes.
 constexpr double kCliffSteps = 10;
 
 // A pixel has moved if it changed by more than this many steps. If more than half of all pixels
@@ -123,7 +123,8 @@ void BackgroundFill::fill_rows_without_depth() {
   };
   int first_with = 0;
   while (first_with < depth_.height() && !has_depth(first_with)) ++first_with;
-  if (first_with == depth_.height()) return;  // Without any depth, the next frame counts as the first frame.
+  if (first_with == depth_.height())
+    return;  // If no pixel has depth, the next frame is treated as the first frame.
   const auto copy_row = [&](int from, int to) {
     std::copy_n(depth_.row(from).begin(), depth_.width(), depth_.row(to).begin());
   };

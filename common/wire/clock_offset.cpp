@@ -9,7 +9,8 @@
 namespace copresence::wire {
 namespace {
 
-constexpr std::size_t kSamples = 64;  // Number of pings kept, about a minute at one a second.
+// Number of pings that are kept. They cover about a minute at one ping a second.
+constexpr std::size_t kSamples = 64;
 
 /// Returns the largest possible drift between two quartz clocks: 50 ppm each.
 Duration drift(Duration age) {

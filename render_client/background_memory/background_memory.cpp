@@ -25,13 +25,14 @@ constexpr int kColorEvery = 6;         // Each row's colours are compared in one
 constexpr int kDrawnAround = 2, kNeededAround = 1;
 constexpr std::uint64_t kRedrawEvery = 60;  // In frames.
 
-// A camera has moved if most regions of its picture differ from what is remembered. A still camera
-// sees something new only where objects move.
+// A camera has moved if most regions of its picture differ from the remembered surfaces. The
+// following limits define when they differ. A still camera sees something new only where objects
+// move.
 constexpr int kRegionsAcross = 8, kRegionsDown = 6;
 constexpr std::uint32_t kFewestInRegion = 100;
-constexpr double kMostFarther = 0.25;     // Share of a region's known pixels.
-constexpr double kLeastAgreement = 0.35;  // Share of a region's known pixels.
-constexpr double kMostRecolored = 0.25;   // Share of all compared pixels.
+constexpr double kMostFarther = 0.25;     // Limit for Comparison::farther, as a share of `known`.
+constexpr double kLeastAgreement = 0.35;  // Limit for Comparison::agree, as a share of `known`.
+constexpr double kMostRecolored = 0.25;   // Limit for Comparison::recolored, as a share of `colored`.
 constexpr int kSameColor = 40;            // Differences of red, green and blue, added up.
 
 // Says what a pixel shows, compared with the remembered surface. At most one flag is set.

@@ -1,5 +1,5 @@
-// Measures sending a frame: packing and unpacking its head, and the way from send() to receive()
-// over the loopback interface.
+// Measures sending a frame: packing and unpacking its head, and the transfer from send() to
+// receive() over the loopback interface.
 
 #include <benchmark/benchmark.h>
 
@@ -33,8 +33,9 @@ void welcome_round_trip(benchmark::State& state) {
 }
 BENCHMARK(welcome_round_trip);
 
-/// Sends 30 frames a second to all clients, so that both ends sleep between frames. The time ends
-/// when the last client has the frame's last byte. The CPU time is that of all threads per frame.
+/// Sends 30 frames a second to all clients, so that both ends sleep between frames. The measured
+/// time ends when the last client has the frame's last byte. The CPU time is that of all threads
+/// per frame.
 void loopback(benchmark::State& state) {
   const auto bytes = static_cast<std::size_t>(state.range(0)) * 2 / 3;  // For depth.
   Served served;

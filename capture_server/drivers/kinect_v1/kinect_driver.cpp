@@ -80,7 +80,7 @@ class KinectDriver final : public oni::driver::DriverBase {
 
   // Calls OpenNI2 without mutex_, because OpenNI2 may hold a lock when it calls this driver.
   void look_at_bus() {
-    std::map<std::string, bool> told;  // Maps a serial number to true if it was plugged in.
+    std::map<std::string, bool> told;  // Serial numbers; true if plugged in, false if out.
     {
       const std::lock_guard lock(mutex_);
       devices_seen_ = freenect_num_devices(bus_.get());

@@ -121,7 +121,7 @@ class SimulatedDriver final : public oni::driver::DriverBase {
   // Reports cameras whose control file appeared or disappeared. Calls OpenNI2 without mutex_,
   // because OpenNI2 may call this driver while it holds a lock of its own.
   void check_controls() {
-    std::map<std::string, bool> changed;  // Maps a URI to true if the camera was plugged in.
+    std::map<std::string, bool> changed;  // URIs; true if plugged in, false if unplugged.
     {
       const std::lock_guard lock(mutex_);
       for (auto& [text, known] : known_) {

@@ -62,7 +62,8 @@ class QuantizedEncoder final : public PlaneEncoder {
     const DepthState* const state = states.data();
     std::uint16_t* const out = picture.plane10().data();
     const std::size_t size = depth.pixels().size();
-    // Blocks stay in the cache. Lookups come first, so that the rest can use vector instructions.
+    // The image is processed in blocks that stay in the cache. The lookups of a block come first,
+    // so that the rest can use vector instructions.
     constexpr std::size_t kBlock = 256;
     int unknown = 0;
     for (std::size_t first = 0; first < size; first += kBlock) {

@@ -58,7 +58,7 @@ class Scan {
     left_measured_ = left_filled_ = 0;
     std::uint64_t* const measured = now_.measured.row(y);
     std::uint64_t* const filled = now_.filled.row(y);
-    // The pixels from x up to this column are known not to have all the expected state.
+    // At least one pixel between x and this column is known to differ from the expected state.
     int mixed_until = 0;
     for (int x = 0; x < width_;) {
       const int state = state_to_the_left();

@@ -19,8 +19,9 @@ bool too_steep(const Plane& plane, const SurfaceLimits& limits) {
   return std::abs(plane.dx) + std::abs(plane.dy) > limits.gap + limits.slope * plane.w;
 }
 
-// Values of one row of blocks of 4, for every column of the padded image. So the compiler can
-// process eight columns at a time, although only every fourth plane belongs to a block.
+// Values for one row of 4x4 blocks, with an element for every column of the padded image. So the
+// compiler can process eight columns at a time, although only every fourth plane belongs to a
+// block.
 struct Columns {
   // Sums over a column's five pixels. `moment` is weighted by the distance from the middle row.
   std::vector<float> sum, moment;

@@ -28,7 +28,8 @@ struct Spread {
 struct CameraFit {
   Rigid3 world_from_camera;
   Spread residual;  ///< Distances of the camera's markers from their fitted positions.
-  /// Distance between each marker and its position by the other cameras, if left out of the fit.
+  /// Distances between the markers as this camera measures them and as the other cameras do, each
+  /// with the marker left out of the fit.
   Spread leave_one_out;
   /// Standard deviation of a point among the markers, metres, relative to the reference camera.
   double expected_shift_m = 0;

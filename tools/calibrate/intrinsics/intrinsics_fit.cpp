@@ -145,7 +145,7 @@ std::string names_of(std::span<const BoardView> views) {
   return views.size() > kShown ? names + ", ..." : names;
 }
 
-// Describes the two cameras in the views. Empty if there is only one camera.
+// Describes the two cameras to which the views belong. Empty if there is only one camera.
 std::string two_cameras(std::span<const BoardView> views, const IntrinsicsFit& joint) {
   const auto terms = std::find_if(kDistortions.begin(), kDistortions.end(), [&](const Distortion& d) {
     return d.coefficients == joint.distortion_terms;

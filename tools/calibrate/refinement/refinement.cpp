@@ -112,7 +112,8 @@ bool place(std::span<const Surface> surfaces, std::size_t camera, const std::vec
   return best.has_value();
 }
 
-// Number of matches with the placed cameras, while the pose may still be wrong by decimetres.
+// Returns the number of matches with the placed cameras. The large search distance allows poses
+// that are wrong by decimetres.
 double rough_overlap(std::span<const Surface> surfaces, std::span<const Rigid3> poses, std::size_t camera,
                      const std::vector<std::size_t>& placed) {
   double points = 0;
@@ -167,7 +168,8 @@ Refinement refine(std::span<const Surface> surfaces, std::span<const Rigid3> giv
   std::vector<Outcome> outcomes(surfaces.size(), Outcome::kNoOverlap);
   outcomes[0] = Outcome::kReference;
 
-  // Place first the camera that shares most with those already placed.
+  // Place next the camera whose surfaces have most in common with those of the cameras already
+  // placed.
   std::vector<std::size_t> placed{0}, waiting, refused;
   for (std::size_t camera = 1; camera < surfaces.size(); ++camera) waiting.push_back(camera);
   while (!waiting.empty()) {

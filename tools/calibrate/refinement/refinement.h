@@ -2,12 +2,12 @@
 
 // Refines the poses of cameras on the surfaces that they see in common. The first camera does not
 // move.
-// Cameras are placed one after the other, each beside those that it shares most with. Each camera
-// is first aligned coarsely, starting from its given pose and from poses around it. The results
-// with the highest scores (Agreement::score) are refined finely. Then all cameras move together.
-// Directions that no surface determines, such as along a single wall, keep the given pose. A result
-// that agrees worse than the given poses, by more than chance, is discarded. Thread: pure
-// functions; the same input gives the same output.
+// Cameras are placed one after the other, each next to the cameras with which its surfaces overlap
+// most. Each camera is first aligned coarsely, starting from its given pose and from poses around
+// it. The results with the highest scores (Agreement::score) are refined finely. Then all cameras
+// move together. Directions that no surface determines, such as along a single wall, keep the given
+// pose. A result that agrees worse than the given poses, by more than chance, is discarded. Thread:
+// pure functions; the same input gives the same output.
 
 #include <cstddef>
 #include <span>

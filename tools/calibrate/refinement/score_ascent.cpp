@@ -8,8 +8,8 @@
 namespace copresence::calibrate {
 namespace {
 
-// Matches are of whole pixels, so the score is not smooth. The score is evaluated where the normal
-// equations predict a value lower by this share.
+// Matches are pairs of whole pixels, so the score is not smooth. Therefore it is evaluated at
+// distances that matter: where the normal equations predict a score lower by this share.
 constexpr double kLower = 0.006;
 constexpr double kFarthest_m = 0.012;
 constexpr int kRounds = 6;

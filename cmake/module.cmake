@@ -1,4 +1,4 @@
-# Headers that most sources include are parsed once. The developers' presets do without, so that a missing include shows.
+# Headers that most sources include are parsed once. The developers' presets do without: a missing include shows.
 function(add_precompiled_headers target)
   add_library(${target} OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
   target_link_libraries(${target} PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected)
@@ -20,16 +20,16 @@ endif()
 #
 #   add_module(depth FAST HEADERS a.h PRIVATE b.h SOURCES a.cpp b.cpp USES copresence::frame HIDES copresence_opencv)
 #
-# makes the library copresence_depth with the alias copresence::depth. HEADERS may be included by others, PRIVATE ones only by
-# the module itself and by its tests and benchmarks. USES are public (other modules, libraries whose types
+# makes the library copresence_depth with the alias copresence::depth. HEADERS may be included by others, PRIVATE
+# ones only by the module itself and by its tests and benchmarks. USES are public (other modules, libraries whose types
 # show in the headers), HIDES are private. A module without SOURCES is header-only.
 #
 # FAST is for modules with loops over pixels: in a portable build they are shared libraries, built for x86-64-v2 and, as
-# copresence_depth_v3, for x86-64-v3. SHARED is for modules with state that FAST modules use: one copy in a program. All other
-# modules are static libraries.
+# copresence_depth_v3, for x86-64-v3. SHARED is for modules with state that FAST modules use: one copy in a program. All
+# other modules are static libraries.
 #
-# UNITY is for modules of many small sources: with COPRESENCE_UNITY, eight of them are compiled at a time. The sources may not
-# define a name twice then, not even in anonymous namespaces; those that do are listed under ALONE.
+# UNITY is for modules of many small sources: with COPRESENCE_UNITY, eight of them are compiled at a time. The sources
+# may not define a name twice then, not even in anonymous namespaces; those that do are listed under ALONE.
 function(add_module name)
   cmake_parse_arguments(MODULE "FAST;SHARED;UNITY" "" "HEADERS;PRIVATE;SOURCES;ALONE;USES;HIDES" ${ARGN})
   set(target copresence_${name})
@@ -59,8 +59,8 @@ function(add_module name)
     target_link_libraries(${target} INTERFACE copresence::rules ${MODULE_USES})
     set(scope INTERFACE)
   endif()
-  # ./run check-headers compiles each of them alone.
-  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${MODULE_HEADERS} ${MODULE_PRIVATE})
+  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}
+    FILES ${MODULE_HEADERS} ${MODULE_PRIVATE})
   set_target_properties(${target} PROPERTIES COPRESENCE_PRIVATE "${MODULE_PRIVATE}")
   add_library(copresence::${name} ALIAS ${target})
 endfunction()
@@ -90,7 +90,8 @@ function(add_v3_twin target)
   add_dependencies(${target} ${target}_v3)
 endfunction()
 
-# Tests are half of what is compiled. Their common headers are parsed once (tests/support), and -O1 is fast enough for them.
+# Tests are half of what is compiled. Their common headers are parsed once (tests/support), and -O1 is fast enough for
+# them.
 function(compile_as_test target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_link_libraries(${target} PRIVATE copresence::rules Eigen3::Eigen fmt::fmt tl::expected GTest::gmock)

@@ -4,7 +4,6 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
-set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)
 # From bin, tests and benchmarks to our own shared libraries and the private OpenNI2 folder (capture_server/drivers).
 set(CMAKE_BUILD_RPATH "$ORIGIN/../lib/copresence")
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../lib/copresence")
@@ -33,16 +32,18 @@ target_compile_options(copresence_rules INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,13>>:-Wno-array-bounds>
   # The same result on every machine: the compiler may not fuse a multiplication and an addition.
   -ffp-contract=off
-  # Nothing here reads errno or floating-point exceptions. Without these flags g++ does not vectorise loops that compare or take roots.
+  # Nothing here reads errno or floating-point exceptions. Without these flags g++ does not vectorise loops that compare
+  # or take roots.
   -fno-trapping-math -fno-math-errno)
 if(COPRESENCE_WERROR)
   target_compile_options(copresence_rules INTERFACE -Werror)
 endif()
 
-# COPRESENCE_ARCH=portable: the programs run on every x86-64-v2 processor. Modules marked FAST (cmake/module.cmake) are built
-# a second time for x86-64-v3, and the loader takes those where the processor has AVX2. Both give the same results:
+# COPRESENCE_ARCH=portable: the programs run on every x86-64-v2 processor. Modules marked FAST (cmake/module.cmake) are
+# built a second time for x86-64-v3, and the loader takes those where the processor has AVX2. Both give the same
+# results:
 #   -mno-fma                 Eigen uses fused multiplications wherever the compiler offers them
-#   EIGEN_MAX_ALIGN_BYTES    Eigen's types have one layout, although vectors are 16 bytes wide in one and 32 in the other
+#   EIGEN_MAX_ALIGN_BYTES    Eigen's types have one layout, although vectors have 16 bytes in one and 32 in the other
 set(COPRESENCE_TWINS OFF)
 set(arch ${COPRESENCE_ARCH})
 if(arch STREQUAL "portable")
@@ -55,7 +56,8 @@ if(arch STREQUAL "portable")
     target_compile_definitions(copresence_rules INTERFACE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16)
   endif()
 elseif(arch STREQUAL "auto")
-  # Not "native": g++ 12 warns about its own AVX-512 headers, and an x86-64-v3 binary also runs on the lab's other machines.
+  # Not "native": g++ 12 warns about its own AVX-512 headers, and an x86-64-v3 binary also runs on the lab's other
+  # machines.
   set(arch "")
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND EXISTS /proc/cpuinfo)
     file(READ /proc/cpuinfo cpuinfo)

@@ -3,6 +3,7 @@
 // Reports invalid command lines, and prints --help and --version. Thread: the main thread.
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 namespace copresence::command_line {
 

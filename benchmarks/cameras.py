@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Benchmark of cameras that OpenNI2 opens through a fake libfreenect. Measures the CPU time per frame, opens and closes a
-camera 1000 times, and unplugs and plugs it in 100 times.
+"""Benchmark of cameras that OpenNI2 opens through a fake libfreenect. Measures the CPU time per frame, opens and closes
+a camera 1000 times, and unplugs and plugs it in 100 times.
 
   benchmarks/cameras.py                                        all benchmarks, about ten minutes
   benchmarks/cameras.py --benchmark_filter=stream/simulated    one benchmark; options go to Google Benchmark"""

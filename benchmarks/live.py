@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Live benchmark: capture servers replay recordings at normal speed, and one headless client on the same machine renders
-them. Prints the figures of docs/internals/latency.md.
+"""Live benchmark: capture servers replay recordings at normal speed, and one headless client on the same machine
+renders them. Prints the figures of docs/internals/latency.md.
 
   benchmarks/live.py                   two cameras at 1280x720, then four at 640x360, 20 s each
   benchmarks/live.py --seconds 600     to find latency or memory that grows with time

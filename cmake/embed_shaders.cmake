@@ -3,7 +3,8 @@
 #   embed_shaders(copresence_gl_renderer depth_mesh.vert depth_mesh.frag)
 #
 # makes "shaders/depth_mesh.vert.h" with copresence::shaders::depth_mesh_vert, a constexpr std::string_view.
-if(CMAKE_SCRIPT_MODE_FILE STREQUAL CMAKE_CURRENT_LIST_FILE)  # the build step: cmake -DFOLDER=... -P embed_shaders.cmake SHADER...
+# The build step: cmake -DFOLDER=... -P embed_shaders.cmake SHADER...
+if(CMAKE_SCRIPT_MODE_FILE STREQUAL CMAKE_CURRENT_LIST_FILE)
   math(EXPR last "${CMAKE_ARGC} - 1")
   foreach(i RANGE 4 ${last})
     get_filename_component(name ${CMAKE_ARGV${i}} NAME)

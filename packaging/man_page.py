@@ -63,7 +63,8 @@ def man_page(program):
     subcommands = next((listed for heading, listed in top.sections.items() if heading.lower() == "subcommands"), [])
     for subcommand, _ in subcommands:
         verb = read_help([program, subcommand])
-        lines += [f'.SH "{name.upper()} {escaped(subcommand).upper()}"', escaped(verb.usage), ".PP", escaped(verb.description),
+        lines += [f'.SH "{name.upper()} {escaped(subcommand).upper()}"', escaped(verb.usage), ".PP",
+                  escaped(verb.description),
                   *entries(verb)]
     return "\n".join(lines) + "\n"
 

@@ -165,8 +165,8 @@ def main():
     parser = argparse.ArgumentParser(prog="./run demo", description=__doc__)
     parser.add_argument("--simulated", action="store_true", help="live simulated cameras instead of recordings")
     parser.add_argument("--port", type=int, metavar="N",
-                        help=f"the servers listen on ports N and N+1 [{FIRST_PORT} and {FIRST_PORT + 1}, or others where "
-                             "these are taken]")
+                        help=f"the servers listen on ports N and N+1 [{FIRST_PORT} and {FIRST_PORT + 1}, or others "
+                             "where these are taken]")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.port is not None and not 1 <= options.port <= 65535 - len(CAMERAS) + 1:

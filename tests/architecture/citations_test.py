@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Reads the comments of all sources and all pages. Each paper cited as "Surname and Surname YEAR", each RFC and each
-ITU-T recommendation must be in docs/bibliography.md. Each equation of the thesis must be in docs/internals/thesis.md."""
+ITU-T recommendation must be in docs/bibliography.md. Each equation of the thesis must be in
+docs/internals/thesis.md."""
 import pathlib
 import re
 import sys

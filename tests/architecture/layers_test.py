@@ -4,8 +4,8 @@
   tests/architecture/layers_test.py FOLDER [BUILD]
 
 A module may use only modules below it, and each foreign library has one home module. The table here is the
-table in docs/internals/architecture.md. A module's private headers are included only by itself, its tests and its benchmarks. A
-.cpp file includes its own header first."""
+table in docs/internals/architecture.md. A module's private headers are included only by itself, its tests and its
+benchmarks. A .cpp file includes its own header first."""
 import dataclasses
 import pathlib
 import re
@@ -32,8 +32,10 @@ MODULES = {
     "capture_server/drivers/primesense": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/installed": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/kinect_v1": EDGE_TYPES | {"capture_server/drivers/contract"},
-    "capture_server/drivers/simulated": EDGE_TYPES | {"capture_server/drivers/contract", "common/flow", "simulation/scene", "simulation/truth", "simulation/sensor"},
-    "capture_server/sensor": EDGE_TYPES | {"common/flow", "capture_server/drivers/contract", "capture_server/recording"},
+    "capture_server/drivers/simulated": EDGE_TYPES | {"capture_server/drivers/contract", "common/flow",
+                                                       "simulation/scene", "simulation/truth", "simulation/sensor"},
+    "capture_server/sensor": EDGE_TYPES | {"common/flow", "capture_server/drivers/contract",
+                                           "capture_server/recording"},
     "capture_server/diagnosis": EDGE_TYPES | {"capture_server/drivers/contract", "capture_server/sensor"},
     "capture_server/registration": EDGE_TYPES,
     "capture_server/hole_filling": EDGE_TYPES | {"common/gl"},
@@ -52,8 +54,8 @@ MODULES = {
     "render_client/renderer": EDGE_TYPES | {"common/gl", "render_client/viewpoint"},
     "render_client/display": EDGE_TYPES | {"common/gl", "common/window", "render_client/renderer",
                                            "render_client/viewpoint"},
-    "render_client/statistics": EDGE_TYPES | {"render_client/renderer", "common/flow", "common/wire", "render_client/stream",
-                                              "render_client/viewpoint"},
+    "render_client/statistics": EDGE_TYPES | {"render_client/renderer", "common/flow", "common/wire",
+                                              "render_client/stream", "render_client/viewpoint"},
 }
 # The programs put the modules together: pipeline, settings, main.
 PROGRAMS = {"capture_server": ("common", "capture_server"), "render_client": ("common", "render_client")}
@@ -66,7 +68,8 @@ HOMES = {
     r"epoxy/|EGL/|GL/": {"common/gl", "common/window"},
     r"GLFW/": {"common/window"},
     r"toml\+\+": {"common/toml"},
-    r"OpenNI\.h|Oni.*\.h|PS1080\.h|PrimeSense\.h|Driver/": {"capture_server/sensor", "capture_server/diagnosis", "capture_server/drivers/contract"},
+    r"OpenNI\.h|Oni.*\.h|PS1080\.h|PrimeSense\.h|Driver/": {
+        "capture_server/sensor", "capture_server/diagnosis", "capture_server/drivers/contract"},
     r"libfreenect": {"capture_server/drivers/kinect_v1"},
     r"embree": {"simulation/truth"},
     r"opencv": set(),  # the two programs start in a sixth of the time without it: docs/decisions/0003-libraries.md
@@ -86,7 +89,8 @@ LIBRARY_HOMES = {
     "PkgConfig::EPOXY": {"common/gl", "common/window"},
     "glfw": {"common/window"},
     "tomlplusplus::tomlplusplus": {"common/toml"},
-    "PkgConfig::OPENNI2": {"capture_server/sensor", "capture_server/diagnosis", "capture_server/drivers/contract", "capture_server"},
+    "PkgConfig::OPENNI2": {"capture_server/sensor", "capture_server/diagnosis", "capture_server/drivers/contract",
+                           "capture_server"},
     "PkgConfig::FREENECT": {"capture_server/drivers/kinect_v1"},
     "embree": {"simulation/truth"},
     "copresence_opencv": set(),
@@ -137,7 +141,8 @@ def read_targets(build):
     for line in (build / "targets.tsv").read_text().splitlines():
         name, folder, links, private = line.split("\t")
         links = [re.sub("^copresence::", "copresence_", link) for link in links.split(";") if link]
-        headers = {pathlib.Path(header).resolve().relative_to(ROOT).as_posix() for header in private.split(";") if header}
+        headers = {pathlib.Path(header).resolve().relative_to(ROOT).as_posix()
+                   for header in private.split(";") if header}
         targets[name] = Target(pathlib.Path(folder).resolve().relative_to(ROOT), links, headers)
     return targets
 

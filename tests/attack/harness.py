@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the proxy and the viewer that other tests of this folder use: tests/attack/harness.py [--bin FOLDER] [CASE ...]"""
+"""Tests the proxy and the viewer that other tests of this folder use:
+tests/attack/harness.py [--bin FOLDER] [CASE ...]"""
 import time
 
 import programs

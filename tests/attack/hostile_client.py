@@ -81,7 +81,8 @@ def main():
                 sent += attack(port, dice, 30)
                 connections += 1
             frames = len(honest.arrivals)
-            checks.expect(honest.wait_for_frames(frames + 10, 60), f"{sent} messages over {connections} connections later, too")
+            checks.expect(honest.wait_for_frames(frames + 10, 60),
+                          f"{sent} messages over {connections} connections later, too")
             lost = [what for _, what in honest.events if what != "welcome"]
             checks.expect(not lost, f"the honest viewer never lost its connection: {lost[:3]}")
         checks.expect(server.is_running() and programs.child_of(server.pid) == child, "the server's child is the same")
@@ -90,7 +91,8 @@ def main():
         limit = time.monotonic() + 60  # what never said hello is cut off after some seconds
         while programs.descriptors(child) > MOST_DESCRIPTORS and time.monotonic() < limit:
             time.sleep(0.1)
-        checks.expect(programs.descriptors(child) <= MOST_DESCRIPTORS, f"it has {programs.descriptors(child)} descriptors open")
+        checks.expect(programs.descriptors(child) <= MOST_DESCRIPTORS,
+                      f"it has {programs.descriptors(child)} descriptors open")
         checks.expect(server.end() == 0, "it ends when asked")
     checks.exit()
 

@@ -15,7 +15,8 @@ import programs
 LONGEST_SENTENCE, RUNS_S, WITHIN_S, MOST_MB = 2500, 2, 30, 700
 
 SCENE = (programs.ROOT / "data/recordings/scene.toml").read_bytes()
-SETTINGS = b'source = "nowhere.oni"\nname = "left"\nlisten = "127.0.0.1:0"\ndepth-kbps = 4000\nrange = "0.4:5"\nloop = true\n'
+SETTINGS = (b'source = "nowhere.oni"\nname = "left"\nlisten = "127.0.0.1:0"\ndepth-kbps = 4000\n'
+            b'range = "0.4:5"\nloop = true\n')
 PATH = (programs.ROOT / "data/recordings/demo.path").read_bytes()
 CAMERA_INFO = b"""image_width: 640
 image_height: 480
@@ -45,12 +46,13 @@ def commands(bin_folder, folder):
     return (("scene", SCENE, lambda file: [*server, *missing, "--name", "camera0", "--scene", file]),
             ("scene source", SCENE, lambda file: [bin_folder / "capture_server", "--name", "camera7", "--scene", file]),
             ("settings", SETTINGS, lambda file: [bin_folder / "capture_server", "--config", file]),
-            ("viewer's scene", SCENE, lambda file: [bin_folder / "render_client", "--headless", "--scene", file, "--view",
-                                                    "path:nowhere"]),
+            ("viewer's scene", SCENE, lambda file: [bin_folder / "render_client", "--headless", "--scene", file,
+                                                    "--view", "path:nowhere"]),
             ("path", PATH, lambda file: [bin_folder / "render_client", "--headless", "--connect", "nowhere", "--view",
                                          f"path:{file}"]),
-            ("camera_info", CAMERA_INFO, lambda file: [bin_folder / "calibrate", "intrinsics", "--camera-info", file, "--scene",
-                                                       folder / "scene.toml", "--scene-out", folder / "out.toml"]))
+            ("camera_info", CAMERA_INFO, lambda file: [bin_folder / "calibrate", "intrinsics", "--camera-info", file,
+                                                       "--scene", folder / "scene.toml",
+                                                       "--scene-out", folder / "out.toml"]))
 
 
 def mutate(original, dice):
@@ -66,9 +68,11 @@ def mutate(original, dice):
         elif kind == 2:
             data[at:at] = data[at:end] * dice.choice((1, 3, 300))
         elif kind == 3:
-            data[at:at] = dice.choice((b"[", b"]", b"{", b"}", b"\"", b"'''", b"\"\"\"", b".", b"=", b"\n", b"#", b"\\", b"\r", b"\0"))
+            data[at:at] = dice.choice((b"[", b"]", b"{", b"}", b"\"", b"'''", b"\"\"\"", b".", b"=", b"\n",
+                                       b"#", b"\\", b"\r", b"\0"))
         elif kind == 4:
-            data[at:at] = dice.choice((b"nan", b"inf", b"-1", b"1e999", b"0x7fffffffffffffff", b"99999999999999999999", b"true"))
+            data[at:at] = dice.choice((b"nan", b"inf", b"-1", b"1e999", b"0x7fffffffffffffff",
+                                       b"99999999999999999999", b"true"))
         elif kind == 5:
             data[at:at] = dice.choice(BOMBS)[:dice.choice((100, 10_000, 200_000))]
         else:
@@ -120,8 +124,8 @@ def main():
             file.write_bytes(data)
             tried += 1
             # A viewer maps gigabytes of address space for its workers.
-            fault = fault_of(command(file), name == "path", 0 if options.unlimited or command(file)[0].name == "render_client"
-                             else MOST_MB)
+            fault = fault_of(command(file), name == "path",
+                             0 if options.unlimited or command(file)[0].name == "render_client" else MOST_MB)
             if fault:
                 kept = pathlib.Path(f"hostile_file_{options.seed}_{tried}")
                 kept.write_bytes(data)

@@ -9,7 +9,8 @@ import programs
 import proxy
 import wire
 
-# A newcomer waits for a keyframe, of which there is at most one a second. 1.3 to 2.2 s were measured with 23 busy processes on 2 cores.
+# A newcomer waits for a keyframe, of which there is at most one a second. 1.3 to 2.2 s were
+# measured with 23 busy processes on 2 cores.
 ENTRY_S = 8.0
 
 

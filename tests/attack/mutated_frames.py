@@ -78,7 +78,8 @@ class Frame:
 
 
 def mutate(frame, dice):
-    """Changes data that only the decoder can check: numbers, tables and masks of the side data, and bits of the pictures."""
+    """Changes data that only the decoder can check: numbers, tables and masks of the side data, and bits of
+    the pictures."""
     kind = dice.choice(("head", "sizes", "side data", "side data", "side data", "cut", "picture", "color"))
     data = frame.side_data
     if kind == "head":
@@ -164,7 +165,8 @@ def main():
             checks.expect(a_quarter and viewer.is_running(), "the viewer takes mutated frames")
             before = programs.resident_kb(viewer.pid) if viewer.is_running() else 0
             finished = hostile.wait_until_left(0, 60 + options.frames * 0.5)
-            checks.expect(finished, f"{sum(hostile.sent.values())} of {options.frames} mutated frames were taken: {hostile.sent}")
+            checks.expect(finished,
+                      f"{sum(hostile.sent.values())} of {options.frames} mutated frames were taken: {hostile.sent}")
             checks.expect(viewer.is_running(), f"the viewer goes on: {viewer.said()[-500:]}")
             grown = programs.resident_kb(viewer.pid) - before if viewer.is_running() else 0
             checks.expect(grown < MOST_GROWTH_KB, f"its memory grew by {grown} kB")
@@ -172,7 +174,8 @@ def main():
         cameras = {camera["name"]: camera for camera in room.stats()["cameras"]}
         mutated = cameras["camera0"]
         checks.expect(mutated["drops"]["decode_error"] > 0 and mutated["frames_decoded"] > 0,
-                      f"of the other frames {mutated['frames_decoded']} were decoded and {mutated['drops']['decode_error']} refused")
+                      f"of the other frames {mutated['frames_decoded']} were decoded and "
+                      f"{mutated['drops']['decode_error']} refused")
         honest = cameras["honest"]["frames_received"]
         checks.expect(honest >= 10, f"{honest} frames of the honest camera were shown meanwhile")
     checks.exit()

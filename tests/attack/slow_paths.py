@@ -55,7 +55,8 @@ def joining_over_a_narrow_path(room, checks):
             checks.expect(viewer.wait_for_frames(3, 60), f"{rate / 1e6} Mbit/s: frames come")
             time.sleep(3)
             came, delay = measure(viewer, 6)
-            checks.expect(delay < most_delay, f"{rate / 1e6} Mbit/s: {came:.1f} frames a second, median delay {delay:.2f} s")
+            checks.expect(delay < most_delay,
+                          f"{rate / 1e6} Mbit/s: {came:.1f} frames a second, median delay {delay:.2f} s")
 
 
 def crawling_path(room, checks):

@@ -52,7 +52,8 @@ def resets(room, checks, connections):
         for thread in threads:
             thread.join()
         seconds, frames = time.monotonic() - begin, len(honest.arrivals)
-        checks.expect(honest.wait_for_frames(frames + 10, 60), f"and after {connections} resets in {seconds:.1f} s, too")
+        checks.expect(honest.wait_for_frames(frames + 10, 60),
+                      f"and after {connections} resets in {seconds:.1f} s, too")
         lost = [what for _, what in honest.events if what != "welcome"]
         checks.expect(not lost, f"the honest viewer never lost its connection: {lost[:3]}")
     checks.expect(server.is_running() and programs.child_of(server.pid) == child, "the server's child is the same")
@@ -61,7 +62,8 @@ def resets(room, checks, connections):
     limit = time.monotonic() + 60  # the server closes a connection without a hello after some seconds
     while programs.descriptors(child) > MOST_DESCRIPTORS and time.monotonic() < limit:
         time.sleep(0.1)
-    checks.expect(programs.descriptors(child) <= MOST_DESCRIPTORS, f"it has {programs.descriptors(child)} descriptors open")
+    checks.expect(programs.descriptors(child) <= MOST_DESCRIPTORS,
+                  f"it has {programs.descriptors(child)} descriptors open")
     checks.expect(server.end() == 0, "it ends when asked")
 
 

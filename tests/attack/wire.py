@@ -1,4 +1,5 @@
-"""The wire format of docs/internals/wire_format.md in Python: messages, a viewer, and a server that can send invalid data.
+"""The wire format of docs/internals/wire_format.md in Python: messages, a viewer, and a server that can send invalid
+data.
 
 Uses only the standard library. Test programs import this module; it has no command line."""
 import collections

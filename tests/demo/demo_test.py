@@ -48,7 +48,8 @@ def main():
             pass  # another program has it already, which is as good
     shown = demo(bin_folder)
     if shown.returncode != 0 or "views a second" not in shown.stdout or shown.stdout.count("camera") < 2:
-        faults.append(f"with the usual ports taken: exit code {shown.returncode}, {shown.stdout[-500:]}{shown.stderr[-1500:]}")
+        faults.append(f"with the usual ports taken: exit code {shown.returncode}, "
+                      f"{shown.stdout[-500:]}{shown.stderr[-1500:]}")
     for blocker in usual:
         blocker.close()
 

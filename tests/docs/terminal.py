@@ -34,9 +34,9 @@ class Terminal:
         self.folder, self.logs = folder, logs
         self.servers, self.count = [], 0
         self.status_read, status_write = os.pipe()
-        self.bash = subprocess.Popen(["bash", "--norc", "--noprofile"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                                     stderr=subprocess.DEVNULL, cwd=folder, env=environment, text=True,
-                                     pass_fds=[status_write], start_new_session=True)
+        self.bash = subprocess.Popen(["bash", "--norc", "--noprofile"], stdin=subprocess.PIPE,
+                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder,
+                                     env=environment, text=True, pass_fds=[status_write], start_new_session=True)
         self.status_fd = status_write
         os.close(status_write)
 
@@ -76,7 +76,8 @@ class Terminal:
             self.stop(server)
         log = self.new_log()
         # With exec the process id is that of the server, so that this test can end it.
-        pid = int(self.run_script(f"{{ exec {command}\n}} >{shlex.quote(str(log))} 2>&1 & echo $! >&{self.status_fd}", 10))
+        pid = int(self.run_script(f"{{ exec {command}\n}} >{shlex.quote(str(log))} 2>&1 & "
+                                  f"echo $! >&{self.status_fd}", 10))
         server = Server(command, pid, log)
         self.servers.append(server)
         end = time.monotonic() + limit_s
@@ -92,8 +93,8 @@ class Terminal:
 
     def exit_code(self, server):
         """The exit code, or None while the server runs."""
-        code = self.run_script(f"if kill -0 {server.pid} 2>/dev/null; then echo runs; else wait {server.pid}; echo $?; fi "
-                        f">&{self.status_fd}", 10)
+        code = self.run_script(f"if kill -0 {server.pid} 2>/dev/null; then echo runs; "
+                               f"else wait {server.pid}; echo $?; fi >&{self.status_fd}", 10)
         return None if code == "runs" else int(code)
 
     def stop(self, server):

@@ -62,15 +62,17 @@ def main():
     parser.add_argument("--seconds", type=float, default=600)
     parser.add_argument("--port", type=int, default=7930)
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--record", type=pathlib.Path, help="folder for recordings of all servers, about 2 MB a second each "
-                                                            "[a temporary one, for runs up to a minute]")
+    parser.add_argument("--record", type=pathlib.Path,
+                        help="folder for recordings of all servers, about 2 MB a second each "
+                             "[a temporary one, for runs up to a minute]")
     parser.add_argument("--fake-kinects", action="store_true",
                         help="two more servers on Kinects of the fake libfreenect (tests/support/fake_freenect)")
     parser.add_argument("--sync", action="store_true", help="the client runs with --sync")
     options = parser.parse_args()
     frames = int(options.seconds * FRAMES_A_SECOND)
     faults = []
-    sources = [*options.sources, *([f"openni:freenect://{kinect}" for kinect in KINECTS] if options.fake_kinects else [])]
+    sources = [*options.sources,
+               *([f"openni:freenect://{kinect}" for kinect in KINECTS] if options.fake_kinects else [])]
 
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.record or (pathlib.Path(temporary) if options.seconds <= 60 else None)
@@ -80,7 +82,8 @@ def main():
             (bus / kinect).touch()
         environment = dict(os.environ)
         if options.fake_kinects:
-            environment.update(COPRESENCE_FAKE_KINECTS=str(bus), LD_LIBRARY_PATH=str(options.bin.parent / "tests/fake_freenect"))
+            environment.update(COPRESENCE_FAKE_KINECTS=str(bus),
+                               LD_LIBRARY_PATH=str(options.bin.parent / "tests/fake_freenect"))
         logs, servers = [], []
         for index, source in enumerate(sources):
             command = [options.bin / "capture_server", "--source", source, "--name", f"camera{index}",
@@ -90,12 +93,14 @@ def main():
             if folder:
                 command += ["--record", folder / f"account{index}.oni"]
             logs.append(pathlib.Path(temporary) / f"server{index}.log")
-            servers.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=logs[-1].open("w"), env=environment))
+            servers.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=logs[-1].open("w"),
+                                            env=environment))
         stats = pathlib.Path(temporary) / "stats.json"
         connect = [word for index in range(len(servers)) for word in ("--connect", f"127.0.0.1:{options.port + index}")]
         begin = time.monotonic()
-        client = subprocess.Popen([options.bin / "render_client", *connect, "--headless", "--size", "640x360", "--stats", stats,
-                                   *(["--sync"] if options.sync else [])], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        client = subprocess.Popen([options.bin / "render_client", *connect, "--headless", "--size", "640x360",
+                                   "--stats", stats, *(["--sync"] if options.sync else [])],
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for index, server in enumerate(servers):
             try:
                 # A recording plays slower where there are fewer cores than it wants.
@@ -123,11 +128,12 @@ def main():
         drops = camera["drops"]
         print(f"{camera['name']}: captured {camera['frames_captured']} = {camera['frames_received']} received + "
               f"{drops['encoder_busy']} encoder busy + {drops['window_full']} window full + {drops['unaccounted']} "
-              f"unaccounted; {camera['frames_decoded']} decoded + {drops['decode_error']} not; {camera['frames_shown']} shown + "
-              f"{camera['frames_unshown']} unshown; pictures {camera['pictures']}")
+              f"unaccounted; {camera['frames_decoded']} decoded + {drops['decode_error']} not; "
+              f"{camera['frames_shown']} shown + {camera['frames_unshown']} unshown; pictures {camera['pictures']}")
         faults += [f"{camera['name']}: {fault}" for fault in account(camera)]
         if camera["frames_captured"] < 0.8 * frames:
-            faults.append(f"{camera['name']}: the client saw only {camera['frames_captured']} of {frames} frames captured")
+            faults.append(f"{camera['name']}: the client saw only {camera['frames_captured']} of {frames} "
+                          "frames captured")
     skew = statistics["view"]["skew_ms"]
     print(f"{seconds:.0f} s, {statistics['view']['frames']} views, skew p50 {skew['p50']:.1f}, p95 {skew['p95']:.1f}, "
           f"p99 {skew['p99']:.1f} ms: {len(faults)} faults")

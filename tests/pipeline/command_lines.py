@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Gives every option of every program wrong values: text for a number, nothing, NaN, negative and huge numbers. Each must be
-rejected with exit code 2 and one sentence that names the option, quotes the value and says what is allowed.
+"""Gives every option of every program wrong values: text for a number, nothing, NaN, negative and huge numbers. Each
+must be rejected with exit code 2 and one sentence that names the option, quotes the value and says what is allowed.
 
   tests/pipeline/command_lines.py [--bin FOLDER]
 
@@ -12,15 +12,15 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-PROGRAMS = [["capture_server"], ["render_client"], ["depth_bench"], ["view_bench"], ["simulate_kinect"], ["record", "cut"],
-            ["record", "repair"], ["record", "from-images"], ["calibrate", "intrinsics"], ["calibrate", "markers"],
-            ["calibrate", "refine"], ["calibrate", "check"]]
+PROGRAMS = [["capture_server"], ["render_client"], ["depth_bench"], ["view_bench"], ["simulate_kinect"],
+            ["record", "cut"], ["record", "repair"], ["record", "from-images"], ["calibrate", "intrinsics"],
+            ["calibrate", "markers"], ["calibrate", "refine"], ["calibrate", "check"]]
 NUMBERS = ["foo", "", "nan", "1;2", "-1e99", "1e99", "9" * 40, "0x", "--5"]
 WORDS = [""]
 # Those of type TEXT that take a few words, or a text of one form only.
-FORMS = {"--size", "--truth-size", "--range", "--renderer", "--view", "--unseen", "--background", "--color-matching", "--codec", "--effort", "--board-size",
-         "--dictionary", "--chessboard", "--projector-slot", "--exposure", "--white-balance", "--hole-filling", "--compute",
-         "--pace", "--unit", "--solver", "--board"}
+FORMS = {"--size", "--truth-size", "--range", "--renderer", "--view", "--unseen", "--background", "--color-matching",
+         "--codec", "--effort", "--board-size", "--dictionary", "--chessboard", "--projector-slot", "--exposure",
+         "--white-balance", "--hole-filling", "--compute", "--pace", "--unit", "--solver", "--board"}
 WRONG_FORMS = ["foo", "", "-1", "1x", "nan:nan", "infxinf"]
 # Without a value it has a meaning of its own.
 MAY_BE_EMPTY = {"--truth"}

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Plays damaged recordings to capture_server: cut off, with flipped bytes in the header, in the streams' definitions,
-in records and in payloads, with huge node ids. The server must neither crash nor hang nor use all CPU time. It must end within
-two seconds with a message, or continue to play. Damage in payloads alone is no reason to refuse a file.
+in records and in payloads, with huge node ids. The server must neither crash nor hang nor use all CPU time. It must end
+within two seconds with a message, or continue to play. Damage in payloads alone is no reason to refuse a file.
 
   tests/pipeline/damaged_recordings.py                 all 830, as docs/guide/recording.md quotes them (about 3 minutes)
   tests/pipeline/damaged_recordings.py --count 60      as the test does
   tests/pipeline/damaged_recordings.py --more --count 100 --recording FILE.oni
                                                        other kinds: all pictures of a stream damaged, records swapped,
                                                        missing or twice, one stream only,
-                                                       wrong codec, type, counts, times and positions, gaps and insertions
+                                                       wrong codec, type, counts, times and positions, gaps and
+                                                       insertions
 
 Prints the result of each kind of damage. The exit code is 0 if all tests pass."""
 import argparse
@@ -175,8 +176,8 @@ class Damage:
         return self.whole[:at] + self.random.randbytes(self.random.choice([1, 4, 512, 4096])) + self.whole[at:]
 
     def no_recording(self):
-        return self.random.choice([b"", b"NI10", self.whole[:24], self.whole[:2000], b"\x7fELF" + bytes(100), bytes(1000),
-                                   self.random.randbytes(5000), b"NI10" + self.random.randbytes(3000)])
+        return self.random.choice([b"", b"NI10", self.whole[:24], self.whole[:2000], b"\x7fELF" + bytes(100),
+                                   bytes(1000), self.random.randbytes(5000), b"NI10" + self.random.randbytes(3000)])
 
 
 # Of 83: how many of each kind.
@@ -191,8 +192,8 @@ def play(server, path, port, sanitized):
     """Returns "played", "refused" or what is wrong, with seconds and CPU seconds."""
     begin = time.monotonic()
     patience = 20 if sanitized else 1
-    # 8 GB of address space: a recording that makes the player allocate without bounds is found, not swapped. A sanitizer
-    # takes more for itself.
+    # 8 GB of address space: a recording that makes the player allocate without bounds is found, not swapped. A
+    # sanitizer takes more for itself.
     limit = "" if sanitized else "ulimit -v 8000000; "
     of_open_ni = f"suppressions={ROOT}/tests/lsan_suppressions.txt:print_suppressions=0"
     process = subprocess.Popen(["bash", "-c", limit + 'exec "$@"', "-", str(server), "--source", str(path),
@@ -246,7 +247,8 @@ def main():
     parser.add_argument("--recording", type=pathlib.Path, default=ROOT / "data/recordings/camera0.oni")
     parser.add_argument("--more", action="store_true", help="the other kinds")
     parser.add_argument("--sanitized", action="store_true",
-                        help="the programs are built with a sanitizer: they may take more memory and twenty times as long")
+                        help="the programs are built with a sanitizer: they may take more memory and twenty times "
+                             "as long")
     parser.add_argument("--keep", type=pathlib.Path, help="a folder for the files that something was wrong with")
     options = parser.parse_args()
 
@@ -285,8 +287,9 @@ def main():
         print(f"{kind:<12} " + ", ".join(f"{n} {verdict}" for verdict, n in sorted(results[kind].items())))
     for fault in faults:
         print(fault)
-    print(f"{options.count} damaged recordings: {len(faults)} faults; the longest refusal took {longest['refused']:.2f} s, "
-          f"the longest playing {longest['played']:.2f} s, the most CPU was {worst_cpu:.2f} s")
+    print(f"{options.count} damaged recordings: {len(faults)} faults; "
+          f"the longest refusal took {longest['refused']:.2f} s, the longest playing {longest['played']:.2f} s, "
+          f"the most CPU was {worst_cpu:.2f} s")
     return 1 if faults else 0
 
 

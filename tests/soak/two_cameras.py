@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Checks that memory does not grow without end. Two capture servers loop recordings for one viewer, and a second viewer
-connects and leaves every half minute. Prints the resident memory of each process, and how much of its heap is in use and
-how much is free in the allocator.
+"""Checks that memory does not grow without end. Two capture servers loop recordings for one viewer, and a second
+viewer connects and leaves every half minute. Prints the resident memory of each process, and how much of its
+heap is in use and how much is free in the allocator.
 
   tests/soak/two_cameras.py                          fifteen minutes
   tests/soak/two_cameras.py --seconds 40             as the test does
@@ -52,7 +52,8 @@ def heap_kb(folder, pid):
 
 
 def growth_a_minute(samples, column, seconds):
-    """Returns the growth in kB a minute, from the median of the run's third quarter to that of the last. Medians even out frames."""
+    """Returns the growth in kB a minute, from the median of the run's third quarter to that of the last. Medians
+    even out frames."""
     quarter = [[row[column] for row in samples if begin * seconds <= row[0] < end * seconds]
                for begin, end in ((0.5, 0.75), (0.75, 1.01))]
     if not all(quarter):
@@ -82,7 +83,8 @@ def main():
     options = parser.parse_args()
     faults, processes = [], {}
     with tempfile.TemporaryDirectory() as folder:
-        environment = {**os.environ, "LD_PRELOAD": str(options.probe.resolve()), "COPRESENCE_HEAP_PROBE": f"{folder}/heap"}
+        environment = {**os.environ, "LD_PRELOAD": str(options.probe.resolve()),
+                       "COPRESENCE_HEAP_PROBE": f"{folder}/heap"}
 
         def start(name, *command):
             processes[name] = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL,
@@ -91,7 +93,8 @@ def main():
         connect = []
         for index, recording in enumerate(options.recordings):
             address = f"127.0.0.1:{options.port + index}"
-            start(f"server{index}", options.bin / "capture_server", "--source", recording, "--loop", "--listen", address)
+            start(f"server{index}", options.bin / "capture_server", "--source", recording, "--loop",
+                  "--listen", address)
             connect += ["--connect", address]
         viewer = [options.bin / "render_client", *connect, "--headless"]
         start("client", *viewer, "--stats", f"{folder}/stats.json")
@@ -101,8 +104,8 @@ def main():
         while (now := time.monotonic() - begin) < options.seconds:
             time.sleep(EVERY_S)
             if now > guest_at and (guest is None or guest.poll() is not None):
-                guest = subprocess.Popen([*viewer, "--size", "320x180", "--frames", str(VIEWS)], stdout=subprocess.DEVNULL,
-                                         stderr=subprocess.DEVNULL)
+                guest = subprocess.Popen([*viewer, "--size", "320x180", "--frames", str(VIEWS)],
+                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
                 guest_at = now + VIEWER_EVERY_S
             for name, process in processes.items():
                 if process.poll() is not None:

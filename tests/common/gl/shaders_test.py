@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs the reference compiler on every shader, because a driver may accept code that other drivers reject. A shader whose
-class passes constants to it has sample values in a line `// checked with: -DNAME=VALUE ...`."""
+"""Runs the reference compiler on every shader, because a driver may accept code that other drivers reject. A shader
+whose class passes constants to it has sample values in a line `// checked with: -DNAME=VALUE ...`."""
 import pathlib
 import re
 import shutil

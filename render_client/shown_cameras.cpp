@@ -124,7 +124,7 @@ std::vector<renderer::CameraView> ShownCameras::views(Instant now) const {
     views.push_back(camera_view(*camera.newest, camera.version, colors_.correction(i)));
     views.back().opacity = stale_.opacity(i, now);
   }
-  // They come last, so that the others keep their places in the renderer.
+  // Remembered backgrounds come last, so that the newest frames keep their places in the renderer.
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     const Camera& camera = cameras_[i];
     if (!camera.newest || !camera.remembered) continue;

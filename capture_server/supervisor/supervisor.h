@@ -42,8 +42,8 @@ struct SupervisorPolicy {
   /// Pause before a new child. The pause doubles with each crash in a row, up to `longest_pause`.
   std::chrono::milliseconds first_pause{100};
   std::chrono::milliseconds longest_pause{2000};
-  std::chrono::milliseconds healthy_after{
-      10000};              ///< If a child lives this long, its crash is the first of a new row.
+  /// If a child lives this long, its crash is the first of a new row.
+  std::chrono::milliseconds healthy_after{10000};
   int most_in_a_row = 10;  ///< The supervisor gives up after this many crashes in a row.
   /// In frames. Two crashes are at the same place if at most this many frames lie between.
   std::uint64_t same_place = 90;

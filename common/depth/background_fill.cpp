@@ -124,7 +124,8 @@ void BackgroundFill::fill_rows_without_depth() {
   int first_with = 0;
   while (first_with < depth_.height() && !has_depth(first_with)) ++first_with;
   if (first_with == depth_.height())
-    return;  // If no pixel has depth, the next frame is treated as the first frame.
+    // If no pixel has depth, the next frame is treated as the first frame.
+    return;
   const auto copy_row = [&](int from, int to) {
     std::copy_n(depth_.row(from).begin(), depth_.width(), depth_.row(to).begin());
   };

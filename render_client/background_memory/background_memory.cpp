@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kToleranceSteps = 4;  // Greatest difference within one surface, in disparity steps.
 constexpr int kBlock = 8;              // Width and height of a block, in pixels.
-constexpr int kFewestCovered = 3;      // A block with fewer such pixels does not count as covered.
-constexpr int kFewestRefuted = 8;      // A block with fewer such pixels does not count as refuted.
-constexpr int kMeanShift = 2;          // A mean follows a new value by 1 / 2^2 of the difference.
+constexpr int kFewestCovered = 3;      // A covered block has at least this many covered pixels.
+constexpr int kFewestRefuted = 8;      // A refuted block has at least this many refuted pixels.
+constexpr int kMeanShift = 2;          // A new value changes a mean by 1 / 2^2 of the difference.
 constexpr int kColorEvery = 6;         // Each row's colours are compared in one of this many frames.
 
 // Blocks around covered ones are drawn, too. So a covering object may move a little before the
@@ -33,7 +33,7 @@ constexpr std::uint32_t kFewestInRegion = 100;
 constexpr double kMostFarther = 0.25;     // Limit for Comparison::farther, as a share of `known`.
 constexpr double kLeastAgreement = 0.35;  // Limit for Comparison::agree, as a share of `known`.
 constexpr double kMostRecolored = 0.25;   // Limit for Comparison::recolored, as a share of `colored`.
-constexpr int kSameColor = 40;            // Differences of red, green and blue, added up.
+constexpr int kSameColor = 40;            // Limit for the sum of the differences of red, green and blue.
 
 // Says what a pixel shows, compared with the remembered surface. At most one flag is set.
 enum Flag : std::uint8_t { kCovered = 1, kAgrees = 2, kFarther = 4 };

@@ -86,7 +86,7 @@ class BackgroundMemory {
   Image<std::uint16_t> times_seen_;  // Number of frames in a row that agree on the candidate.
   ColorImage color_;
   Image<std::uint8_t> color_quality_;
-  std::vector<std::uint8_t> flags_;  // Of one row of pixels, filled with zeros to whole blocks.
+  std::vector<std::uint8_t> flags_;  // Flags of one row of pixels, padded with zeros to whole blocks.
   // One element per block of kBlock x kBlock pixels.
   Image<std::uint8_t> covered_pixels_;  // Whether something covers the remembered surface.
   Image<std::uint8_t> refuted_pixels_;  // Whether something farther than that surface is seen.

@@ -11,8 +11,8 @@
 
 namespace copresence::color_matching {
 
-/// The linear map from the colours of one camera to those of another (thesis 2.6.2). It is to =
-/// correction * (r, g, b, 1), with channels from 0 to 1.
+/// The linear map from the colours of one camera to those of another (thesis 2.6.2). The mapped
+/// colour is correction * (r, g, b, 1), with channels from 0 to 1.
 using ColorCorrection = Eigen::Matrix<float, 3, 4>;
 
 inline Eigen::Vector3f apply(const ColorCorrection& correction, const Eigen::Vector3f& color) {

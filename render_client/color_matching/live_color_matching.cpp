@@ -11,7 +11,7 @@ namespace {
 
 // Time between comparisons. Exposure changes within seconds, and a comparison takes a few ms.
 constexpr std::chrono::milliseconds kPeriod{500};
-// Time between comparisons while a camera has taken part in none.
+// Time between comparisons while some camera has not taken part in any comparison yet.
 constexpr std::chrono::milliseconds kFirstPeriod{50};
 
 }  // namespace

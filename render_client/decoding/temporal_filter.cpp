@@ -240,7 +240,8 @@ void TemporalFilter::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& n
   frames_since_ = static_cast<int>(std::clamp<std::uint64_t>(frame.metadata.sequence - sequence_, 1, 255));
   sequence_ = frame.metadata.sequence;
   if (!fits(frame)) return begin(frame);
-  // Colour that was missing starts again. Missing colour does not affect the depth filter.
+  // If the last frame had no colour, the mean colours start anew. Missing colour does not affect
+  // the depth filter.
   if (frame.color && !has_color_) begin_color(*frame.color);
   has_color_ = frame.color.has_value();
   // A few blocks are enough to detect that a moving camera still moves.

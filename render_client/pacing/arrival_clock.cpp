@@ -73,7 +73,7 @@ bool ArrivalClock::is_running(Instant now) const {
 }
 
 Duration ArrivalClock::patience() const {
-  // The standard deviation over the mean absolute error, for a normal distribution.
+  // The ratio of the standard deviation to the mean absolute error, for a normal distribution.
   constexpr double kDeviationsPerMean = 1.25;
   return std::clamp(scaled(jitter_, 3 * kDeviationsPerMean), kLeastPatience, kMostPatience);
 }

@@ -28,8 +28,8 @@ using viewpoint::ViewPose;
 
 /// A view can show at most this many cameras. The program checks its command line and scene file.
 inline constexpr std::size_t kMostCameras = 32;
-/// The most elements of Renderer::render()'s `cameras`: each camera's newest frame and its
-/// remembered background.
+/// Maximum number of elements of `cameras` in Renderer::render(): each camera's newest frame and
+/// its remembered background.
 inline constexpr std::size_t kMostViews = 2 * kMostCameras;
 
 /// One camera as input of a renderer.
@@ -90,8 +90,8 @@ struct HostPixels {
 };
 
 struct MergedView {
-  /// The caller sets it, from 0 up. The pictures of different targets exist at the same time. Use
-  /// one target for each eye.
+  /// The caller sets it and numbers the targets from 0. The pictures of different targets exist at
+  /// the same time. Use one target for each eye.
   int target = 0;
 
   int width = 0;

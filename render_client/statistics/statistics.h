@@ -55,8 +55,9 @@ class CameraStatistics {
     wire::FrameCounters totals;
     std::uint64_t received = 0, decoded = 0, displayed = 0, not_displayed = 0, last_displayed_sequence = 0;
     std::uint64_t color_repeated = 0, times_stale = 0;
-    std::uint64_t times_not_believed = 0;        ///< Decoded frames with implausible times.
-    std::map<std::string, std::uint64_t> drops;  ///< By cause, also for causes with 0.
+    std::uint64_t times_not_believed = 0;  ///< Decoded frames with implausible times.
+    /// Numbers by cause, including causes that have not occurred.
+    std::map<std::string, std::uint64_t> drops;
     std::uint64_t dropped = 0;
     double mbps = 0;
     flow::LatencyHistogram latency;

@@ -24,7 +24,7 @@ class EyePath {
     Eigen::Vector3d eye, look;  ///< Metres. The two points differ.
   };
 
-  /// Fails with kNotFound if the file does not exist, and otherwise as parse().
+  /// Fails with kNotFound if the file does not exist, and otherwise as parse() does.
   static Result<EyePath> load(const std::filesystem::path& path);
 
   /// `name` is the text's name in error messages. Fails with kInvalid and a message of the form

@@ -27,8 +27,8 @@ enum class DatagramFault {
 inline constexpr int kDatagramFaults = 4;
 inline constexpr std::size_t kDatagramBytes = 6 * sizeof(double);
 
-/// Reads a datagram. `received` may be only its beginning if it is too long to be valid. `size` is
-/// the size of the whole datagram.
+/// Reads a datagram. If the datagram is too long to be valid, `received` may be only its beginning.
+/// `size` is the size of the whole datagram.
 tl::expected<HeadPose, DatagramFault> read_head_pose(std::span<const std::uint8_t> received,
                                                      std::size_t size);
 

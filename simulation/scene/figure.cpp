@@ -198,7 +198,8 @@ Figure make_person(Scene& scene) {
         {0.03f, 0.060f, 0.060f, 0, 0.006f}},
        0.1f, 32);
   const auto add_to = [&](Part part, Mesh more) {
-    for (Vertex& vertex : more.vertices) vertex.uv = {0, -0.2f};  // The face pattern is plain skin here.
+    // At this point, the face pattern is plain skin.
+    for (Vertex& vertex : more.vertices) vertex.uv = {0, -0.2f};
     Mesh& mesh = figure.parts[part];
     const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());

@@ -122,7 +122,8 @@ void FigureView::light_points() {
 // The change of texture coordinates from one pixel to the next. `distance` is 1 along a row and the
 // width along a column. The change is zero if no neighbour shows the same part.
 Vector2f FigureView::uv_change(std::size_t pixel, std::size_t distance) const {
-  constexpr float kSeam = 0.05f;  // In metres. A larger change is the seam of the texture.
+  // In metres. A larger change means that a seam of the texture lies between the pixels.
+  constexpr float kSeam = 0.05f;
   const std::size_t next = pixel + distance;
   if (next < uv_.size() && hits_.part_of[next] == hits_.part_of[pixel]) {
     const Vector2f change = uv_[next] - uv_[pixel];

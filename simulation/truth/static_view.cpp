@@ -37,8 +37,8 @@ StaticView::StaticView(std::shared_ptr<const LitScene> scene, const PixelRays& r
   color_ = view_.color;
 }
 
-// Adds light to the pixels from `pixel` on, for the first rays that hit the same mesh. Returns how
-// many.
+// Adds the light of the first rays to the pixels from `pixel` on, as far as these rays hit the same
+// mesh. Returns how many.
 std::size_t StaticView::add_light(std::span<const Ray> rays, float share, std::size_t pixel) {
   std::size_t n = 1;
   while (n < rays.size() && rays[n].mesh == rays[0].mesh) ++n;

@@ -193,8 +193,8 @@ class QuantizedEncoder final : public PlaneEncoder {
   }
 
   static constexpr std::size_t kSampling = 13;  // Counts every 13th pixel.
-  static constexpr int kFramesBetweenLayouts =
-      30;  // Minimum number of frames between adaptive's own keyframes.
+  // Minimum number of frames between adaptive's own keyframes.
+  static constexpr int kFramesBetweenLayouts = 30;
   static constexpr int kFramesBetweenLooks = 10;
   // Minimum gain for a keyframe, in bits per pixel. Half a bit reduces the error by about 6 %.
   static constexpr double kWorthwhileBits = 0.5;

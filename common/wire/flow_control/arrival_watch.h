@@ -21,7 +21,8 @@ class ArrivalWatch {
   enum class Verdict {
     kAlive,
     kSilent,  ///< No byte arrived for kSilence.
-    /// A message took longer than kSilence plus its size at kSlowestPath, or kLongestMessage.
+    /// A message took longer than kLongestMessage, or longer than kSilence plus its transmission
+    /// time at kSlowestPath.
     kTooSlow,
   };
 

@@ -8,10 +8,10 @@
 // base delay (path_estimate.h) plus an allowance for queueing. There are two allowances:
 //
 // `wants_until()`: the client requests another frame. The allowance is 8 frame periods. If every
-// frame of half a second was delayed longer, the queue never empties, and the allowance becomes 2
-// periods. The allowance then grows by one period per half second. If 2 periods do not help, the
-// client requests nothing until the path is empty. This pause distinguishes a longer path from a
-// queue. The encoder pauses if no client requests a frame.
+// frame of half a second was delayed by more than that, the queue never empties, and the allowance
+// becomes 2 periods. The allowance then grows by one period per half second. If 2 periods do not
+// help, the client requests nothing until the path is empty. This pause distinguishes a longer path
+// from a queue. The encoder pauses if no client requests a frame.
 //
 // `can_accept()`: the client accepts a frame that was encoded for others, since skipping it would
 // cost a keyframe. The allowance is 500 ms, and up to 300 ms more behind a slow keyframe.

@@ -147,15 +147,15 @@ class CpuRenderer : public Renderer {
   }
 
  private:
-  // What a worker needs for one tile: those cameras that have patches in it, and their fragments.
+  // A worker's data for one tile: the cameras that have patches in it, and their fragments.
   struct Scratch {
     std::vector<MergeCamera> cameras;
     std::vector<Tile> tiles;
   };
-  // Numbers of pixels of a tile.
+  // Counts the pixels of a tile.
   struct Pixels {
-    std::size_t shown = 0;       // by any camera
-    std::size_t remembered = 0;  // of these, by a remembered background
+    std::size_t shown = 0;       // Pixels that show any camera.
+    std::size_t remembered = 0;  // Pixels that show a remembered background.
   };
 
   bool is_drawn(const CameraView& camera) const {
@@ -290,7 +290,7 @@ class CpuRenderer : public Renderer {
   std::vector<Scratch> scratch_;  // By worker.
   UnseenStyle style_;
   BackgroundExtension extension_;
-  InverseDepthView inverse_;    // Of the nearest fragments, if surfaces are extended.
+  InverseDepthView inverse_;    // Inverse depths of the nearest fragments; used if surfaces are extended.
   std::vector<Pixels> pixels_;  // By tile.
 };
 

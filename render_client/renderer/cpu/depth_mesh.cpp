@@ -105,7 +105,8 @@ class PatchBuilder {
 
  private:
   static constexpr int kSide = 17;
-  // The two bytes differ, because g++ fills memory with equal bytes by a slow instruction.
+  // The two bytes of kUnused differ, because g++ uses a slow instruction to fill memory with equal
+  // bytes.
   static constexpr std::uint16_t kUnused = 0xFFFE;
   // The position of a vertex within the patch is y << kRowBit | x.
   static constexpr int kRowBit = 5;

@@ -20,7 +20,7 @@ struct InverseDepth {
   /// more. The padding repeats the last column and row.
   Image<float> w;
 
-  /// Number of 16x16 blocks that contain all quads.
+  /// Number of 16x16 blocks that are needed to contain all quads.
   int patches_x() const { return (width + 14) / 16; }
   int patches_y() const { return (height + 14) / 16; }
 };

@@ -145,8 +145,9 @@ void Tile::fill(const Box& box, const Polygon<kEdges>& polygon, const AttributeP
   std::uint32_t* texels = texel_.data() + offset(box.top) + box.left;
   const auto left = static_cast<float>(box.left);
   if (box.right - box.left < kLanes / 2) {
-    // Most quads of a fine mesh are this narrow, so two rows are drawn at a time. The second row
-    // may lie below the box. Then it is outside the polygon, or it is the spare row of the tile.
+    // The box is at most four pixels wide, as for most quads of a fine mesh. So two rows are drawn
+    // at a time. The second row may lie below the box. Then it is outside the polygon, or it is the
+    // spare row of the tile.
     const Floats x = left + Floats{0, 1, 2, 3, 0, 1, 2, 3};
     const auto column = polygon.column(x);
     const Floats across = x - plane.x;

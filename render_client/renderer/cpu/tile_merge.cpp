@@ -287,7 +287,7 @@ class SpanMerge {
   std::span<const Tile> tiles_;
   float empty_;
   int y_ = 0;
-  const float* depths_[kMostViews];  // First elements of the span.
+  const float* depths_[kMostViews];  // Pointers to the first elements of the span.
   const std::uint32_t* texels_[kMostViews];
   float depth_of_row_[kMostViews];      // The term b y + c of MergeCamera::depth.
   float noise_per_square_[kMostViews];  // The uncertainty_per_square() of each camera.

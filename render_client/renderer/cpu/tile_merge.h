@@ -21,12 +21,12 @@ struct MergeCamera {
   Eigen::Vector4f depth;
   float calibration_error_m = 0;
   DepthNoise noise;
-  int opacity_256 = 256;  ///< 256 times the brightness of its colours.
+  int opacity_256 = 256;  ///< 256 times the brightness of the camera's colours.
   Rank rank = Rank::kLive;
   int index = 0;  ///< The camera's value in MergedView::camera.
 };
 
-/// Everything but the index. `brightness` of remembered surfaces, 0 to 1.
+/// Returns a MergeCamera without its index. `brightness` is that of remembered surfaces, 0 to 1.
 MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture,
                          float brightness);
 

@@ -30,7 +30,7 @@ Image<Ray> ray_image(const CameraModel& model) {
   return image;
 }
 
-// Returns the number of 16x16 blocks that contain all quads, as in InverseDepth.
+// Returns the number of 16x16 blocks that are needed to contain all quads, as in InverseDepth.
 int patches(int pixels) {
   return (pixels + 14) / 16;
 }

@@ -78,7 +78,8 @@ class Adjustment {
         seen_.emplace_back();
         if (observation.part == 0) middles_[observation.marker] = entry->second;
       }
-      // An unknown depth is a first guess. The guess gets the weight of a sensor's depth.
+      // If a depth is unknown, its value is a first guess. The guess gets the weight of a sensor's
+      // depth.
       const double weight = 1 / (std::pow(observation.z_m, 4));
       points_[entry->second] += weight * (poses_[observation.camera] * observation.point_in_camera());
       weights[entry->second] += weight;

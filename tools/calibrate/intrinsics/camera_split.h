@@ -3,7 +3,8 @@
 // Detects views of two cameras among views that should come from one. Thread: pure functions.
 // The reprojection error does not reveal two cameras, because wrong distances of the boards
 // compensate for much of a wrong focal length. Views of fx 580 and fx 550 fit one camera to 0.17
-// px; views of a single camera fit to 0.14 px. But the views form two groups that each agree.
+// px; views of a single camera fit to 0.14 px. But the views form two groups that each fit one
+// camera.
 
 #include <functional>
 #include <optional>

@@ -93,7 +93,8 @@ bool refine_outline(const Image<std::uint8_t>& picture, std::array<Eigen::Vector
       if (length < 6) return false;
       Eigen::Vector2d outward(along.y() / length, -along.x() / length);
       if (outward.dot(a - middle) < 0) outward = -outward;
-      // The search covers a bad first guess, within the black border cell and the white rim.
+      // The search is wide enough for a bad first guess, but stays within the black border cell and
+      // the white rim.
       const double reach = std::min(round == 0 ? 3.5 : 2.0, 0.9 * std::abs(outward.dot(a - middle)) / 3);
       std::vector<Eigen::Vector2d> points;
       const int samples = std::clamp(static_cast<int>(length), 8, 60);

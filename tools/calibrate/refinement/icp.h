@@ -59,8 +59,8 @@ struct NormalEquations {
   Eigen::VectorXd gradient;     ///< J^T W r, with the residuals r.
   /// Covariance of the gradient, from the residuals. Matches that share a block of a picture have
   /// dependent errors (Cameron and Miller 2014, dyadic clusters). So the covariance sums g g^T over
-  /// all blocks, where g is the block's part of the gradient, and subtracts what is counted twice.
-  /// Set only with Extra::kScatter.
+  /// all blocks, where g is the block's part of the gradient, and subtracts the terms that are
+  /// counted twice. Set only with Extra::kScatter.
   Eigen::MatrixXd scatter;
   /// The Jacobian J, one row per match; 0 for matches without weight. Set only with Extra::kRows.
   Eigen::MatrixXd rows;

@@ -25,7 +25,7 @@ inline constexpr double kLeastObservability = 0.01;  ///< Minimum value of Direc
 
 /// A motion of one camera that the surfaces do not determine, of length 1.
 struct Direction {
-  Eigen::Vector3d turn;   ///< Rotation vector in the world frame, as metres at the overlap's radius.
+  Eigen::Vector3d turn;   ///< Rotation vector in the world frame, times the overlap's radius, in metres.
   Eigen::Vector3d shift;  ///< Translation, world frame.
   /// Mean over the matches of the squared normal component of the motion, corrected for noise of
   /// the normals. The value is 1/3 in the corner of a room and 0 along a wall.

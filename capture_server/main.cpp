@@ -77,7 +77,8 @@ int stream(RunningSettings& settings, const wire::ListeningSocket& listening, He
   }
   const bool has_file = !settings.now().config.empty();
   flow::StopOnSignal signals(has_file ? read_again : std::function<void()>());
-  // A recording beyond the file size limit then fails with an error instead of a signal.
+  // If a recording exceeds the file size limit (ulimit -f), writing fails with an error instead of
+  // a signal.
   std::signal(SIGXFSZ, SIG_IGN);
   CaptureThread capture;
   const ServerSettings now = settings.now();

@@ -33,7 +33,8 @@ class Executor {
  public:
   virtual ~Executor() = default;
 
-  /// The largest number of jobs that run at the same time, at least 1. The caller's thread counts.
+  /// The largest number of jobs that run at the same time, at least 1. This number includes the
+  /// caller's thread.
   virtual int count() const = 0;
 
   /// Calls job(0, worker) to job(jobs - 1, worker) in any order, on any threads. Returns after all

@@ -53,7 +53,7 @@ class CameraReceiver {
   std::shared_ptr<const CameraSetup> setup_;
   std::optional<decoding::FrameDecoding> decoding_;
   decoding::FrameConditioner conditioner_;
-  std::optional<background_memory::BackgroundMemory> background_;  // null if no view shows it
+  std::optional<background_memory::BackgroundMemory> background_;  // Empty if no view shows it.
 };
 
 }  // namespace copresence::client

@@ -136,8 +136,8 @@ ChildEnd ChildProcess::wait() {
   while (true) {
     const milliseconds look = between_looks();
     const auto arrived = signals_.wait(look);
-    // This process may have been suspended or without CPU. So the step is limited to twice the time
-    // between two looks.
+    // This process may have been suspended or without CPU. So the step is limited to twice the
+    // intended time between two checks.
     const auto now = time.look(2 * look);
     const nanoseconds step = now - std::exchange(last, now);
     if (arrived.hangup) ::kill(id_, SIGHUP);

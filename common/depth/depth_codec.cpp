@@ -15,7 +15,7 @@ namespace copresence::depth {
 
 namespace {
 
-// Values of the byte before a validity mask, which says how the picture is coded.
+// Values of the byte that precedes a validity mask and states how the picture is coded.
 constexpr std::uint8_t kThroughVideo = 0, kAsResiduals = 1;
 
 // Lowest QP at 8 bits at which edges are repaired. H.264's deblocking begins to act at this QP. At

@@ -14,7 +14,8 @@ namespace copresence::flow {
 /// and our parent process forwards it.
 ///
 /// If `on_hangup` is given, SIGHUP calls it on a separate thread instead of ending the process.
-/// Signals during a call cause one more call. The destructor waits until the call returns.
+/// If signals arrive during a call, the function is called once more afterwards. The destructor
+/// waits until the call returns.
 ///
 /// Create and destroy the object on the main thread, before any other thread exists, since new
 /// threads inherit the blocked signals. Only one object may exist at a time.

@@ -9,8 +9,9 @@
 //
 // So a frame waits for frames of other cameras, but never longer than half a period. Then it is
 // shown with the nearest frames that exist, so that a stopped camera delays no other. If the
-// cameras' rates differ, the longest period counts. Between two frames of the slowest camera,
-// frames of the others are shown while they lie within half of that period. Thread: pure functions.
+// cameras' rates differ, half of the longest period is the limit. Between two frames of the slowest
+// camera, frames of the others are shown while they lie within half of that period. Thread: pure
+// functions.
 
 #include <cstddef>
 #include <optional>

@@ -4,9 +4,9 @@
 //
 // A camera is stale if its newest frame arrived longer ago than a third of the time of --stale, by
 // default 1 s. Then its opacity falls linearly. It is 0 after the time of --stale, by default 3 s.
-// The arrival time counts, so a slow but steady connection is not stale. A camera with a low frame
-// rate starts to fade after two frame periods and is gone after three. Thread: one thread at a
-// time.
+// The age is measured from the arrival, so a camera with a slow but steady connection is not stale.
+// A camera with a low frame rate starts to fade after two frame periods and is gone after three.
+// Thread: one thread at a time.
 
 #include <cstddef>
 #include <optional>

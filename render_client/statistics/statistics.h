@@ -3,7 +3,7 @@
 // Counts and measures frames and views, and writes the JSON of --stats. For each camera, it counts
 // the frames that were received, lost and displayed, and measures their latency. For the views, it
 // measures rate and rendering time. Thread: several threads may use a CameraStatistics at the same
-// time, but only one a ViewStatistics.
+// time; only one thread may use a ViewStatistics.
 
 #include <array>
 #include <cstdint>

@@ -30,8 +30,8 @@ void pick(const Runs& runs, const Image<Pixel>& image, std::vector<Pixel>& into)
 }
 
 // Changes `shown` from one frame to another. `before` and `after` are the runs in which the old and
-// the new frame differ from `background`. `pixels` are the new frame's pixels in these runs. A
-// pixel in both kinds of runs, as most pixels are, is written only once.
+// the new frame differ from `background`. `pixels` are the new frame's pixels in these runs. Most
+// pixels are in runs of both frames. Such a pixel is written only once.
 template <class Runs, class Pixel>
 void change(const Runs& before, const Runs& after, const std::vector<Pixel>& pixels,
             const Image<Pixel>& background, Image<Pixel>& shown) {

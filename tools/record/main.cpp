@@ -106,7 +106,8 @@ Result<std::string> run(const FromImagesSettings& settings) {
 // Only a lack of memory can throw here, and then the program has to end.
 // NOLINTNEXTLINE(bugprone-exception-escape).
 int main(int argc, char** argv) {
-  // Beyond a file size limit, writing then fails with an error instead of a signal.
+  // If a file exceeds the file size limit (ulimit -f), writing fails with an error instead of a
+  // signal.
   std::signal(SIGXFSZ, SIG_IGN);
   const auto settings = copresence::record::read_command_line(argc, argv);
   if (!settings) return settings.error();

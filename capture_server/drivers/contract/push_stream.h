@@ -109,7 +109,7 @@ class PushStream : public oni::driver::StreamBase {
 
  private:
   int row_bytes() const;
-  void no_picture();    // Stores that no picture exists any more.
+  void no_picture();    // Records that no picture exists any more.
   bool end_pictures();  // Waits until no picture exists. Returns false if the stream did not run.
 
   StreamOwner& owner_;

@@ -5,9 +5,9 @@
 //
 // Every sample is coded as its difference from the sample on its left. A context selects the
 // adaptive distribution for the difference. The context consists of four clamped differences. The
-// first difference is between the samples above and on the left. The others are from the sample
-// above to those at the upper left, at the upper right and in the frame before. Holes are omitted,
-// since both sides know the states. See docs/internals/codecs.md for the format.
+// first difference is between the samples above and on the left. The other three are between the
+// sample above and the samples at the upper left, at the upper right and in the frame before. Holes
+// are omitted, since both sides know the states. See docs/internals/codecs.md for the format.
 //
 // Encoder and decoder keep samples and distributions from frame to frame, until the next complete
 // picture. The decoder cannot detect damage: it decodes any bytes to some samples in bounded time.

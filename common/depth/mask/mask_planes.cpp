@@ -40,7 +40,8 @@ void spread_states(Bits bits, std::uint8_t* states, int count) {
   }
 }
 
-// Sets each bit if all (any) of the five bits around it are set. Reads `w[-1]` and `w[1]`, too.
+// Each bit of the result is set if it and the two bits on either side are all set (any_of_five():
+// if any of them is set). Reads `w[-1]` and `w[1]`, too.
 std::uint64_t all_of_five(const std::uint64_t* w) {
   return *w & (*w << 1 | w[-1] >> 63) & (*w << 2 | w[-1] >> 62) & (*w >> 1 | w[1] << 63) &
          (*w >> 2 | w[1] << 62);

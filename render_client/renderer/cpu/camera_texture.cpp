@@ -224,7 +224,7 @@ void make_texture(const RgbdFrame& frame, const Image<float>& incidences,
   Row row(frame, texture);
   for (int y = 0; y < height; ++y) {
     interpolate_row(incidences, y, between_rows, incidence_row);
-    // Pixel 0 lies half a cell to the right of the first, repeated value.
+    // The first value is a repeated one. It lies half a cell to the left of pixel 0.
     const float* const incidence = incidence_row.data() + kCell / 2;
     row.begin(y);
     for (int x = 0; x < width; x += kLanes) {

@@ -57,7 +57,7 @@ std::vector<cv::Point2f> find_chessboard(const Board& board, const cv::Mat& gray
   std::vector<cv::Point2f> corners;
   const cv::Size size(board.columns, board.rows);
   const int longer = std::max(gray.cols, gray.rows);
-  float pixel = 1;  // Pixels of the full picture per pixel of the searched one.
+  float pixel = 1;  // Number of pixels of the full picture per pixel of the searched picture.
   const auto found_in = [&](int side, bool quickly) {
     const ScaledPicture scaled(gray, side);
     // CALIB_CB_NORMALIZE_IMAGE would amplify the noise of a white rim, and a search would take 7 s.

@@ -17,7 +17,8 @@ constexpr std::ptrdiff_t kSmallestGroup = 3;  // Minimum number of views in a gr
 // Two cameras differ if a focal length or principal point differs by more than this share of the
 // focal length and this number of standard deviations.
 constexpr double kLeastDifference = 0.012, kLeastSigmas = 5;
-// A group whose views scatter less than this, relative to the corners' noise, is one camera.
+// If the parameters of a group's views scatter less than this, relative to the corners' noise, the
+// group is one camera.
 constexpr double kTightScatter = 1.5;
 // Minimum distance between the two cameras' parameters, relative to the scatter in a group.
 constexpr double kLeastDistance = 130;

@@ -246,7 +246,7 @@ double times_good_rms(const IntrinsicsFit& fit) {
 }
 
 Result<IntrinsicsFit> fit_intrinsics(std::span<const BoardView> views, int width, int height) {
-  constexpr double kAnyFieldOfView = 1;  // Any angle in radians; only the picture's size is checked.
+  constexpr double kAnyFieldOfView = 1;  // Any angle would do, since only the picture's size is checked.
   if (const auto usable = check(camera_from_field_of_view(width, height, kAnyFieldOfView)); !usable)
     return fail(usable.error());
   if (views.size() < kFewestViews) {

@@ -45,7 +45,7 @@ Error of_different_sizes(const fs::path& folder, const std::map<Size, std::vecto
 
 // Returns an error message if no camera model can have this size, rounded down to even numbers.
 std::string problem_of_size(int width, int height) {
-  constexpr double kAnyFieldOfView = 1;  // Any angle in radians; only the picture's size is checked.
+  constexpr double kAnyFieldOfView = 1;  // Any angle would do, since only the picture's size is checked.
   const auto checked = check(camera_from_field_of_view(width / 2 * 2, height / 2 * 2, kAnyFieldOfView));
   if (checked) return {};
   constexpr int kLarge = 1000;

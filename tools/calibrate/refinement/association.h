@@ -44,7 +44,7 @@ inline constexpr double kSameSurface_m = 0.05;
 
 /// How well two cameras' surfaces agree.
 struct Agreement {
-  /// Share of one camera's points that are inliers. The larger share of both cameras counts.
+  /// Share of one camera's points that are inliers: the larger of both cameras' shares.
   double overlap = 0;
   double contradicted = 0;                   ///< Violations as a share of violations and inliers.
   double median_m = 0, p95_m = 0;            ///< Distance of the inliers along the normal.

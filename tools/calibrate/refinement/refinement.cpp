@@ -17,7 +17,7 @@ namespace {
 using Pair = std::pair<std::size_t, std::size_t>;
 
 constexpr std::array<IcpLevel, 3> kCoarse{{{0.2, 10, 15}, {0.1, 10, 10}, {0.05, 10, 10}}};
-// Starting poses that come this close at the first level end at the same pose.
+// If two starting poses are this close after the first level, they would end at the same pose.
 constexpr double kMet_m = 0.005, kMet_rad = 0.004;
 constexpr std::array<IcpLevel, 2> kFine{{{0.1, 4, 20}, {0.05, 4, 40}}};
 constexpr std::array<IcpLevel, 1> kFinest{{{0.05, 2, 25}}};

@@ -37,7 +37,8 @@ struct Support {
   std::array<CellRow, kCellPx> x, y;
 };
 
-/// Elements k to k + 3 of a tile's row: the neighbours of a cell's four pixels at one offset.
+/// Returns elements k to k + 3 of a tile's row. For each of a cell's four pixels, this is the
+/// neighbour at one offset.
 template <int k>
 CellRow from(const TileRow& row) {
   return __builtin_shufflevector(row, row, k, k + 1, k + 2, k + 3);

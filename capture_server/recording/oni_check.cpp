@@ -39,8 +39,8 @@ double usual_period_us(const RecordedStream& stream) {
   double sum = 0;
   std::size_t count = 0;
   for (const std::uint64_t step : steps) {
-    // Steps between rounded times alternate around their mean. Much longer steps are pauses and
-    // much shorter ones are errors, so both are left out.
+    // If times are rounded, the steps between them alternate around their mean. Much longer steps
+    // are pauses and much shorter ones are errors, so both are left out.
     if (2 * step < *middle || step > *middle + *middle / 2) continue;
     sum += static_cast<double>(step);
     ++count;

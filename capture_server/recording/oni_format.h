@@ -102,7 +102,7 @@ inline constexpr char kUnixZeroProperty[] = "copresence.unix_zero";
 /// General property of a depth stream: for each disparity of the sensor, its depth as u16, or 0.
 inline constexpr char kDisparityTableProperty[] = "S2D";
 
-/// General property without meaning: a former footer, see recording/oni_footer.h.
+/// General property that players ignore. It contains a former footer (recording/oni_footer.h).
 inline constexpr char kFormerEndProperty[] = "copresence.end";
 
 inline constexpr std::uint32_t kMostFrames = 1 << 22;  ///< Largest number of frames in one stream: 38 hours.

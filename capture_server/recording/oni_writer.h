@@ -73,8 +73,8 @@ class OniWriter {
   /// bytes are stored unchanged. Requires ColorCoding::kJpeg.
   Result<void> write_jpeg(std::chrono::microseconds timestamp, std::span<const std::uint8_t> jpeg);
 
-  /// Completes the file up to here, so that it plays even after a crash. After new frames, a call
-  /// takes a hundred bytes of the file. Fails with kUnavailable if the disk is full.
+  /// Completes the file up to here, so that it plays even after a crash. If there are new frames, a
+  /// call adds a hundred bytes to the file. Fails with kUnavailable if the disk is full.
   Result<void> checkpoint();
 
   /// Writes seek tables and counts, and closes the file. Call it once, last. If the disk has no

@@ -159,8 +159,8 @@ class SpanMerge {
     Ints rivals{}, counting{};
     for (std::size_t i = 0; i < count(); ++i) {
       const Floats range = uncertainty[i] + nearest_uncertainty;
-      const Floats room =
-          range - (z[i] - nearest_z);  // Distance from the fragment to the end of the uncertainty range.
+      // Distance from the fragment to the end of the uncertainty range.
+      const Floats room = range - (z[i] - nearest_z);
       const Floats fading = smaller(room + room, range);
       const Ints counts = (w[i] > empty_) & (room > 0);
       rivals |= counting & counts;

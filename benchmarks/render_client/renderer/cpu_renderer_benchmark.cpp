@@ -87,6 +87,38 @@ void moved_eye(benchmark::State& state) {
 }
 BENCHMARK(moved_eye)->ArgName("cameras")->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
 
+// Measures the same with extended surfaces in the parts that no camera sees.
+void extended_view(benchmark::State& state) {
+  Room room(2);
+  const ViewPose eye = orbiting_eye(1280, 720, 10, 2);
+  InlineExecutor workers;
+  const auto renderer = make_cpu_renderer(workers);
+  renderer->set_unseen({.show = UnseenStyle::Show::kExtend});
+  MergedView view;
+  for (auto _ : state) benchmark::DoNotOptimize(renderer->render(room.cameras, eye, {.color = true}, view));
+  state.counters["extended"] = view.shares->extended;
+}
+BENCHMARK(extended_view)->Unit(benchmark::kMillisecond);
+
+// Measures a new frame of a remembered background, which fills a tenth of the picture.
+void new_remembered_background(benchmark::State& state) {
+  Room room(1);
+  for (int y = 0; y < room.frames[0].depth.height(); ++y) {
+    const auto row = room.frames[0].depth.row(y);
+    std::fill(row.begin(), row.begin() + 250, std::uint16_t{0});
+    std::fill(row.begin() + 314, row.end(), std::uint16_t{0});
+  }
+  room.cameras[0].is_remembered = true;
+  InlineExecutor workers;
+  const auto renderer = make_cpu_renderer(workers);
+  renderer->set_unseen({.show = UnseenStyle::Show::kExtend});
+  for (auto _ : state) {
+    ++room.cameras[0].version;
+    renderer->prepare(room.cameras);
+  }
+}
+BENCHMARK(new_remembered_background)->Unit(benchmark::kMillisecond);
+
 // Measures making the mesh and texture of one camera's frame.
 void new_frame(benchmark::State& state) {
   Room room(1);
@@ -150,7 +182,7 @@ void merge(benchmark::State& state) {
     d.vertices.resize(d.mesh.vertices());
     d.extents.resize(d.mesh.patches.size());
     project_patches(d.mesh, 0, d.mesh.patches.size(), d.matrix, near_m, d.vertices, d.extents);
-    sources.push_back(merge_camera(room.cameras[i], eye, d.texture));
+    sources.push_back(merge_camera(room.cameras[i], eye, d.texture, 1));
   }
   MergedView view;
   view.width = eye.intrinsics.width;

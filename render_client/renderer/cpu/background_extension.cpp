@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
+#include "render_client/renderer/cpu/lanes.h"
 #include "render_client/renderer/extension_rules.h"
 
 namespace copresence::renderer {
@@ -18,30 +21,14 @@ constexpr float kDiagonal = 1.41421356F;
 constexpr float kSmallestW = 1 / kFarthestM;
 constexpr float kLeastOpacity = 1.0F / 255;
 
+constexpr float kLeastShare = 1e-4F;      // Keeps sums of shares above 0.
+constexpr float kAboveAnyInverse = 1e9F;  // Larger than any inverse depth.
+
+static_assert(kExtensionBlock == kLanes, "a row of a block is treated at once");
+
 bool is_same_surface(float w, float other) {
   return std::abs(w - other) <= kSameSurface;
 }
-
-struct Mean {
-  float w = 0, r = 0, g = 0, b = 0, weight = 0;
-
-  template <class Surface>
-  void add(const Surface& surface, float share) {
-    w += share * surface.w;
-    r += share * surface.r;
-    g += share * surface.g;
-    b += share * surface.b;
-    weight += share;
-  }
-  template <class Surface>
-  void store(Surface& surface) const {
-    const float scale = 1 / weight;
-    surface.w = w * scale;
-    surface.r = r * scale;
-    surface.g = g * scale;
-    surface.b = b * scale;
-  }
-};
 
 }  // namespace
 
@@ -57,7 +44,13 @@ std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const Came
   estimates_.resize(count);
   smoothed_.resize(count);
   workers.run(height_, [&](int y, int) {
-    for (int x = 0; x < width_; ++x) blocks_[index(x, y)] = summarise(seen, view.color, x, y);
+    for (int x = 0; x < width_; ++x) blocks_[index(x, y)] = find_farthest(seen, x, y);
+  });
+  mark_near_gaps();
+  workers.run(height_, [&](int y, int) {
+    for (int x = 0; x < width_; ++x) {
+      if (is_near_gap_[index(x, y)]) average_farthest(seen, view.color, x, y, blocks_[index(x, y)]);
+    }
   });
   workers.run(static_cast<int>(kDirections.size()), [&](int direction, int) {
     find_sources(kDirections[direction][0], kDirections[direction][1], sources_[direction]);
@@ -83,37 +76,71 @@ std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const Came
   return std::accumulate(filled_.begin(), filled_.end(), std::size_t{0});
 }
 
-BackgroundExtension::Block BackgroundExtension::summarise(const InverseDepthView& seen,
-                                                          const Image<Rgba8>& color, int block_x,
-                                                          int block_y) const {
-  const int left = block_x * kExtensionBlock, right = std::min(left + kExtensionBlock, seen.width());
+// Finds out whether the block is a gap, and the smallest inverse depth of its pixels.
+BackgroundExtension::Block BackgroundExtension::find_farthest(const InverseDepthView& seen, int block_x,
+                                                              int block_y) {
+  const int left = block_x * kExtensionBlock, columns = std::min(kExtensionBlock, seen.width() - left);
   const int top = block_y * kExtensionBlock, bottom = std::min(top + kExtensionBlock, seen.height());
-  constexpr float kNone = 1e9F;
+  const Ints inside = ramp() < static_cast<float>(columns);
+  Floats least = all(kAboveAnyInverse);
+  Ints empty{};
+  for (int y = top; y < bottom; ++y) {
+    const auto w = load_first<Floats>(&seen(left, y), columns);
+    const Ints is_seen = w > 0;
+    empty |= inside & ~is_seen;
+    least = is_seen ? smaller(least, w) : least;
+  }
   Block block;
-  float farthest = kNone;
-  for (int y = top; y < bottom; ++y) {
-    const float* const row = seen.row(y).data();
-    for (int x = left; x < right; ++x) {
-      if (row[x] > 0) {
-        farthest = std::min(farthest, row[x]);
-      } else {
-        block.is_gap = true;
-      }
-    }
-  }
-  if (farthest == kNone) return block;
-  Mean mean;
-  for (int y = top; y < bottom; ++y) {
-    const float* const row = seen.row(y).data();
-    const Rgba8* const colors = color.row(y).data();
-    for (int x = left; x < right; ++x) {
-      if (row[x] <= 0 || row[x] > farthest + kOwnSurface) continue;
-      const Rgba8 pixel = colors[x];
-      mean.add(Block{row[x], float(pixel.r), float(pixel.g), float(pixel.b)}, 1);
-    }
-  }
-  mean.store(block);
+  block.is_gap = bits(empty) != 0;
+  float farthest = kAboveAnyInverse;
+  for (int lane = 0; lane < kLanes; ++lane) farthest = std::min(farthest, least[lane]);
+  if (farthest < kAboveAnyInverse) block.w = farthest;
   return block;
+}
+
+// Marks the blocks whose surface and colour may be asked for: gaps, and the blocks around them.
+void BackgroundExtension::mark_near_gaps() {
+  constexpr int kAround = 4;  // A source looks at the three blocks behind the one beside the gap.
+  Image<std::uint8_t> rows(width_, height_), near(width_, height_);
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      if (!blocks_[index(x, y)].is_gap) continue;
+      const int first = std::max(0, x - kAround), last = std::min(width_ - 1, x + kAround);
+      std::fill_n(&rows(first, y), last - first + 1, std::uint8_t{1});
+    }
+  }
+  for (int y = 0; y < height_; ++y) {
+    for (int row = std::max(0, y - kAround); row <= std::min(height_ - 1, y + kAround); ++row) {
+      for (int x = 0; x < width_; ++x) near(x, y) |= rows(x, row);
+    }
+  }
+  is_near_gap_.assign(near.pixels().begin(), near.pixels().end());
+}
+
+// Replaces the smallest inverse depth of a block by the mean of its farthest surface.
+void BackgroundExtension::average_farthest(const InverseDepthView& seen, const Image<Rgba8>& color,
+                                           int block_x, int block_y, Block& block) {
+  if (block.w == 0) return;
+  const int left = block_x * kExtensionBlock, columns = std::min(kExtensionBlock, seen.width() - left);
+  const int top = block_y * kExtensionBlock, bottom = std::min(top + kExtensionBlock, seen.height());
+  const float nearest = block.w + kOwnSurface;
+  Floats w_sum{}, r{}, g{}, b{};
+  Ints count{};
+  for (int y = top; y < bottom; ++y) {
+    const auto w = load_first<Floats>(&seen(left, y), columns);
+    const auto pixels = load_first<Ints>(&color(left, y), columns);
+    const Ints counts = (w > 0) & (w <= nearest);
+    count -= counts;
+    w_sum += counts ? w : Floats{};
+    r += as_floats(counts & pixels & 255);
+    g += as_floats(counts & (pixels >> 8) & 255);
+    b += as_floats(counts & (pixels >> 16) & 255);
+  }
+  const float scale = 1 / sum(as_floats(count));
+  block.w = sum(w_sum) * scale;
+  block.r = sum(r) * scale;
+  block.g = sum(g) * scale;
+  block.b = sum(b) * scale;
 }
 
 // Finds the source of each block in the direction (-dx, -dy).
@@ -178,10 +205,9 @@ BackgroundExtension::Block BackgroundExtension::estimate(std::size_t at) const {
       candidates[count++] = {std::min(w, most_w), from.r, from.g, from.b,
                              1 / (1 + length * static_cast<float>(source.distance))};
     };
-    constexpr float kAny = 1e9F;
     if (one.block < 0 && other.block < 0) continue;
     if (one.block < 0 || other.block < 0) {
-      add_alone(one.block < 0 ? other : one, kAny);
+      add_alone(one.block < 0 ? other : one, kAboveAnyInverse);
       continue;
     }
     const Block &from_one = blocks_[one.block], &from_other = blocks_[other.block];
@@ -266,64 +292,80 @@ float BackgroundExtension::opacity_at(const ViewPose& eye, int x, int y, float w
 
 std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, const UnseenStyle& style,
                                           MergedView& view) const {
-  const bool has_depth = view.depth_m.width() == view.width;
-  constexpr float kScale = 1.0F / kExtensionBlock;
-  const float block_y = (static_cast<float>(y) + 0.5F) * kScale - 0.5F;
+  const float block_y = (static_cast<float>(y) + 0.5F) / kExtensionBlock - 0.5F;
   const int top = std::clamp(static_cast<int>(std::floor(block_y)), 0, std::max(0, height_ - 2));
   const float down = std::clamp(block_y - static_cast<float>(top), 0.0F, 1.0F);
-  const int next_y = std::min(top + 1, height_ - 1);
-  const Rgb8 background = style.background;
-  constexpr float kLeastShare = 1e-4F;
   std::size_t filled = 0;
-  // Means over the blocks on the farthest surface, for the left and right column of blocks beside
-  // the pixel. They are computed once per `column`.
-  int column = -1;
-  std::array<Mean, 2> sides;
-  std::array<float, 2> opacities{0, 0};
-  for (int x = 0; x < view.width; ++x) {
-    if (seen(x, y) > 0) continue;
-    const float block_x = (static_cast<float>(x) + 0.5F) * kScale - 0.5F;
-    const int left = std::clamp(static_cast<int>(std::floor(block_x)), 0, std::max(0, width_ - 2));
-    const float right = std::clamp(block_x - static_cast<float>(left), 0.0F, 1.0F);
-    if (left != column) {
-      column = left;
-      const int next_x = std::min(left + 1, width_ - 1);
-      const std::array blocks{&estimates_[index(left, top)], &estimates_[index(left, next_y)],
-                              &estimates_[index(next_x, top)], &estimates_[index(next_x, next_y)]};
-      float farthest = 1e9F;
-      for (const Block* const block : blocks) {
-        if (block->w > 0) farthest = std::min(farthest, block->w);
-      }
-      sides = {};
-      opacities = {0, 0};
-      for (std::size_t i = 0; i < blocks.size(); ++i) {
-        if (blocks[i]->w == 0 || !is_same_surface(blocks[i]->w, farthest)) continue;
-        const float share = i % 2 == 0 ? 1 - down : down;
-        sides[i / 2].add(*blocks[i], share + kLeastShare);
-        opacities[i / 2] += (share + kLeastShare) * blocks[i]->opacity;
-      }
-    }
-    const float one = 1 - right + kLeastShare, other = right + kLeastShare;
-    const auto between = [&](float a, float b) { return one * a + other * b; };
-    const float weight = between(sides[0].weight, sides[1].weight);
-    const float opacity_sum = between(opacities[0], opacities[1]);
-    Rgba8& pixel = view.color(x, y);
-    pixel = {background.r, background.g, background.b, 0};
-    if (weight == 0 || opacity_sum < kLeastOpacity * weight) continue;
-    const float scale = 1 / weight, opacity = opacity_sum * scale,
-                surface = opacity * style.brightness() * scale;
-    const auto blend = [&](float a, float b, std::uint8_t behind) {
-      return static_cast<std::uint8_t>(surface * between(a, b) + (1 - opacity) * behind + 0.5F);
-    };
-    pixel = {blend(sides[0].r, sides[1].r, background.r), blend(sides[0].g, sides[1].g, background.g),
-             blend(sides[0].b, sides[1].b, background.b), 255};
-    if (has_depth) {
-      view.depth_m(x, y) = weight / between(sides[0].w, sides[1].w);
-      view.origin(x, y) = Origin::kExtended;
-    }
-    ++filled;
+  // Eight pixels at a time, from the middle of a block to the middle of the next.
+  for (int left = -1; left < width_; ++left) {
+    const int x = left * kExtensionBlock + kExtensionBlock / 2;
+    const int first = std::max(x, 0), columns = std::min(x + kLanes, view.width) - first;
+    if (columns <= 0) continue;
+    const auto w = load_first<Floats>(&seen(first, y), columns);
+    const Ints empty = (w <= 0) & (ramp() < static_cast<float>(columns));
+    if (bits(empty) == 0) continue;
+    const int pair = std::clamp(left, 0, std::max(0, width_ - 2));
+    const float before =
+        (static_cast<float>(first) + 0.5F) / kExtensionBlock - 0.5F - static_cast<float>(pair);
+    const Floats right = smaller(larger(all(before) + ramp() / kExtensionBlock, Floats{}), all(1.0F));
+    filled += fill_pixels(first, y, columns, empty, right, surfaces_between(pair, top, down), style, view);
   }
   return filled;
+}
+
+// Returns the four blocks around a pixel, mixed vertically. Only blocks on the farthest of their
+// surfaces count.
+BackgroundExtension::Surfaces BackgroundExtension::surfaces_between(int left, int top, float down) const {
+  const int next_x = std::min(left + 1, width_ - 1), next_y = std::min(top + 1, height_ - 1);
+  const std::array blocks{&estimates_[index(left, top)], &estimates_[index(left, next_y)],
+                          &estimates_[index(next_x, top)], &estimates_[index(next_x, next_y)]};
+  float farthest = kAboveAnyInverse;
+  for (const Block* const block : blocks) {
+    if (block->w > 0) farthest = std::min(farthest, block->w);
+  }
+  Surfaces surfaces;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (blocks[i]->w == 0 || !is_same_surface(blocks[i]->w, farthest)) continue;
+    const float share = (i % 2 == 0 ? 1 - down : down) + kLeastShare;
+    surfaces.sides[i / 2].add(*blocks[i], share);
+    surfaces.opacities[i / 2] += share * blocks[i]->opacity;
+  }
+  return surfaces;
+}
+
+// Fills the `empty` ones of the pixels from (x, y) on. `right` is the share of the right surface.
+// Returns the number of pixels filled.
+std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const Ints& empty,
+                                             const Floats& right, const Surfaces& surfaces,
+                                             const UnseenStyle& style, MergedView& view) {
+  const Floats one = 1 - right + kLeastShare, other = right + kLeastShare;
+  const auto between = [&](float a, float b) { return one * a + other * b; };
+  const auto& [left_side, right_side] = surfaces.sides;
+  const Floats weight = between(left_side.weight, right_side.weight);
+  const Floats opacity_sum = between(surfaces.opacities[0], surfaces.opacities[1]);
+  const Ints fills = empty & (weight > 0) & (opacity_sum >= kLeastOpacity * weight);
+  const Floats scale = 1 / larger(weight, all(kLeastShare));
+  const Floats opacity = opacity_sum * scale, brightness = opacity * style.brightness() * scale;
+  const auto blend = [&](float a, float b, std::uint8_t behind) {
+    return truncated(brightness * between(a, b) + (1 - opacity) * static_cast<float>(behind) + 0.5F);
+  };
+  const Rgb8 back = style.background;
+  const Ints surface =
+      blend(left_side.r, right_side.r, back.r) | blend(left_side.g, right_side.g, back.g) << 8 |
+      blend(left_side.b, right_side.b, back.b) << 16 | static_cast<std::int32_t>(0xFF000000U);
+  const Ints background = all(back.r | back.g << 8 | back.b << 16);
+  const auto shown = load_first<Ints>(&view.color(x, y), columns);
+  const Ints pixels = fills ? surface : empty ? background : shown;
+  std::memcpy(static_cast<void*>(&view.color(x, y)), &pixels, columns * sizeof(Rgba8));
+  if (view.depth_m.width() == view.width) {
+    const Floats depth = weight / larger(between(left_side.w, right_side.w), all(kLeastShare));
+    for (int lane = 0; lane < columns; ++lane) {
+      if (!fills[lane]) continue;
+      view.depth_m(x + lane, y) = depth[lane];
+      view.origin(x + lane, y) = Origin::kExtended;
+    }
+  }
+  return static_cast<std::size_t>(std::popcount(bits(fills)));
 }
 
 }  // namespace copresence::renderer

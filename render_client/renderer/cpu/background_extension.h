@@ -13,6 +13,7 @@
 
 #include "common/executor.h"
 #include "common/frame/image.h"
+#include "render_client/renderer/cpu/lanes.h"
 #include "render_client/renderer/renderer.h"
 
 namespace copresence::renderer {
@@ -43,7 +44,37 @@ class BackgroundExtension {
 
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
-  Block summarise(const InverseDepthView& seen, const Image<Rgba8>& color, int block_x, int block_y) const;
+  /// Sums up blocks with weights.
+  struct Mean {
+    float w = 0, r = 0, g = 0, b = 0, weight = 0;
+
+    template <class Surface>
+    void add(const Surface& surface, float share) {
+      w += share * surface.w;
+      r += share * surface.r;
+      g += share * surface.g;
+      b += share * surface.b;
+      weight += share;
+    }
+    template <class Surface>
+    void store(Surface& surface) const {
+      const float scale = 1 / weight;
+      surface.w = w * scale;
+      surface.r = r * scale;
+      surface.g = g * scale;
+      surface.b = b * scale;
+    }
+  };
+  /// The surfaces left and right of a pixel.
+  struct Surfaces {
+    std::array<Mean, 2> sides;
+    std::array<float, 2> opacities{0, 0};  // Summed with the weights of `sides`.
+  };
+
+  static Block find_farthest(const InverseDepthView& seen, int block_x, int block_y);
+  void mark_near_gaps();
+  static void average_farthest(const InverseDepthView& seen, const Image<Rgba8>& color, int block_x,
+                               int block_y, Block& block);
   void find_sources(int dx, int dy, std::vector<Source>& sources) const;
   Source source_at(int x, int y, int dx, int dy) const;
   Block estimate(std::size_t block) const;
@@ -56,11 +87,15 @@ class BackgroundExtension {
   };
   void list_pictures(const ViewPose& eye, std::span<const CameraView> cameras);
   float opacity_at(const ViewPose& eye, int x, int y, float w) const;
+  Surfaces surfaces_between(int left, int top, float down) const;
+  static std::size_t fill_pixels(int x, int y, int columns, const Ints& empty, const Floats& right,
+                                 const Surfaces& surfaces, const UnseenStyle& style, MergedView& view);
   std::size_t fill_row(int y, const InverseDepthView& seen, const UnseenStyle& style, MergedView& view) const;
 
   int width_ = 0, height_ = 0;  // In blocks.
   std::vector<Picture> pictures_;
   std::vector<Block> blocks_, estimates_, smoothed_;
+  std::vector<std::uint8_t> is_near_gap_;  // By block.
   std::array<std::vector<Source>, 8> sources_;
   std::vector<std::size_t> filled_;  // Number of filled pixels by row of blocks.
 };

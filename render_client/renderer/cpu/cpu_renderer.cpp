@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "render_client/renderer/cpu/block_stitching.h"
 #include "render_client/renderer/cpu/camera_texture.h"
 #include "render_client/renderer/cpu/depth_mesh.h"
+#include "render_client/renderer/cpu/lanes.h"
 #include "render_client/renderer/cpu/tile_merge.h"
 
 namespace copresence::renderer {
@@ -213,7 +215,8 @@ class CpuRenderer : public Renderer {
 
   // Finishes a tile: sets the background's colour and the origins, and counts the shown pixels.
   void mark_unseen(int tile, int top, int rows, HostPixels wanted, MergedView& view) {
-    const Rgba8 background{style_.background.r, style_.background.g, style_.background.b, 0};
+    const Rgb8 color = style_.background;
+    const Ints background = all(color.r | color.g << 8 | color.b << 16);
     const auto origin = [this](std::uint8_t camera) {
       if (camera == kNoCamera) return Origin::kEmpty;
       return merge_cameras_[camera].rank == Rank::kRemembered ? Origin::kRemembered : Origin::kSeen;
@@ -223,12 +226,16 @@ class CpuRenderer : public Renderer {
         for (int x = 0; x < view.width; ++x) view.origin(x, y) = origin(view.camera(x, y));
       }
       if (!wanted.color) continue;
-      std::size_t shown = 0;
-      for (Rgba8& pixel : view.color.row(y)) {
-        shown += pixel.a != 0;
-        if (pixel.a == 0) pixel = background;
+      Ints shown{};
+      for (int x = 0; x < view.width; x += kLanes) {
+        const int count = std::min(kLanes, view.width - x);
+        const auto pixels = load_first<Ints>(&view.color(x, y), count);
+        const Ints is_shown = pixels < 0;  // Alpha is 255.
+        shown -= is_shown;
+        const Ints finished = is_shown ? pixels : background;
+        std::memcpy(static_cast<void*>(&view.color(x, y)), &finished, count * sizeof(Rgba8));
       }
-      pixels_[tile].shown += shown;
+      pixels_[tile].shown += static_cast<std::size_t>(sum(as_floats(shown)));
     }
   }
 

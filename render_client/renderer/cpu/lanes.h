@@ -54,6 +54,15 @@ void store(Scalar* to, const Vector& v) {
   std::memcpy(to, &v, sizeof v);
 }
 
+/// Loads the first `count` lanes, and at most all. The others are 0.
+template <class Vector, class Scalar>
+Vector load_first(const Scalar* from, int count) {
+  if (count >= kLanes) return load<Vector>(from);
+  Vector v{};
+  std::memcpy(&v, from, count * sizeof *from);
+  return v;
+}
+
 /// Loads lanes 0 to 3 from `from`, and lanes 4 to 7 from `from + second_half`.
 template <class Vector, class Scalar>
 Vector load_halves(const Scalar* from, std::ptrdiff_t second_half) {

@@ -53,6 +53,7 @@ using command_line::one_of;
 using command_line::some;
 using command_line::whole_number;
 using hole_filling::Compute;
+using Filter = temporal_filter::Mode;
 using Pace = sensor::SourceSettings::Pace;
 
 std::vector<std::pair<std::string, hole_filling::Method>> methods_by_name() {
@@ -101,6 +102,12 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
   app.add_option("--hole-filling", settings.hole_filling, "off, median, bilateral or joint")
       ->default_str("joint")
       ->transform(one_of(methods_by_name()));
+  app.add_option(
+         "--temporal-filter", settings.temporal_filter,
+         "auto: keep depth and colour of static surfaces still before coding, except with --depth-qp 0 "
+         "and while the camera moves; off: never")
+      ->default_str("auto")
+      ->transform(one_of<Filter>({{"auto", Filter::kAuto}, {"off", Filter::kOff}}));
   add_depth_range(app, "--range", settings.range, "depth range to keep, NEAR:FAR in metres");
   app.add_option("--compute", settings.compute,
                  "where holes are filled: auto (gl on a GPU, else cpu), gl or cpu")

@@ -9,7 +9,6 @@
 
 #include "render_client/background_memory/background_memory.h"
 #include "render_client/decoding/depth_smoothing.h"
-#include "render_client/decoding/temporal_filter.h"
 
 namespace copresence::decoding {
 namespace {
@@ -56,13 +55,6 @@ void run(benchmark::State& state, const std::vector<RgbdFrame>& frames, Filter f
     benchmark::DoNotOptimize(frame.depth.data());
   }
 }
-
-void temporal_filter(benchmark::State& state) {
-  TemporalFilter filter;
-  run(state, noisy_frames(static_cast<int>(state.range(0))),
-      [&](RgbdFrame& frame) { filter.apply(frame, DepthUnit::kMillimetre, kKinectV1Noise); });
-}
-BENCHMARK(temporal_filter)->ArgName("turn_px")->Arg(0)->Arg(5)->Unit(benchmark::kMillisecond);
 
 void depth_smoothing(benchmark::State& state) {
   DepthSmoothing smoothing;

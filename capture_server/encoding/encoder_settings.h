@@ -6,6 +6,7 @@
 #include <string>
 
 #include "capture_server/hole_filling/hole_filler.h"
+#include "capture_server/temporal_filter/temporal_filter.h"
 #include "common/frame/depth_unit.h"
 
 namespace copresence::server {
@@ -27,6 +28,7 @@ struct EncodingSettings {
   EncoderSettings encoder;
   hole_filling::Method hole_filling = hole_filling::Method::kJoint;
   hole_filling::Compute compute = hole_filling::Compute::kAuto;
+  temporal_filter::Mode temporal_filter = temporal_filter::Mode::kAuto;
   DepthRange range;
 };
 

@@ -29,6 +29,11 @@ Result<void> check_scene_fits(const sensor::SensorDescription& sensor, const sce
                           sensor.depth.height));
 }
 
+/// Whether frames are filtered over time. Lossless frames must be as the sensor measured them.
+bool filters(temporal_filter::Mode mode, const EncoderSettings& settings) {
+  return mode == temporal_filter::Mode::kAuto && !settings.is_lossless();
+}
+
 video::VideoSettings video_settings(const EncoderSettings& settings) {
   return {video::Preset::kLive, settings.depth_qp, settings.depth_kbps, settings.color_kbps};
 }
@@ -78,25 +83,42 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   stream.world_from_camera = sensor.world_from_camera.value_or(Rigid3{});
   stream.codec = depth->description();
 
+  stream.is_temporally_filtered = filters(settings.temporal_filter, settings.encoder);
+
   auto video = video::FrameEncoder::open(stream, video_settings(settings.encoder));
   if (!video) return fail(video.error());
-  return FrameEncoding(std::move(stream), std::move(*registration), std::move(*filler), std::move(*depth),
-                       std::move(*video));
+  FrameEncoding encoding(std::move(stream), std::move(*registration), std::move(*filler), std::move(*depth),
+                         std::move(*video), settings.temporal_filter);
+  encoding.choose_filters(settings.encoder);
+  return encoding;
 }
 
 FrameEncoding::FrameEncoding(StreamDescription description, registration::Registration registration,
                              std::unique_ptr<hole_filling::HoleFiller> filler, depth::Encoder depth,
-                             video::FrameEncoder video)
+                             video::FrameEncoder video, temporal_filter::Mode temporal_filter)
     : description_(std::move(description)),
       registration_(std::move(registration)),
       filler_(std::move(filler)),
+      temporal_filter_(temporal_filter),
       depth_(std::move(depth)),
       video_(std::move(video)) {}
+
+void FrameEncoding::choose_filters(const EncoderSettings& settings) {
+  if (!filters(temporal_filter_, settings)) {
+    filters_.reset();
+  } else if (!filters_) {
+    const CameraModel& model = description_.model;
+    filters_.emplace(
+        temporal_filter::DepthFilter(model.width, model.height, description_.unit, description_.noise),
+        temporal_filter::ColorFilter());
+  }
+}
 
 Result<void> FrameEncoding::change_settings(const EncoderSettings& settings) {
   const auto other_stream = video_.change(video_settings(settings));
   if (!other_stream) return fail(other_stream.error());
   depth_.set_lossless(settings.is_lossless());
+  choose_filters(settings);
   keyframe_due_ = keyframe_due_ || *other_stream;
   return {};
 }
@@ -114,8 +136,11 @@ Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Execu
   Result<PlanarDepth> depth;
   const auto fill = [&] {
     filling = filler_->fill(frame);
+    if (filling && filters_) filters_->depth.apply(frame.depth, frame.state);
     filled = steady_clock::now();
   };
+  // Of the last frame: depth and colour are filtered at the same time.
+  const bool camera_moves = filters_ && filters_->depth.is_camera_moving();
   const bool fills_here = !filler_->is_free_of_threads();
   if (fills_here) fill();
   PlanarFrame planar{frame.metadata, {}, std::nullopt, frame.durations};
@@ -127,6 +152,7 @@ Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Execu
       planes = steady_clock::now();
     } else {
       color::rgb_to_yuv420(*frame.color, planar.color.emplace());
+      if (filters_) filters_->color.apply(*planar.color, camera_moves);
       video_.encode_color_ahead(planar.metadata.sequence, *planar.color, keyframe);
     }
   };

@@ -1,15 +1,20 @@
 #pragma once
 
-// Encodes a frame on the server: registration, hole filling, depth encoding, colour conversion,
-// video encoding. The client's counterpart is render_client/decoding/frame_decoding.h.
+// Encodes a frame on the server: registration, hole filling, temporal filter, depth encoding,
+// colour conversion, video encoding. The client's counterpart is
+// render_client/decoding/frame_decoding.h.
+//
 // Thread: one thread at a time.
 
 #include <memory>
+#include <optional>
 
 #include "capture_server/encoding/encoder_settings.h"
 #include "capture_server/hole_filling/hole_filler.h"
 #include "capture_server/registration/registration.h"
 #include "capture_server/sensor/frame_source.h"
+#include "capture_server/temporal_filter/color_filter.h"
+#include "capture_server/temporal_filter/depth_filter.h"
 #include "common/depth/depth_codec.h"
 #include "common/executor.h"
 #include "common/frame/coded_frame.h"
@@ -33,7 +38,7 @@ class FrameEncoding {
   const StreamDescription& description() const { return description_; }
 
   /// Changes the settings from the next frame on. Changing the depth QP, or switching between QP
-  /// and bitrate, forces a keyframe.
+  /// and bitrate, forces a keyframe. Lossless frames are not filtered over time.
   /// Fails if libx264 rejects the new settings; the old settings then stay in force.
   Result<void> change_settings(const EncoderSettings& settings);
 
@@ -42,13 +47,22 @@ class FrameEncoding {
   Result<EncodedFrame> encode(RgbdFrame frame, bool keyframe, Executor* workers = nullptr);
 
  private:
+  struct TemporalFilters {
+    temporal_filter::DepthFilter depth;
+    temporal_filter::ColorFilter color;
+  };
+
   FrameEncoding(StreamDescription description, registration::Registration registration,
                 std::unique_ptr<hole_filling::HoleFiller> filler, depth::Encoder depth,
-                video::FrameEncoder video);
+                video::FrameEncoder video, temporal_filter::Mode temporal_filter);
+
+  void choose_filters(const EncoderSettings& settings);
 
   StreamDescription description_;
   registration::Registration registration_;
   std::unique_ptr<hole_filling::HoleFiller> filler_;
+  temporal_filter::Mode temporal_filter_;
+  std::optional<TemporalFilters> filters_;  ///< empty while nothing is filtered
   depth::Encoder depth_;
   video::FrameEncoder video_;
   bool keyframe_due_ = false;

@@ -32,6 +32,9 @@ struct StreamDescription {
   DepthNoise noise;               ///< Noise of the sensor.
   double frames_per_second = 30;  ///< Nominal frame rate.
   bool has_color = false;
+  /// True if the server keeps static surfaces still before coding. False if it codes what the
+  /// sensor measured: without the filter, and if the stream began lossless.
+  bool is_temporally_filtered = false;
   bool has_pose = false;     ///< False if the server does not know its camera's pose.
   Rigid3 world_from_camera;  ///< Pose at the start of the stream; a frame's own pose takes precedence.
   DepthCodecDescription codec;

@@ -21,7 +21,7 @@ namespace copresence::wire {
 
 /// Client and server must have the same version. Increase this number with every change of the
 /// format.
-inline constexpr std::uint32_t kProtocolVersion = 6;
+inline constexpr std::uint32_t kProtocolVersion = 7;
 inline constexpr std::array<char, 8> kMagic = {'C', 'O', 'P', 'R', 'E', 'S', 'N', 'C'};
 
 inline constexpr std::size_t kHeaderBytes = 8;

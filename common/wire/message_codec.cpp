@@ -25,7 +25,7 @@ constexpr std::size_t kMaxWelcomeBytes =
 static_assert(kHelloBytes == 12 && kWelcomeBytes == 262 && kFrameHeadBytes == 96);
 
 // Flags of a Welcome and of a frame.
-constexpr std::uint8_t kHasColor = 1, kHasPose = 2;
+constexpr std::uint8_t kHasColor = 1, kHasPose = 2, kIsTemporallyFiltered = 4;
 constexpr std::uint32_t kKeyframe = 1;
 
 struct SizeRange {
@@ -167,8 +167,9 @@ Bytes encode(const Welcome& welcome) {
     to.number(static_cast<std::uint16_t>(stream.model.width));
     to.number(static_cast<std::uint16_t>(stream.model.height));
     to.number(static_cast<std::uint16_t>(stream.unit));
-    to.number(
-        static_cast<std::uint8_t>((stream.has_color ? kHasColor : 0) | (stream.has_pose ? kHasPose : 0)));
+    to.number(static_cast<std::uint8_t>((stream.has_color ? kHasColor : 0) |
+                                        (stream.has_pose ? kHasPose : 0) |
+                                        (stream.is_temporally_filtered ? kIsTemporallyFiltered : 0)));
     to.number(static_cast<std::uint8_t>(stream.codec.format));
     to.text(stream.camera);
     to.text(stream.codec.name);
@@ -295,6 +296,7 @@ Result<Welcome> decode_welcome(std::span<const std::uint8_t> body) {
   const auto flags = from.number<std::uint8_t>();
   stream.has_color = flags & kHasColor;
   stream.has_pose = flags & kHasPose;
+  stream.is_temporally_filtered = flags & kIsTemporallyFiltered;
   stream.codec.format = static_cast<PixelFormat>(from.number<std::uint8_t>());
   stream.camera = from.text();
   stream.codec.name = from.text();
@@ -304,7 +306,8 @@ Result<Welcome> decode_welcome(std::span<const std::uint8_t> body) {
     std::string name = from.text();
     stream.codec.parameters.emplace_back(std::move(name), from.real());
   }
-  if (!from.complete() || !server_time.believable || flags & ~(kHasColor | kHasPose)) {
+  if (!from.complete() || !server_time.believable ||
+      flags & ~(kHasColor | kHasPose | kIsTemporallyFiltered)) {
     return corrupt("a description of the stream that cannot be read");
   }
   if (const auto good = check(stream); !good) return corrupt(good.error().what);

@@ -34,7 +34,6 @@ void FrameConditioner::begin(const client::CameraSetup& setup, const std::option
 }
 
 void FrameConditioner::apply(RgbdFrame& frame) {
-  temporal_filter_.apply(frame, unit_, noise_);
   if (clipper_) clipper_->apply(frame);
   smoothing_.smooth(frame.depth, unit_, noise_);
 }

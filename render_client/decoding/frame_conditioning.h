@@ -10,7 +10,6 @@
 #include "common/scene/scene.h"
 #include "render_client/camera_setup/camera_setup.h"
 #include "render_client/decoding/depth_smoothing.h"
-#include "render_client/decoding/temporal_filter.h"
 
 namespace copresence::decoding {
 
@@ -30,11 +29,11 @@ class Clipper {
   std::vector<Eigen::Vector2f> rays_;  // The ray (x, y) at z = 1 of every pixel.
 };
 
-/// Filters the frames of one camera over time, clips them and smooths their depth, in this order.
+/// Clips the frames of one camera, then smooths their depth. The server has filtered them over time.
 class FrameConditioner {
  public:
-  /// Call it for every new connection, before the first frame. The temporal filter is not reset: it
-  /// detects a changed picture by itself. `clip` has world coordinates in metres.
+  /// Call it for every new connection, before the first frame. `clip` has world coordinates in
+  /// metres.
   void begin(const client::CameraSetup& setup, const std::optional<scene::Box>& clip);
 
   /// Requires begin().
@@ -43,7 +42,6 @@ class FrameConditioner {
  private:
   DepthUnit unit_ = DepthUnit::kMillimetre;
   DepthNoise noise_;
-  TemporalFilter temporal_filter_;
   std::optional<Clipper> clipper_;
   DepthSmoothing smoothing_;
 };

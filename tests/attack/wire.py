@@ -8,7 +8,7 @@ import struct
 import threading
 import time
 
-VERSION = 6
+VERSION = 7
 MAGIC = b"COPRESNC"
 
 # From the client.

@@ -17,11 +17,13 @@
 #include "capture_server/encoding/frame_encoding.h"
 #include "capture_server/hole_filling/hole_filler.h"
 #include "capture_server/sensor/source.h"
+#include "capture_server/temporal_filter/color_filter.h"
+#include "capture_server/temporal_filter/depth_filter.h"
+#include "common/color/yuv420.h"
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
 #include "common/wire/frame_client.h"
 #include "render_client/decoding/depth_smoothing.h"
-#include "render_client/decoding/temporal_filter.h"
 #include "render_client/renderer/cpu/cpu_renderer.h"
 #include "render_client/viewpoint/look_at.h"
 #include "tests/pipeline/running_room.h"
@@ -109,14 +111,19 @@ class Fidelity : public ::testing::Test {
     const DepthUnit unit = (*source)->description().unit;
     const auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
                                            {camera.model.width, camera.model.height, unit, DepthRange{}});
-    decoding::TemporalFilter temporal_filter;
+    temporal_filter::DepthFilter depth_filter(camera.model.width, camera.model.height, unit, kKinectV1Noise);
+    temporal_filter::ColorFilter color_filter;
     RgbdFrame frame;
     while (frame.metadata.sequence < sequence) {
       frame = *(*source)->next({});
       if (!sent.contains(frame.metadata.sequence)) continue;
       server::clip_to_range(frame, to_units(DepthRange{}, unit));
       EXPECT_TRUE((*filler)->fill(frame));
-      temporal_filter.apply(frame, unit, kKinectV1Noise);
+      depth_filter.apply(frame.depth, frame.state);
+      Picture coded;
+      color::rgb_to_yuv420(*frame.color, coded);
+      color_filter.apply(coded, depth_filter.is_camera_moving());
+      color::yuv420_to_rgb(coded, *frame.color);
     }
     decoding::DepthSmoothing().smooth(frame.depth, unit, kKinectV1Noise);
     return frame;

@@ -15,10 +15,12 @@
 
 #include "capture_server/encoding/frame_encoding.h"
 #include "capture_server/hole_filling/hole_filler.h"
+#include "capture_server/temporal_filter/color_filter.h"
+#include "capture_server/temporal_filter/depth_filter.h"
+#include "common/color/yuv420.h"
 #include "common/flow/worker_pool.h"
 #include "render_client/color_matching/color_matcher.h"
 #include "render_client/decoding/depth_smoothing.h"
-#include "render_client/decoding/temporal_filter.h"
 #include "render_client/renderer/cpu/cpu_renderer.h"
 #include "render_client/viewpoint/look_at.h"
 #include "simulation/sensor/simulated_kinect.h"
@@ -88,7 +90,11 @@ class MergedTruth : public ::testing::Test {
       const auto filler = hole_filling::open(hole_filling::Method::kJoint, hole_filling::Compute::kCpu,
                                              {640, 480, DepthUnit::kMillimetre, DepthRange{}});
       EXPECT_TRUE((*filler)->fill(frame));
-      filters_[i].apply(frame, DepthUnit::kMillimetre, kKinectV1Noise);
+      depth_filters_[i].apply(frame.depth, frame.state);
+      Picture coded;
+      color::rgb_to_yuv420(*frame.color, coded);
+      color_filters_[i].apply(coded, false);
+      color::yuv420_to_rgb(coded, *frame.color);
       decoding::DepthSmoothing().smooth(frame.depth, DepthUnit::kMillimetre, kKinectV1Noise);
       result.push_back(std::move(frame));
     }
@@ -161,7 +167,12 @@ class MergedTruth : public ::testing::Test {
     return 10 * std::log10(255.0 * 255.0 * 3 * areas / squares);
   }
 
-  std::array<decoding::TemporalFilter, 2> filters_;
+  static temporal_filter::DepthFilter depth_filter() {
+    return {640, 480, DepthUnit::kMillimetre, kKinectV1Noise};
+  }
+
+  std::array<temporal_filter::DepthFilter, 2> depth_filters_{depth_filter(), depth_filter()};
+  std::array<temporal_filter::ColorFilter, 2> color_filters_;
   static inline std::shared_ptr<const simulation::LitScene> world_;
   static inline std::vector<Rigid3> poses_;
   static inline std::vector<simulation::SimulatedKinect> kinects_;

@@ -3,10 +3,12 @@
 #include <stop_token>
 
 #include "capture_server/sensor/source.h"
+#include "capture_server/temporal_filter/depth_filter.h"
 
 namespace copresence::depth_bench {
 
-Result<DepthRecording> load(const std::filesystem::path& recording, const DepthRange& range, int frames) {
+Result<DepthRecording> load(const std::filesystem::path& recording, const DepthRange& range, int frames,
+                            temporal_filter::Mode temporal_filter) {
   const auto source = sensor::open_source(recording.string(), {sensor::SourceSettings::Pace::kFast, false});
   if (!source) return fail(source.error());
   const sensor::SensorDescription& description = (*source)->description();
@@ -14,6 +16,8 @@ Result<DepthRecording> load(const std::filesystem::path& recording, const DepthR
   loaded.format = {description.depth.width, description.depth.height, description.unit, range};
   loaded.levels = description.levels;
   if (const auto checked = depth::check(loaded.format); !checked) return fail(checked.error());
+  temporal_filter::DepthFilter filter(loaded.format.width, loaded.format.height, loaded.format.unit,
+                                      loaded.format.noise);
   const DepthRangeUnits units = loaded.format.units();
   while (frames == 0 || static_cast<int>(loaded.depth.size()) < frames) {
     auto frame = (*source)->next({});
@@ -27,6 +31,7 @@ Result<DepthRecording> load(const std::filesystem::path& recording, const DepthR
       frame->depth.data()[i] = 0;
       states.data()[i] = DepthState::kHole;
     }
+    if (temporal_filter == temporal_filter::Mode::kAuto) filter.apply(frame->depth, states);
     loaded.depth.push_back(std::move(frame->depth));
     loaded.states.push_back(std::move(states));
   }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "capture_server/temporal_filter/temporal_filter.h"
 #include "common/depth/depth_format.h"
 #include "common/frame/image.h"
 #include "common/result.h"
@@ -20,7 +21,9 @@ struct DepthRecording {
 };
 
 /// Loads the first `frames` frames, or all if `frames` is 0.
+/// `temporal_filter` is applied as capture_server does before coding.
 /// Fails as open_source() does, and with kEndOfStream for a recording without frames.
-Result<DepthRecording> load(const std::filesystem::path& recording, const DepthRange& range, int frames);
+Result<DepthRecording> load(const std::filesystem::path& recording, const DepthRange& range, int frames,
+                            temporal_filter::Mode temporal_filter);
 
 }  // namespace copresence::depth_bench

@@ -88,7 +88,7 @@ std::string with_suffix(const std::filesystem::path& path, const char* ending) {
 }
 
 Result<void> run(const Settings& settings) {
-  const auto recording = load(settings.recording, settings.range, settings.frames);
+  const auto recording = load(settings.recording, settings.range, settings.frames, settings.temporal_filter);
   if (!recording) return fail(recording.error());
   std::vector<Shot> shots;
   const auto rows = settings.tune ? tune_all(settings, *recording) : measure(settings, *recording, shots);

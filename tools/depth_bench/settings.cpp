@@ -64,6 +64,10 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       ->check(one_of({"live", "dense"}));
   add_depth_range(app, "--range", settings.range,
                   "depth range in metres, NEAR:FAR; other depth becomes holes");
+  app.add_option("--temporal-filter", settings.temporal_filter,
+                 "auto: filter the depth as capture_server does before coding; off (default): as recorded")
+      ->transform(one_of<temporal_filter::Mode>(
+          {{"auto", temporal_filter::Mode::kAuto}, {"off", temporal_filter::Mode::kOff}}));
   app.add_option("--json", settings.json, "file for the results as JSON")->check(writable_file());
   app.add_option(
          "--plot", settings.plot,

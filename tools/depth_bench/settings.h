@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "capture_server/temporal_filter/temporal_filter.h"
 #include "common/frame/depth_unit.h"
 #include "common/video/video_settings.h"
 
@@ -21,6 +22,7 @@ struct Settings {
   int frames = 0;  ///< 0 means all frames.
   video::Preset preset = video::Preset::kLive;
   DepthRange range;
+  temporal_filter::Mode temporal_filter = temporal_filter::Mode::kOff;
   std::optional<std::filesystem::path> json, plot;
   bool tune = false;  ///< Requires rates_kbps.
 };

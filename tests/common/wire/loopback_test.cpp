@@ -185,7 +185,7 @@ TEST(Loopback, RefusesAnotherVersionAndSaysWhatToDo) {
   const auto reject = decode_reject(body_of(*answer));
   ASSERT_TRUE(reject);
   EXPECT_EQ(reject->reason, RejectReason::kVersion);
-  EXPECT_THAT(reject->text, HasSubstr("server speaks protocol version 6, this client 7"));
+  EXPECT_THAT(reject->text, HasSubstr("server speaks protocol version 7, this client 8"));
   EXPECT_THAT(reject->text, HasSubstr("same release"));
   EXPECT_FALSE(stranger.hear());
 }

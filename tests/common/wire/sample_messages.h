@@ -25,6 +25,7 @@ inline StreamDescription sample_description() {
   stream.frames_per_second = 30;
   stream.has_color = true;
   stream.has_pose = true;
+  stream.is_temporally_filtered = true;
   stream.world_from_camera.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   stream.world_from_camera.translation << 1, 2, -3;
   stream.codec = {"quantized", PixelFormat::kGray10, {{"levels", 1024}}};

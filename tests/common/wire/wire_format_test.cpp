@@ -13,7 +13,7 @@ namespace copresence::wire {
 namespace {
 
 // What the page says in words.
-static_assert(kProtocolVersion == 6);
+static_assert(kProtocolVersion == 7);
 static_assert(kMaxMessageBytes == 8 << 20 && kMaxTextBytes == 512 && kMaxNameBytes == 64 &&
               kMaxParameters == 64);
 static_assert(ClientWindow::kBytes == 1 << 20);

@@ -70,6 +70,7 @@ Result<FrameEncoding> FrameEncoding::open(const sensor::SensorDescription& from_
   if (!depth) return fail(depth.error());
   depth->set_sensor_levels(sensor.levels);  // Registration does not change depth.
   depth->set_lossless(settings.encoder.is_lossless());
+  depth->set_bitrate(settings.encoder.depth_kbps, sensor.frames_per_second);
 
   StreamDescription stream;
   stream.camera = settings.name;
@@ -118,6 +119,7 @@ Result<void> FrameEncoding::change_settings(const EncoderSettings& settings) {
   const auto other_stream = video_.change(video_settings(settings));
   if (!other_stream) return fail(other_stream.error());
   depth_.set_lossless(settings.is_lossless());
+  depth_.set_bitrate(settings.depth_kbps, description_.frames_per_second);
   choose_filters(settings);
   keyframe_due_ = keyframe_due_ || *other_stream;
   return {};

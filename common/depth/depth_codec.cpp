@@ -1,5 +1,6 @@
 #include "common/depth/depth_codec.h"
 
+#include <cassert>
 #include <optional>
 #include <string>
 #include <vector>
@@ -87,6 +88,11 @@ void Encoder::set_lossless(bool lossless) {
   parts.keyframe_due = true;
   parts.residuals.reset();
   if (exact) parts.residuals.emplace(parts.description.format, parts.format.width, parts.format.height);
+}
+
+void Encoder::set_bitrate(std::optional<int> kbps, double frames_per_second) {
+  assert(frames_per_second > 0);
+  parts_->planes->set_bits_per_frame(kbps ? std::optional(1000.0 * *kbps / frames_per_second) : std::nullopt);
 }
 
 Result<PlanarDepth> Encoder::encode(const DepthImage& depth, const StateImage& states, bool keyframe) {

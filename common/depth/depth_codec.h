@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -42,6 +43,11 @@ class Encoder {
   /// pictures then write residuals instead of pictures (residual_coder.h). With other codecs, the
   /// video codec must code the pictures losslessly. Initially off.
   void set_lossless(bool lossless);
+
+  /// Sets the bitrate of depth and the frame rate that it is for; no bitrate means a constant QP,
+  /// the default. The codec `adaptive` spaces its codes accordingly from its next keyframe on.
+  /// Requires frames_per_second > 0.
+  void set_bitrate(std::optional<int> kbps, double frames_per_second);
 
   /// Converts depth and states to a picture and side data. Depth 0 and depth outside the range
   /// become holes. The result is a keyframe if `keyframe` is set, for the first frame, or if the

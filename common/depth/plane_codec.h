@@ -5,6 +5,7 @@
 // and code the validity mask. Thread: distinct objects are independent.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "common/depth/depth_format.h"
@@ -28,6 +29,10 @@ class PlaneEncoder {
 
   /// Switches lossless coding on or off from the next frame on.
   virtual void set_lossless(bool) {}
+
+  /// Sets the number of bits of a frame at the stream's bitrate. None means a constant QP, the
+  /// default.
+  virtual void set_bits_per_frame(std::optional<double>) {}
 
   /// Sets the depths that the sensor can report, ascending. Called before the first frame.
   virtual void set_sensor_levels(std::span<const std::uint16_t>) {}

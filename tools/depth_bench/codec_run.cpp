@@ -29,6 +29,7 @@ Result<Row> run_codec(const DepthRecording& recording, const std::string& codec,
   stream.unit = format.unit;
   stream.range = format.range;
   stream.codec = depth_encoder->description();
+  depth_encoder->set_bitrate(setting.kbps, stream.frames_per_second);
   video::VideoSettings video_settings;
   video_settings.depth_qp = setting.qp.value_or(video_settings.depth_qp);
   video_settings.depth_kbps = setting.kbps;

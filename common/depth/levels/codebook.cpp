@@ -13,6 +13,7 @@ namespace {
 constexpr double kRare = 1e-4;
 constexpr int kNeighbours = 24;
 constexpr double kMargin = 60;  // Free codes before the first level, for nearer levels.
+constexpr double kNearer = 40;  // Codes before nearest_double() in double_spacing().
 
 }  // namespace
 
@@ -63,6 +64,40 @@ std::vector<double> Codebook::scene_spacing(std::span<const std::uint16_t> level
   const double room = kCodes - 1 - steps_of_rare;
   const double codes_per_step = std::clamp(room / steps_of_others, 1.0, kFinest);
   for (std::size_t i = 1; i < levels.size(); ++i) distance[i] *= rare[i] ? 1.0 : codes_per_step;
+  return distance;
+}
+
+std::vector<double> Codebook::even_spacing(std::span<const std::uint16_t> levels) const {
+  const double codes_per_step = std::min(kEven, (kCodes - 1) / steps(range_.near, range_.far));
+  std::vector<double> distance;
+  double before = 0;  // Code of the previous level.
+  for (const std::uint16_t level : levels) {
+    const double even = codes_per_step * steps(range_.near, level);
+    const double code = distance.empty() ? even : std::max(before + 1, even);
+    distance.push_back(code - before);
+    before = code;
+  }
+  return distance;
+}
+
+double Codebook::nearest_double() const {
+  const double most_steps = (kCodes - 1 - kNearer) / kEven;
+  return std::max<double>(range_.near, 1 / (1.0 / range_.far + most_steps / steps_per_inverse_unit_));
+}
+
+std::vector<double> Codebook::double_spacing(std::span<const std::uint16_t> levels) const {
+  const double nearest = nearest_double();
+  std::vector<double> distance;
+  double before = range_.near;
+  for (const std::uint16_t level : levels) {
+    // Codes up to nearest_double(), and codes from there on.
+    const double squeezed = before < nearest ? kNearer * steps(before, std::min<double>(level, nearest)) /
+                                                   steps(range_.near, nearest)
+                                             : 0.0;
+    const double full = level > nearest ? kEven * std::round(steps(std::max(before, nearest), level)) : 0.0;
+    distance.push_back(std::max(distance.empty() ? 0.0 : 1.0, squeezed + full));
+    before = level;
+  }
   return distance;
 }
 

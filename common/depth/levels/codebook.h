@@ -44,6 +44,18 @@ class Codebook {
                                     std::span<const std::uint32_t> pixels) const;
   static constexpr double kFinest = 4.0;  ///< In codes per disparity step; finer codes gained nothing.
 
+  /// Returns distances for assign() that are even in 1/z over the whole range, at most kEven codes
+  /// per disparity step. Every level that appears later finds its place.
+  std::vector<double> even_spacing(std::span<const std::uint16_t> levels) const;
+
+  /// Returns distances for assign() of exactly kEven codes per disparity step, beginning at the far
+  /// end. The codes suffice from nearest_double() on. Nearer levels share the remaining codes.
+  std::vector<double> double_spacing(std::span<const std::uint16_t> levels) const;
+  /// The smallest depth with kEven codes per step in double_spacing(), in the stream's unit.
+  double nearest_double() const;
+  /// In codes per disparity step. It is a whole number, so that equal steps have equal distances.
+  static constexpr double kEven = 2.0;
+
   /// Replaces all levels by `levels`. The value distance[i] is the wanted number of codes between
   /// level i and the level before it (for i = 0, the first code). Distances that do not fit are
   /// scaled down. Every level gets its own code. Requires at most kCodes levels, ascending and

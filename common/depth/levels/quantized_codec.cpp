@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/depth/levels/code_map.h"
 #include "common/depth/levels/codebook.h"
@@ -14,6 +15,7 @@ class QuantizedEncoder final : public PlaneEncoder {
   QuantizedEncoder(const DepthFormat& format, bool adaptive)
       : range_(format.units()),
         adaptive_(adaptive),
+        frame_pixels_(1.0 * format.width * format.height),
         table_(range_, format.unit, format.noise),
         none_(table_),
         code_of_depth_(65536, kUnknown) {}
@@ -23,6 +25,8 @@ class QuantizedEncoder final : public PlaneEncoder {
   }
 
   void set_lossless(bool lossless) override { lossless_ = lossless; }
+
+  void set_bits_per_frame(std::optional<double> bits) override { bits_per_frame_ = bits; }
 
   void set_sensor_levels(std::span<const std::uint16_t> levels) override {
     for (const std::uint16_t level : levels) {
@@ -121,9 +125,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     if (even_) {
       table_.assign_evenly(adaptive_ ? DepthRangeUnits{levels_.front(), levels_.back()} : range_);
     } else if (adaptive_ && !lossless_) {
-      std::vector<std::uint32_t> pixels;
-      for (const std::uint16_t level : levels_) pixels.push_back(pixels_[level]);
-      table_.assign(levels_, table_.scene_spacing(levels_, pixels));
+      table_.assign(levels_, spacing(levels_, pixels_of(levels_)));
     } else {
       const std::vector<std::uint16_t> levels = levels_to_hold();
       table_.assign(levels, table_.sensor_spacing(levels));
@@ -139,6 +141,30 @@ class QuantizedEncoder final : public PlaneEncoder {
     }
   }
 
+  std::vector<std::uint32_t> pixels_of(std::span<const std::uint16_t> levels) const {
+    std::vector<std::uint32_t> pixels;
+    for (const std::uint16_t level : levels) pixels.push_back(pixels_[level]);
+    return pixels;
+  }
+
+  // Returns the distances of adaptive's levels in lossy coding, for the frame counted last.
+  //
+  // With scene_spacing(), the levels of a surface that enters later get up to four times fewer codes
+  // per step than the others. At equal QPs its error is then four times larger. A bitrate cannot
+  // compensate for that, and every keyframe with new spacing costs bits. So with a bitrate, all
+  // levels have equal spacing: two codes per step if the codes suffice for the scene. Otherwise,
+  // and at scarce rates, the codes are even over the whole range, as those of accuracy10.
+  std::vector<double> spacing(std::span<const std::uint16_t> levels,
+                              std::span<const std::uint32_t> pixels) const {
+    if (!bits_per_frame_) return table_.scene_spacing(levels, pixels);
+    const auto first =
+        std::find_if(pixels.begin(), pixels.end(), [](std::uint32_t count) { return count > 0; });
+    const bool is_near = first != pixels.end() &&
+                         levels[static_cast<std::size_t>(first - pixels.begin())] < table_.nearest_double();
+    const bool scarce = *bits_per_frame_ < kScarceBits * frame_pixels_;
+    return scarce || is_near ? table_.even_spacing(levels) : table_.double_spacing(levels);
+  }
+
   // Returns true if a keyframe with new spacing is worthwhile: if the codes at this frame's depths
   // would become finer by kWorthwhileBits on average. Tests only some frames, so that the codebook
   // changes rarely.
@@ -151,9 +177,8 @@ class QuantizedEncoder final : public PlaneEncoder {
     Codebook laid_out = table_;
     std::vector<std::uint16_t> levels = levels_;
     std::sort(levels.begin(), levels.end());
-    std::vector<std::uint32_t> pixels;
-    for (const std::uint16_t level : levels) pixels.push_back(pixels_[level]);
-    laid_out.assign(levels, laid_out.scene_spacing(levels, pixels));
+    const std::vector<std::uint32_t> pixels = pixels_of(levels);
+    laid_out.assign(levels, spacing(levels, pixels));
     // Sum of the bits by which each pixel's code spacing would grow, and the number of pixels.
     double finer = 0, all = 0;
     int now = 0, then = 0;  // Codes of the previous level in both codebooks.
@@ -196,17 +221,22 @@ class QuantizedEncoder final : public PlaneEncoder {
   // Minimum number of frames between adaptive's own keyframes.
   static constexpr int kFramesBetweenLayouts = 30;
   static constexpr int kFramesBetweenLooks = 10;
+  // Bits per pixel below which a bitrate is scarce: 0.9 Mbit/s for 640x480 pixels at 30 frames per
+  // second.
+  static constexpr double kScarceBits = 0.1;
   // Minimum gain for a keyframe, in bits per pixel. Half a bit reduces the error by about 6 %.
   static constexpr double kWorthwhileBits = 0.5;
 
   DepthRangeUnits range_;
   bool adaptive_;
+  double frame_pixels_;  // Number of pixels of a frame.
   Codebook table_;
   const Codebook none_;
   std::vector<std::uint16_t> advertised_;  // Levels that the sensor advertises.
   std::vector<std::uint16_t> levels_;      // Other levels that appeared, in any order.
   // Number of pixels by depth, in the frame counted last.
   std::vector<std::uint32_t> pixels_ = std::vector<std::uint32_t>(65536);
+  std::optional<double> bits_per_frame_;
   int frames_since_layout_ = 0;
   std::vector<std::uint16_t> code_of_depth_;
   bool lossless_ = false;

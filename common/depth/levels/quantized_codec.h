@@ -10,9 +10,10 @@
 // longer exact, so lossless coding is refused.
 //
 // The codecs differ in the spacing of the levels. The codec quantized gives every disparity step
-// one code. The codec adaptive spends all codes on the depths in the scene and gives none to levels
-// that have not appeared yet. If the scene moves to other depths, adaptive makes a keyframe with
-// new spacing, at most every 30 frames. For lossless coding adaptive works like quantized.
+// one code. The codec adaptive gives no code to levels that have not appeared yet. At a constant QP,
+// it spends all codes on the depths in the scene. At a bitrate, it spaces all levels evenly in 1/z
+// (Encoder::set_bitrate). If another spacing has become much finer for the scene, adaptive makes a
+// keyframe with it, at most every 30 frames. For lossless coding adaptive works like quantized.
 //
 // The codecs have no parameters; the format has range and unit. Source: thesis 3.3.3.2, 3.3.3.3.
 

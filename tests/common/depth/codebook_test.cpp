@@ -99,6 +99,62 @@ TEST(LevelSpacing, SpendsTheCodesOnTheDepthsThatTheSceneHas) {
   EXPECT_NEAR(elsewhere, 351.3 * (1 / 2.0 - 1 / 4.0), 4);
 }
 
+TEST(LevelSpacing, IsEvenInInverseDepthOverTheWholeRange) {
+  const auto levels = kinect_levels();
+  Codebook table = empty_table();
+  table.assign(levels, table.even_spacing(levels));
+  EXPECT_EQ(present(table), levels);
+  const double steps = 351300.0 / kRange.near - 351300.0 / kRange.far;
+  for (const std::uint16_t level : levels) {
+    ASSERT_NEAR(code_of(table, level), 1023 * (351300.0 / kRange.near - 351300.0 / level) / steps, 2);
+  }
+}
+
+TEST(LevelSpacing, GivesTwoCodesToEveryStepBeyondTheNearestAlsoToLaterLevels) {
+  const auto all = kinect_levels();
+  Codebook table = empty_table();
+  const double nearest = table.nearest_double();
+  EXPECT_NEAR(nearest, 625, 5) << "two codes per step need half a metre less than the whole range";
+  std::vector<std::uint16_t> far, later;
+  for (const std::uint16_t level : all) {
+    if (level > nearest) (level > 2000 ? far : later).push_back(level);
+  }
+  table.assign(far, table.double_spacing(far));
+  std::shuffle(later.begin(), later.end(), std::minstd_rand(3));
+  for (const std::uint16_t level : later) ASSERT_TRUE(table.insert(level));
+  const auto levels = present(table);
+  for (const std::uint16_t level : levels) {
+    const double steps = 351300.0 / level - 351300.0 / levels.back();
+    ASSERT_NEAR(code_of(table, levels.back()) - code_of(table, level), 2 * steps, 4) << level;
+  }
+}
+
+TEST(LevelSpacing, AscendsAndTravelsWhateverTheScene) {
+  std::minstd_rand random(17);
+  for (int i = 0; i < 100; ++i) {
+    std::vector<std::uint16_t> levels;
+    std::vector<std::uint32_t> pixels;
+    for (const std::uint16_t level : kinect_levels()) {
+      if (random() % 100 < static_cast<unsigned>(i)) levels.push_back(level);
+    }
+    for (std::size_t k = 0; k < levels.size(); ++k)
+      pixels.push_back(static_cast<std::uint32_t>(random() % 5000));
+    Codebook table = empty_table();
+    for (const auto& distance :
+         {table.scene_spacing(levels, pixels), table.double_spacing(levels), table.even_spacing(levels)}) {
+      table.assign(levels, distance);
+      ASSERT_EQ(present(table), levels);
+      const auto depth = table.depth_of_code();
+      ASSERT_TRUE(std::is_sorted(depth.begin(), depth.end()));
+      Codebook received = empty_table();
+      std::vector<std::uint8_t> bytes;
+      table.write_change(empty_table(), bytes);
+      ASSERT_TRUE(received.read_change(bytes));
+      ASSERT_TRUE(std::equal(table.levels().begin(), table.levels().end(), received.levels().begin()));
+    }
+  }
+}
+
 TEST(Codebook, StandsForDepthThatAscendsWithTheCode) {
   Codebook table = empty_table();
   EXPECT_EQ(table.depth_of_code().size(), 1024u);

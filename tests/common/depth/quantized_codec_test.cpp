@@ -137,6 +137,42 @@ TEST(Adaptive, IsQuantizedWhereNothingIsLost) {
   }
 }
 
+TEST(Adaptive, LosesNothingBeforeVideoCodingAtAnyBitrate) {
+  for (const int kbps : {1, 50, 200, 1000, 20000}) {
+    StreamWithoutVideo stream("adaptive");
+    stream.encoder.set_lossless(false);
+    stream.encoder.set_bitrate(kbps, 30);
+    for (int time = 0; time < 4; ++time) {
+      const Scene scene = kinect_scene(160, 120, time);
+      stream.carry(scene);
+      for (std::size_t i = 0; i < scene.depth.pixels().size(); ++i) {
+        if (scene.state.data()[i] != DepthState::kMeasured) continue;
+        ASSERT_EQ(stream.depth.data()[i], scene.depth.data()[i]) << kbps;
+      }
+    }
+  }
+}
+
+TEST(Adaptive, TakesTheSpacingOfABitrateAtTheNextKeyframe) {
+  StreamWithoutVideo stream("adaptive");
+  stream.encoder.set_lossless(false);
+  const Scene scene = kinect_scene(160, 120);
+  const auto codes = [&](bool keyframe) {
+    const Picture picture = stream.send(scene, keyframe).picture;
+    const auto [least, most] = std::minmax_element(picture.plane10().begin(), picture.plane10().end());
+    return *most - *least;
+  };
+  const int constant_qp = codes(true);
+  stream.encoder.set_bitrate(1000, 30);
+  EXPECT_EQ(codes(false), constant_qp);
+  const int plenty = codes(true);
+  EXPECT_LT(plenty, constant_qp);
+  stream.encoder.set_bitrate(1, 30);
+  EXPECT_LT(codes(true), plenty);
+  stream.encoder.set_bitrate(std::nullopt, 30);
+  EXPECT_EQ(codes(true), constant_qp);
+}
+
 TEST(Adaptive, LaysItsTableOutAnewWhereTheSceneHasLeftIt) {
   StreamWithoutVideo stream("adaptive");
   stream.encoder.set_lossless(false);

@@ -103,6 +103,39 @@ TEST(CodecRun, NeverFlipsAHoleAndIsExactWithoutLoss) {
   }
 }
 
+// A far wall with bumps. From the fourth frame on, a near surface with bumps moves in front of it.
+DepthRecording near_surface_enters(int frames) {
+  DepthRecording made;
+  made.format = {160, 120, DepthUnit::kMillimetre, {}};
+  for (int time = 0; time < frames; ++time) {
+    auto scene = flat_scene(160, 120, 3000);
+    std::minstd_rand random(static_cast<unsigned>(time) + 1);
+    for (int y = 0; y < 120; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        const bool near = time > 2 && x > 40 + time;
+        const double bumps = std::sin((x - time) * 0.4) * std::cos(y * 0.3);
+        const double z = near ? 900 + 2 * y + 60 * bumps : 2500 + 8 * x + 150 * bumps;
+        scene.depth(x, y) = depth::testing::kinect_level(z + (random() % 4 == 0 ? z * z / 351300 : 0));
+      }
+    }
+    made.depth.push_back(scene.depth);
+    made.states.push_back(scene.state);
+  }
+  return made;
+}
+
+TEST(CodecRun, AdaptiveIsWithin5PercentOfTheLeastErrorWhereANearSurfaceEnters) {
+  const DepthRecording moving = near_surface_enters(30);
+  for (const int kbps : {200, 400, 800}) {
+    const auto error = [&](const std::string& codec) {
+      const auto row = run_codec(moving, codec, {.qp = std::nullopt, .kbps = kbps});
+      EXPECT_TRUE(row) << row.error().what;
+      return row ? row->rmse_steps : 0;
+    };
+    EXPECT_LE(error("adaptive"), 1.05 * std::min(error("quantized"), error("accuracy10"))) << kbps;
+  }
+}
+
 TEST(Rows, AreTheJsonThatTheDesignNames) {
   const auto path = std::filesystem::temp_directory_path() / "copresence_depth_bench_test.json";
   const auto row = run_codec(recording(2), "quantized", {.qp = std::nullopt, .kbps = 500});

@@ -9,6 +9,7 @@
 
 #include "render_client/background_memory/background_memory.h"
 #include "render_client/decoding/depth_smoothing.h"
+#include "render_client/decoding/silhouette_refinement.h"
 
 namespace copresence::decoding {
 namespace {

@@ -10,6 +10,7 @@
 #include "common/scene/scene.h"
 #include "render_client/camera_setup/camera_setup.h"
 #include "render_client/decoding/depth_smoothing.h"
+#include "render_client/decoding/silhouette_refinement.h"
 
 namespace copresence::decoding {
 
@@ -42,6 +43,7 @@ class FrameConditioner {
  private:
   DepthUnit unit_ = DepthUnit::kMillimetre;
   DepthNoise noise_;
+  SilhouetteRefinement refinement_;
   std::optional<Clipper> clipper_;
   DepthSmoothing smoothing_;
 };

@@ -1,0 +1,171 @@
+#include "render_client/decoding/silhouette_refinement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace copresence::decoding {
+namespace {
+
+constexpr int kReach = SilhouetteRefinement::kReach;
+constexpr int kWidestGap = SilhouetteRefinement::kWidestGap;
+constexpr int kReferencePixels = 3;  // whose mean is the colour of a surface
+/// A moved pixel must be nearer to its new surface's colour by this share of the squared contrast.
+constexpr float kLeastGain = 0.5F;
+
+/// Pixels on either side of an edge whose colour may be mixed with that of the other side.
+constexpr int kMixedNear = 1, kMixedFar = 2;
+/// A colour this far from that of its surface is mixed: share of the squared contrast.
+constexpr float kPureShare = 0.05F;
+
+struct Color {
+  float r = 0, g = 0, b = 0;
+};
+
+Color color_of(const Rgb8& pixel) {
+  return {float(pixel.r), float(pixel.g), float(pixel.b)};
+}
+
+float squared_distance(const Color& a, const Color& b) {
+  const float r = a.r - b.r, g = a.g - b.g, blue = a.b - b.b;
+  return r * r + g * g + blue * blue;
+}
+
+void invert_row(const std::uint16_t* from, int width, float* to) {
+  for (int x = 0; x < width; ++x) {
+    const auto value = static_cast<float>(from[x]);
+    to[x] = std::min(value, 1.0F) / std::max(value, 1.0F);  // 0 for a hole
+  }
+}
+
+// Sets out[i] to 1 where a[i] and b[i] differ by more than an edge. One of them may be a hole.
+void compare_rows(const float* a, const float* b, int count, float edge, std::uint8_t* out) {
+  for (int i = 0; i < count; ++i) out[i] = static_cast<std::uint8_t>(std::abs(a[i] - b[i]) > edge);
+}
+
+}  // namespace
+
+void SilhouetteRefinement::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise) {
+  if (!frame.color) return;
+  edge_ = kEdgeSteps * static_cast<float>(noise.inverse_step() * metres_per_unit(unit));
+  const int width = frame.depth.width(), height = frame.depth.height();
+  inverse_.resize(2 * static_cast<std::size_t>(width));
+  edges_.resize(static_cast<std::size_t>(width) + sizeof(std::uint64_t));
+  for (int y = 0; y < height; ++y) find_edges(frame, y, true);
+  for (int y = 0; y + 1 < height; ++y) find_edges(frame, y, false);
+}
+
+// Refines the edges that follow the pixels of row y: in the row, or downwards.
+void SilhouetteRefinement::find_edges(RgbdFrame& frame, int y, bool across) {
+  const int width = frame.depth.width(), height = frame.depth.height();
+  float* const here = inverse_.data();
+  invert_row(frame.depth.row(y).data(), width, here);
+  std::fill(edges_.begin(), edges_.end(), std::uint8_t{0});
+  if (across) {
+    compare_rows(here, here + 1, width - 1, edge_, edges_.data());
+  } else {
+    invert_row(frame.depth.row(y + 1).data(), width, here + width);
+    compare_rows(here, here + width, width, edge_, edges_.data());
+  }
+  for (int x = 0; x < width; x += static_cast<int>(sizeof(std::uint64_t))) {
+    std::uint64_t any;
+    std::memcpy(&any, edges_.data() + x, sizeof any);
+    if (any == 0) continue;
+    for (int i = x; i < std::min(x + static_cast<int>(sizeof any), width); ++i) {
+      if (edges_[i] == 0) continue;
+      const auto columns = static_cast<std::ptrdiff_t>(width);
+      if (across) {
+        refine(frame, {y * columns, 1, width}, i);
+      } else {
+        refine(frame, {i, columns, height}, y);
+      }
+    }
+  }
+}
+
+// Refines the edge between pixels `at` and at + 1 of a line.
+void SilhouetteRefinement::refine(RgbdFrame& frame, Line line, int at) const {
+  std::uint16_t* const depth = frame.depth.data();
+  Rgb8* const colors = frame.color->data();
+  if (depth[line.index(at)] == 0) {
+    // The same line backwards, so that it begins with a surface.
+    line = {line.index(line.length - 1), -line.step, line.length};
+    at = line.length - 2 - at;
+  }
+  const auto depth_at = [&](int i) -> std::uint16_t& { return depth[line.index(i)]; };
+  const auto color_at = [&](int i) -> Rgb8& { return colors[line.index(i)]; };
+  const std::uint16_t one = depth_at(at);
+  if (one == 0) return;  // an earlier edge has changed it
+  int next = at + 1;
+  while (next < line.length && next - at <= kWidestGap && depth_at(next) == 0) ++next;
+  if (next == line.length) return;
+  const std::uint16_t other = depth_at(next);
+  if (other == 0) next = at + 1;  // the gap is wide: its pixels are the other surface
+  const auto is_on = [&](std::uint16_t surface, int i) {
+    if (i < 0 || i >= line.length) return false;
+    if (surface == 0 || depth_at(i) == 0) return surface == depth_at(i);
+    return std::abs(1.0F / float(depth_at(i)) - 1.0F / float(surface)) <= edge_;
+  };
+  if (is_on(one, next)) return;
+
+  // The mean colour of the pixels of a surface that lie beyond the edge's reach.
+  const auto reference = [&](std::uint16_t surface, int from, int direction, Color& mean) {
+    int count = 0;
+    for (int k = 0; k < kReferencePixels; ++k) {
+      const int i = from + direction * (kReach + k);
+      if (!is_on(surface, i)) break;
+      const Color color = color_of(color_at(i));
+      mean = {mean.r + color.r, mean.g + color.g, mean.b + color.b};
+      ++count;
+    }
+    if (count == 0) return false;
+    mean = {mean.r / float(count), mean.g / float(count), mean.b / float(count)};
+    return true;
+  };
+  Color first_color, second_color;
+  if (!reference(one, at, -1, first_color) || !reference(other, next, 1, second_color)) return;
+  const float contrast = squared_distance(first_color, second_color);
+  if (contrast < kLeastContrast * kLeastContrast) return;
+
+  // An edge at `split` has the pixels before it on the first surface. `gain` compares it with the
+  // edge at the beginning of the window.
+  const int begin = at - kReach + 1, end = next + kReach;
+  float gain = 0, best_gain = -1e30F, kept_gain = -1e30F;
+  int best = at + 1, kept = at + 1;
+  for (int split = begin;; ++split) {
+    if (gain > best_gain) {
+      best_gain = gain;
+      best = split;
+    }
+    if (split > at && split <= next && gain > kept_gain) {
+      kept_gain = gain;
+      kept = split;
+    }
+    if (split == end) break;
+    const Color color = color_of(color_at(split));
+    gain += squared_distance(color, second_color) - squared_distance(color, first_color);
+  }
+  const auto moved = static_cast<float>(std::abs(best - kept));
+  if (best_gain - kept_gain < moved * kLeastGain * contrast) best = kept;
+  const auto assign = [&](int i, std::uint16_t surface) {
+    depth_at(i) = surface;
+    frame.state.data()[line.index(i)] = surface == 0 ? DepthState::kHole : DepthState::kFilled;
+  };
+  for (int i = at + 1; i < best; ++i) assign(i, one);
+  for (int i = best; i < next; ++i) assign(i, other);
+
+  // The last pixels of either surface may show a mixture of both colours.
+  const auto purify = [&](int pixels, int edge, int direction, const Color& own) {
+    const Rgb8 pure = color_at(edge + pixels * direction);
+    for (int k = 0; k < pixels; ++k) {
+      Rgb8& color = color_at(edge + k * direction);
+      if (squared_distance(color_of(color), own) > kPureShare * contrast) color = pure;
+    }
+  };
+  const bool first_is_nearer = other == 0 || one < other;
+  purify(first_is_nearer ? kMixedNear : kMixedFar, best - 1, -1, first_color);
+  purify(first_is_nearer ? kMixedFar : kMixedNear, best, 1, second_color);
+}
+
+}  // namespace copresence::decoding

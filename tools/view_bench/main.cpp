@@ -58,7 +58,8 @@ int run(int argc, char** argv) {
   std::string json, unseen = "extend";
   using namespace command_line;
   app.set_version_flag("--version", std::string("view_bench ") + kVersion);
-  app.add_option("SCENE", scenes, "scenes to run: empty, standing, walking, four [all]")->check(one_of(all));
+  app.add_option("SCENE", scenes, "scenes to run: empty, standing, walking, four, own [all]")
+      ->check(one_of(all));
   app.add_option("--frames", settings.frames, "views to compare, at 30 per second")
       ->capture_default_str()
       ->check(whole_number(2, 3600));

@@ -39,10 +39,9 @@ struct SceneChoice {
 };
 
 constexpr std::array kScenes{
-    SceneChoice{"empty", 2, false, false},
-    SceneChoice{"standing", 2, true, false},
-    SceneChoice{"walking", 2, true, true},
-    SceneChoice{"four", 4, true, false},
+    SceneChoice{"empty", 2, false, false}, SceneChoice{"standing", 2, true, false},
+    SceneChoice{"walking", 2, true, true}, SceneChoice{"four", 4, true, false},
+    SceneChoice{"own", 1, true, false},
 };
 
 // The person walks on the spot, and is carried 2 m through the middle of the room and back.
@@ -151,8 +150,10 @@ class Camera {
   Image<float> farthest_m_{kCameraWidth, kCameraHeight};
 };
 
-// The viewpoint lies between the first two cameras, a little nearer to the person.
-renderer::ViewPose eye_between(const std::vector<Rigid3>& poses, const RunSettings& settings) {
+// The viewpoint is that of a single camera, or lies between the first two, a little nearer to the
+// person.
+renderer::ViewPose eye_among(const std::vector<Rigid3>& poses, const RunSettings& settings) {
+  if (poses.size() == 1) return {simulation::kinect_model(kCameraWidth, kCameraHeight), poses[0]};
   const Eigen::Vector3d middle = 0.5 * (poses[0].translation + poses[1].translation);
   const Eigen::Vector3d target =
       0.5 * (poses[0] * Eigen::Vector3d(0, 0, 2.4) + poses[1] * Eigen::Vector3d(0, 0, 2.4));
@@ -196,7 +197,7 @@ Result<ViewScore> run_scene(std::string_view name, const RunSettings& settings) 
     volumes.push_back(camera->volume());
     cameras.push_back(std::move(*camera));
   }
-  const renderer::ViewPose eye = eye_between(poses, settings);
+  const renderer::ViewPose eye = eye_among(poses, settings);
   auto true_eye = simulation::TrueCamera::make(scene, eye.intrinsics, eye.world_from_eye);
   if (!true_eye) return fail(true_eye.error());
 

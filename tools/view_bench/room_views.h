@@ -12,7 +12,7 @@
 
 namespace copresence::view_bench {
 
-/// Names of scenes: empty, standing, walking and four. The scenes differ in the person's motion and
+/// Names of scenes: empty, standing, walking, four and own. The scenes differ in the person's motion and
 /// the number of cameras.
 std::vector<std::string_view> scene_names();
 

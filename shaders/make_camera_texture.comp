@@ -1,9 +1,9 @@
 #version 450 core
-// checked with: -DCELL=8 -DFILLED_WEIGHT=0.5 -DAMBIENT=0.15
+// checked with: -DCELL=8 -DFILLED_WEIGHT=0.5 -DBORDER_SHARE=0.06 -DAMBIENT=0.15
 //
 // Computes the colours and weights of a camera's fragments. Red, green and blue are the corrected
 // colour, or a gray from the surface normals if the camera has no colour. Alpha is the weight:
-// cos(theta), less for filled pixels, never 0. Each invocation handles one pixel.
+// cos(theta), less for filled pixels and near the border, never 0. Each invocation handles one pixel.
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2D incidences;  // By cell, with a linear filter.
@@ -22,6 +22,9 @@ void main() {
   const float incidence = textureLod(incidences, in_cells / vec2(textureSize(incidences, 0)), 0.0).r;
   const vec3 shown = has_color != 0 ? color_correction * vec4(texelFetch(color, at, 0).rgb, 1.0)
                                     : vec3(AMBIENT + (1.0 - AMBIENT) * incidence);
-  const float weight = incidence * (texelFetch(state, at, 0).r == kFilled ? FILLED_WEIGHT : 1.0);
+  const ivec2 size = imageSize(camera_texture);
+  const ivec2 inside = min(at, size - 1 - at);
+  const float fade = min(1.0, (float(min(inside.x, inside.y)) + 0.5) / (BORDER_SHARE * float(size.x)));
+  const float weight = fade * incidence * (texelFetch(state, at, 0).r == kFilled ? FILLED_WEIGHT : 1.0);
   imageStore(camera_texture, at, vec4(clamp(shown, 0.0, 1.0), max(weight, 1.0 / 255.0)));
 }

@@ -21,6 +21,13 @@
 //           Then kSmoothingRounds of averaging with neighbours on the same surface remove streaks.
 // Fading    Outside all cameras' pictures, estimates fade to the background colour over the
 //           fraction kFadeShare of a picture's width. Depth beyond kFarthestM becomes kFarthestM.
+// Colour    A camera may show an extended surface although it has no depth there. The surface then has
+//           that camera's colour: the bilinear mean of those of its four nearest pixels that see it. A
+//           pixel sees it if its own w, along the camera's axis, exceeds the surface's by at most
+//           kOwnSurface. A pixel without depth has w = 0. At least kLeastVisibleShare of the bilinear
+//           weights must see the surface. Before, the position is moved by kMixedColors away from
+//           pixels at that distance in its row and column that do not see it: colours mix at edges. The first such camera of the list counts; cameras without
+//           colour do not.
 // Pixel     An empty pixel is interpolated between the four nearest blocks. Only blocks on the
 //           farthest of their surfaces are used.
 //
@@ -38,5 +45,7 @@ inline constexpr int kSmoothingRounds = 6;
 inline constexpr float kFadeShare = 0.06F;
 /// Weight of the block's own surface. A source that is d blocks away has the weight 1 / (1 + d).
 inline constexpr float kOwnWeight = 2;
+inline constexpr int kMixedColors = 2;  ///< Pixels.
+inline constexpr float kLeastVisibleShare = 0.02F;
 
 }  // namespace copresence::renderer

@@ -18,11 +18,11 @@
 //              corners.
 // Fragment     Depth and texture coordinate are interpolated with perspective. A fragment has the
 //              state of the pixel nearest to its texture coordinate, and the cos(theta) of that
-//              pixel's cell.
+//              pixel's cell. Its weight falls towards the picture's border, see border_fade().
 // Merge        See blend_weight() and blend_share() below.
 // Colour       The camera's image is sampled bilinearly and clamped at its border. Then the colour
 //              correction is applied and the result clamped to 0..1. A camera without colour shows
-//              the gray of shade_without_color().
+//              the gray of shade_without_color(), from the normals of shading.h.
 // Stale        A camera with an opacity below 1 is stale. It is shown only where no live camera
 //              shows anything at any distance. Stale cameras are merged with each other like live
 //              ones. Their colours are multiplied by the opacity.
@@ -110,6 +110,15 @@ inline float cos_theta(float w, float dw_dx, float dw_dy, float x, float y) {
 
 /// Weight of a filled pixel relative to a measured one.
 inline constexpr float kFilledWeight = 0.25F;
+
+/// Factor of a fragment's weight, so that a camera gives way before its picture ends: from 0 at the
+/// border to 1 at the fraction kBorderShare of the picture's width inside. Otherwise the difference
+/// between two cameras' exposures would show as a line. `distance` is the pixel's distance from the
+/// nearest border, in pixels.
+inline constexpr float kBorderShare = 0.05F;
+inline float border_fade(int distance, int width) {
+  return std::min(1.0F, (static_cast<float>(distance) + 0.5F) / (kBorderShare * static_cast<float>(width)));
+}
 
 /// The uncertainty range (thesis 2.6.1): a fragment may lie this far behind the nearest one and
 /// still belong to the same surface. It is the sum of uncertainty_m() of both fragments, in metres

@@ -33,13 +33,14 @@ bool is_same_surface(float w, float other) {
 }  // namespace
 
 std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const CameraView> cameras,
-                                       const InverseDepthView& seen, const UnseenStyle& style,
-                                       Executor& workers, MergedView& view) {
+                                       std::span<const CameraPictures> pictures, const InverseDepthView& seen,
+                                       const UnseenStyle& style, Executor& workers, MergedView& view) {
   assert(seen.width() == view.width && seen.height() == view.height && view.color.width() == view.width);
   width_ = (view.width + kExtensionBlock - 1) / kExtensionBlock;
   height_ = (view.height + kExtensionBlock - 1) / kExtensionBlock;
   const std::size_t count = static_cast<std::size_t>(width_) * height_;
   list_pictures(eye, cameras);
+  colors_.begin(eye, cameras, pictures);
   blocks_.resize(count);
   estimates_.resize(count);
   smoothed_.resize(count);
@@ -337,7 +338,7 @@ BackgroundExtension::Surfaces BackgroundExtension::surfaces_between(int left, in
 // Returns the number of pixels filled.
 std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const Ints& empty,
                                              const Floats& right, const Surfaces& surfaces,
-                                             const UnseenStyle& style, MergedView& view) {
+                                             const UnseenStyle& style, MergedView& view) const {
   const Floats one = 1 - right + kLeastShare, other = right + kLeastShare;
   const auto between = [&](float a, float b) { return one * a + other * b; };
   const auto& [left_side, right_side] = surfaces.sides;
@@ -357,13 +358,19 @@ std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const In
   const auto shown = load_first<Ints>(&view.color(x, y), columns);
   const Ints pixels = fills ? surface : empty ? background : shown;
   std::memcpy(static_cast<void*>(&view.color(x, y)), &pixels, columns * sizeof(Rgba8));
-  if (view.depth_m.width() == view.width) {
-    const Floats depth = weight / larger(between(left_side.w, right_side.w), all(kLeastShare));
-    for (int lane = 0; lane < columns; ++lane) {
-      if (!fills[lane]) continue;
-      view.depth_m(x + lane, y) = depth[lane];
-      view.origin(x + lane, y) = Origin::kExtended;
+  const bool has_depth = view.depth_m.width() == view.width;
+  const Floats w = larger(between(left_side.w, right_side.w) * scale, all(kSmallestW));
+  for (unsigned lanes = bits(fills); lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    if (const auto color = colors_.find(x + lane, y, w[lane])) {
+      const auto dimmed = [&](float value) {
+        return static_cast<std::uint8_t>(style.brightness() * value + 0.5F);
+      };
+      view.color(x + lane, y) = {dimmed(color->r), dimmed(color->g), dimmed(color->b), 255};
     }
+    if (!has_depth) continue;
+    view.depth_m(x + lane, y) = 1 / w[lane];
+    view.origin(x + lane, y) = Origin::kExtended;
   }
   return static_cast<std::size_t>(std::popcount(bits(fills)));
 }

@@ -14,6 +14,7 @@
 #include "common/executor.h"
 #include "common/frame/image.h"
 #include "render_client/renderer/cpu/lanes.h"
+#include "render_client/renderer/cpu/picture_colors.h"
 #include "render_client/renderer/renderer.h"
 
 namespace copresence::renderer {
@@ -25,8 +26,9 @@ class BackgroundExtension {
  public:
   /// Fills colour, depth and origin of the empty pixels of `view`. Returns the number of pixels
   /// filled. Requires that `seen` and the colour have the view's size. Depth and origin are skipped
-  /// if their images are empty. Of `cameras`, only model, pose and opacity are used.
-  std::size_t apply(const ViewPose& eye, std::span<const CameraView> cameras, const InverseDepthView& seen,
+  /// if their images are empty. `pictures[i]` belongs to `cameras[i]`.
+  std::size_t apply(const ViewPose& eye, std::span<const CameraView> cameras,
+                    std::span<const CameraPictures> pictures, const InverseDepthView& seen,
                     const UnseenStyle& style, Executor& workers, MergedView& view);
 
  private:
@@ -88,12 +90,13 @@ class BackgroundExtension {
   void list_pictures(const ViewPose& eye, std::span<const CameraView> cameras);
   float opacity_at(const ViewPose& eye, int x, int y, float w) const;
   Surfaces surfaces_between(int left, int top, float down) const;
-  static std::size_t fill_pixels(int x, int y, int columns, const Ints& empty, const Floats& right,
-                                 const Surfaces& surfaces, const UnseenStyle& style, MergedView& view);
+  std::size_t fill_pixels(int x, int y, int columns, const Ints& empty, const Floats& right,
+                          const Surfaces& surfaces, const UnseenStyle& style, MergedView& view) const;
   std::size_t fill_row(int y, const InverseDepthView& seen, const UnseenStyle& style, MergedView& view) const;
 
   int width_ = 0, height_ = 0;  // In blocks.
   std::vector<Picture> pictures_;
+  PictureColors colors_;
   std::vector<Block> blocks_, estimates_, smoothed_;
   std::vector<std::uint8_t> is_near_gap_;  // By block.
   std::array<std::vector<Source>, 8> sources_;

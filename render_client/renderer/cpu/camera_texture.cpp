@@ -142,6 +142,13 @@ Ints shade(const Floats& incidences) {
   return truncated(shades) * 0x10101;
 }
 
+// Factors of the weight for the pixels of a row, towards the left and right border (border_fade()).
+std::vector<float> fades_across(int width) {
+  std::vector<float> fades(static_cast<std::size_t>(width) + kLanes);
+  for (int x = 0; x < width; ++x) fades[x] = border_fade(std::min(x, width - 1 - x), width);
+  return fades;
+}
+
 Ints weight(const Floats& incidences, const Ints& states) {
   const Ints is_filled = states == static_cast<std::int32_t>(DepthState::kFilled);
   const Ints alpha = truncated(incidences * (is_filled ? all(255 * kFilledWeight) : all(255.0F)) + 0.5F);
@@ -220,17 +227,20 @@ void make_texture(const RgbdFrame& frame, const Image<float>& incidences,
   const int width = frame.depth.width(), height = frame.depth.height();
   texture.resize(width + 1, height + 1);
   const ColorCorrector matched(color_correction);
+  const std::vector<float> fades = fades_across(width);
   std::vector<float> between_rows, incidence_row;
   Row row(frame, texture);
   for (int y = 0; y < height; ++y) {
     interpolate_row(incidences, y, between_rows, incidence_row);
     // The first value is a repeated one. It lies half a cell to the left of pixel 0.
     const float* const incidence = incidence_row.data() + kCell / 2;
+    const Floats fade = all(border_fade(std::min(y, height - 1 - y), width));
     row.begin(y);
     for (int x = 0; x < width; x += kLanes) {
       const Floats incidences_here = load<Floats>(incidence + x);
       const Ints color = row.colors ? matched(unpack(row.colors + x)) : shade(incidences_here);
-      store(row.texels + x, color | weight(incidences_here, unpack(row.states + x)));
+      store(row.texels + x,
+            color | weight(incidences_here * smaller(load<Floats>(&fades[x]), fade), unpack(row.states + x)));
     }
     row.end();
   }

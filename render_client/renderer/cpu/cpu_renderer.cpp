@@ -12,6 +12,7 @@
 #include "render_client/renderer/cpu/depth_mesh.h"
 #include "render_client/renderer/cpu/lanes.h"
 #include "render_client/renderer/cpu/tile_merge.h"
+#include "render_client/renderer/shading.h"
 
 namespace copresence::renderer {
 namespace {
@@ -37,7 +38,11 @@ class CameraSurface {
       const SurfaceLimits limits(noise_, static_cast<float>(1.0 / model_.fx));
       invert_depth(camera.frame->depth, metres_per_unit(unit_), inverse_);
       find_planar_blocks(inverse_, limits, planar_);
-      measure_incidence(inverse_, planar_, model_, incidences_);
+      if (camera.frame->color) {
+        measure_incidence(inverse_, planar_, model_, incidences_);
+      } else {
+        measure_shading(camera.frame->depth, unit_, model_, incidences_);
+      }
       list_blocks(inverse_, planar_, largest_block_, blocks_);
       if (model_.is_distorted()) {
         straightened_rays_ = rays_;
@@ -83,6 +88,8 @@ class CameraSurface {
   }
 
   void hide() { tiles.clear(); }
+
+  CameraPictures pictures() const { return {&texture, &inverse_}; }
 
   DepthMesh mesh;
   CameraTexture texture;
@@ -142,7 +149,11 @@ class CpuRenderer : public Renderer {
     pixels_.assign(tiles, {});
     workers_.run(tiles, [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, wanted, view); });
     std::size_t extended = 0;
-    if (inverse_.width() > 0) extended = extension_.apply(eye, cameras, inverse_, style_, workers_, view);
+    if (inverse_.width() > 0) {
+      pictures_.clear();
+      for (std::size_t i = 0; i < cameras.size(); ++i) pictures_.push_back(surfaces_[i].pictures());
+      extended = extension_.apply(eye, cameras, pictures_, inverse_, style_, workers_, view);
+    }
     view.shares.reset();
     if (wanted.color) view.shares = shares(extended, view.color.pixels().size());
     return {};
@@ -297,6 +308,7 @@ class CpuRenderer : public Renderer {
   std::vector<Scratch> scratch_;  // By worker.
   UnseenStyle style_;
   BackgroundExtension extension_;
+  std::vector<CameraPictures> pictures_;
   InverseDepthView inverse_;    // Inverse depths of the nearest fragments; used if surfaces are extended.
   std::vector<Pixels> pixels_;  // By tile.
 };

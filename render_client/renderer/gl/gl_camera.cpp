@@ -6,6 +6,7 @@
 
 #include "render_client/renderer/cpu/planar_blocks.h"
 #include "render_client/renderer/merge_rules.h"
+#include "render_client/renderer/shading.h"
 
 namespace copresence::renderer {
 namespace {
@@ -82,7 +83,12 @@ void GlCamera::update(const CameraView& camera, Shaders& shaders) {
     const SurfaceLimits limits(camera.noise, static_cast<float>(1.0 / camera.model.fx));
     shaders.planar_blocks.run(depth_, units_per_metre, limits, planes_);
     context_->barrier(Reader::kFetch);
-    shaders.incidence.run(depth_, planes_, camera.model, units_per_metre, incidences_);
+    if (frame.color) {
+      shaders.incidence.run(depth_, planes_, camera.model, units_per_metre, incidences_);
+    } else {
+      measure_shading(frame.depth, camera.unit, camera.model, shading_);
+      incidences_.upload(shading_);
+    }
     shaders.stitching.run(depth_, planes_, units_per_metre, largest_block_, inverse_);
     context_->barrier(Reader::kFetch);
     shaders.mesh.run(inverse_, planes_, limits, largest_block_, command_, indices_);

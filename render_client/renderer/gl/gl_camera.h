@@ -31,6 +31,9 @@ class GlCamera {
   int width() const { return depth_.width(); }
   int height() const { return depth_.height(); }
 
+  const gl::Texture& inverse() const { return inverse_; }  ///< 1/m, 0 without depth.
+  const gl::Texture& texture() const { return texture_; }  ///< As make_camera_texture.comp writes it.
+
   /// Prepares the frame if it is new. Requires a model of the same size as in the constructor.
   void update(const CameraView& camera, Shaders& shaders);
 
@@ -42,6 +45,7 @@ class GlCamera {
   CameraModel model_;
   gl::Texture rays_, depth_, state_, color_, inverse_, incidences_, texture_;
   GlPlanes planes_;
+  Image<float> shading_;  // of a camera without colour
   gl::Buffer command_, indices_;
 
   // The frame and settings that the textures above were made from.

@@ -13,6 +13,7 @@
 #include "shaders/draw_mesh.frag.h"
 #include "shaders/draw_mesh.vert.h"
 #include "shaders/extend_blocks.comp.h"
+#include "shaders/extend_colors.comp.h"
 #include "shaders/extend_estimate.comp.h"
 #include "shaders/extend_smooth.comp.h"
 #include "shaders/extend_view.comp.h"
@@ -86,9 +87,9 @@ void MeasureIncidence::run(const gl::Texture& depth, const GlPlanes& planes, con
 }
 
 Result<MakeCameraTexture> MakeCameraTexture::make(gl::Context& context) {
-  const std::array defines = {Define{"CELL", std::to_string(kCell)},
-                              Define{"FILLED_WEIGHT", literal(kFilledWeight)},
-                              Define{"AMBIENT", literal(kAmbient)}};
+  const std::array defines = {
+      Define{"CELL", std::to_string(kCell)}, Define{"FILLED_WEIGHT", literal(kFilledWeight)},
+      Define{"BORDER_SHARE", literal(kBorderShare)}, Define{"AMBIENT", literal(kAmbient)}};
   auto program = gl::Program::compute(context, shaders::make_camera_texture_comp, defines);
   if (!program) return fail(program.error());
   return MakeCameraTexture(std::move(*program));
@@ -232,12 +233,17 @@ Result<void> SoftenSilhouettes::run(std::span<const MergeLayers::Camera> cameras
 }
 
 Result<void> ExtendBackground::compile(std::size_t cameras) {
-  const std::array defines = {
-      Define{"BLOCK", std::to_string(kExtensionBlock)}, Define{"SAME_SURFACE", literal(kSameSurface)},
-      Define{"OWN_SURFACE", literal(kOwnSurface)},      Define{"MOST_SLOPE", literal(kMostSlope)},
-      Define{"MOST_CHANGE", literal(kMostChange)},      Define{"FARTHEST_M", literal(kFarthestM)},
-      Define{"OWN_WEIGHT", literal(kOwnWeight)},        Define{"FADE_SHARE", literal(kFadeShare)},
-      Define{"LAYERS", std::to_string(cameras)}};
+  const std::array defines = {Define{"BLOCK", std::to_string(kExtensionBlock)},
+                              Define{"SAME_SURFACE", literal(kSameSurface)},
+                              Define{"OWN_SURFACE", literal(kOwnSurface)},
+                              Define{"MOST_SLOPE", literal(kMostSlope)},
+                              Define{"MOST_CHANGE", literal(kMostChange)},
+                              Define{"FARTHEST_M", literal(kFarthestM)},
+                              Define{"OWN_WEIGHT", literal(kOwnWeight)},
+                              Define{"FADE_SHARE", literal(kFadeShare)},
+                              Define{"MIXED_COLORS", std::to_string(kMixedColors)},
+                              Define{"LEAST_VISIBLE_SHARE", literal(kLeastVisibleShare)},
+                              Define{"LAYERS", std::to_string(cameras)}};
   const auto make = [&](std::string_view shader, std::optional<gl::Program>& program) -> Result<void> {
     if (program) return {};
     auto made = gl::Program::compute(*context_, shader, defines);
@@ -248,6 +254,7 @@ Result<void> ExtendBackground::compile(std::size_t cameras) {
   if (auto made = make(shaders::extend_blocks_comp, summarise_); !made) return made;
   if (auto made = make(shaders::extend_estimate_comp, estimate_); !made) return made;
   if (auto made = make(shaders::extend_smooth_comp, smooth_); !made) return made;
+  if (auto made = make(shaders::extend_colors_comp, take_colors_); !made) return made;
   if (fill_.contains(cameras)) return {};
   auto made = gl::Program::compute(*context_, shaders::extend_view_comp, defines);
   if (!made) return fail(made.error());
@@ -276,6 +283,33 @@ void ExtendBackground::estimate_blocks(const gl::Texture& color, const gl::Textu
     smooth_->dispatch_over(width, height);
     context_->barrier(gl::Reader::kFetch);
     std::swap(from, to);
+  }
+}
+
+void ExtendBackground::take_colors(std::span<const Camera> cameras, const ViewUniforms& view,
+                                   float brightness, const gl::Texture& color, const gl::Texture& depth,
+                                   const gl::Texture& origin) {
+  depth.bind(0);
+  origin.bind(1);
+  color.bind_image(0, Access::kWrite);
+  take_colors_->set("ray_from_pixel", view.ray_from_pixel);
+  // The first camera of the list counts, so it comes last.
+  for (std::size_t i = cameras.size(); i-- > 0;) {
+    const Camera& camera = cameras[i];
+    if (!camera.is_drawn || !camera.colors) continue;
+    camera.inverse->bind(2);
+    camera.colors->bind(3);
+    const CameraModel& model = camera.model;
+    const auto& k = model.distortion;
+    take_colors_->set("camera_from_eye", camera.camera_from_eye);
+    take_colors_->set("intrinsics",
+                      Eigen::Vector4f(Eigen::Vector4d(model.fx, model.fy, model.cx, model.cy).cast<float>()));
+    take_colors_->set("radial_tangential",
+                      Eigen::Vector4f(Eigen::Vector4d(k[0], k[1], k[2], k[3]).cast<float>()));
+    take_colors_->set("rational", Eigen::Vector4f(Eigen::Vector4d(k[4], k[5], k[6], k[7]).cast<float>()));
+    take_colors_->set("brightness", brightness * camera.opacity);
+    take_colors_->dispatch_over(color.width(), color.height());
+    context_->barrier(gl::Reader::kFetch);
   }
 }
 
@@ -319,6 +353,8 @@ Result<void> ExtendBackground::run(std::span<const Camera> cameras, const ViewUn
                                  : Eigen::Vector2f(Eigen::Vector2f::Zero()));
   }
   fill.dispatch_over(color.width(), color.height());
+  context_->barrier(gl::Reader::kFetch);
+  if (extends) take_colors(cameras, view, style.brightness(), color, depth, origin);
   context_->barrier(gl::Reader::kFetch | gl::Reader::kFramebuffer | gl::Reader::kHost);
   return {};
 }

@@ -169,13 +169,16 @@ class SoftenSilhouettes {
 };
 
 /// Fills the empty pixels of a view (extension_rules.h): extend_blocks.comp, extend_estimate.comp,
-/// extend_smooth.comp and extend_view.comp.
+/// extend_smooth.comp, extend_view.comp and extend_colors.comp.
 class ExtendBackground {
  public:
   struct Camera {
     Eigen::Matrix<float, 3, 4> camera_from_eye;
     CameraModel model;
     bool is_drawn, is_remembered;
+    const gl::Texture* inverse;  ///< Of the camera's picture, 1/m.
+    const gl::Texture* colors;   ///< Corrected; null if the camera has none.
+    float opacity;
   };
 
   explicit ExtendBackground(gl::Context& context) : context_(&context) {}
@@ -192,9 +195,11 @@ class ExtendBackground {
   };
   Result<void> compile(std::size_t cameras);
   void estimate_blocks(const gl::Texture& color, const gl::Texture& depth);
+  void take_colors(std::span<const Camera> cameras, const ViewUniforms& view, float brightness,
+                   const gl::Texture& color, const gl::Texture& depth, const gl::Texture& origin);
 
   gl::Context* context_;
-  std::optional<gl::Program> summarise_, estimate_, smooth_;
+  std::optional<gl::Program> summarise_, estimate_, smooth_, take_colors_;
   std::map<std::size_t, gl::Program> fill_;
   std::optional<Blocks> blocks_;
 };

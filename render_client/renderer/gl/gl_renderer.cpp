@@ -219,10 +219,16 @@ class GlRenderer final : public Renderer {
 
   Result<void> extend(std::span<const CameraView> cameras, const ViewPose& eye, const Target& target) {
     extend_cameras_.clear();
-    for (const CameraView& camera : cameras) {
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      const CameraView& camera = cameras[i];
       const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
-      extend_cameras_.push_back({camera_from_eye.matrix().topRows<3>().cast<float>(), camera.model,
-                                 camera.opacity > 0 && !camera.is_remembered, camera.is_remembered});
+      extend_cameras_.push_back({.camera_from_eye = camera_from_eye.matrix().topRows<3>().cast<float>(),
+                                 .model = camera.model,
+                                 .is_drawn = camera.opacity > 0 && !camera.is_remembered,
+                                 .is_remembered = camera.is_remembered,
+                                 .inverse = &cameras_[i].inverse(),
+                                 .colors = camera.frame->color ? &cameras_[i].texture() : nullptr,
+                                 .opacity = camera.opacity});
     }
     return extend_.run(extend_cameras_, view_uniforms(eye), static_cast<float>(eye.near_m), style_,
                        target.color, target.depth, target.camera, target.origin);

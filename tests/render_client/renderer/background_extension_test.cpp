@@ -137,6 +137,41 @@ TEST_F(PostBeforeAWall, TheNumberOfThreadsChangesNothing) {
   EXPECT_TRUE(std::ranges::equal(one.depth_m.pixels(), three.depth_m.pixels()));
 }
 
+// A window: the camera sees colour in it, and no depth.
+class WindowInAWall : public ::testing::Test {
+ protected:
+  static constexpr Rgb8 kSky{230, 240, 250};
+  static bool is_window(double x, double y) { return std::abs(x) < 0.12 && std::abs(y) < 0.1; }
+
+  WindowInAWall()
+      : camera_(
+            kinect_model(),
+            [](double x, double y) { return is_window(x, y) ? std::nullopt : std::optional(2.5); },
+            [](int u, int v) {
+              const CameraModel model = kinect_model();
+              return is_window((u - model.cx) / model.fx, (v - model.cy) / model.fy) ? kSky : kWall;
+            }) {}
+
+  Looking camera_;
+};
+
+TEST_F(WindowInAWall, ShowsTheColorOfTheWindowOnTheWall) {
+  for (const double degrees : {0.0, 15.0}) {
+    const ViewPose eye = orbiting_eye(kWidth, kHeight, degrees, 2.5);
+    const MergedView view = render_unseen({&camera_}, eye, {.show = UnseenStyle::Show::kExtend});
+    int window = 0;
+    for_each_shown(view, [&](int x, int y) {
+      const Eigen::Vector3d point = shown_point(view, eye, x, y) / 2.5;
+      if (!is_window(1.1 * point.x(), 1.1 * point.y())) return;
+      ASSERT_EQ(view.origin(x, y), Origin::kExtended);
+      ASSERT_TRUE(near_color(view.color(x, y), kSky)) << x << ' ' << y << " at " << degrees;
+      ASSERT_NEAR(point.z(), 1, 0.01);
+      ++window;
+    });
+    EXPECT_GT(window, 2000);
+  }
+}
+
 TEST(BackgroundExtension, APlaneThroughAHoleStaysThatPlane) {
   // A slanted wall with a hole of a hundred pixels in its middle.
   const Surface slanted = plane({0.4, 0.1, 1}, 2.5);

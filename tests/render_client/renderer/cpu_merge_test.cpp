@@ -224,6 +224,22 @@ TEST(CpuMerge, FillsOneCamerasHolesFromTheOther) {
   EXPECT_GT(green, 5000);
 }
 
+// Two cameras of different exposure look at one wall. The picture of the second covers half of the view.
+TEST(CpuMerge, LeavesNoStepAtTheBorderOfACamerasPicture) {
+  Looking one(kinect_model(), wall(2), plain({120, 120, 120}));
+  Looking other(kinect_model(), wall(2), plain({160, 160, 160}), moved(1.1, 0, 0));
+  const MergedView view = render({&one, &other}, eye_at_origin(kWidth, kHeight));
+  int changes = 0;
+  for (int y = 40; y < kHeight - 40; ++y) {
+    for (int x = 100; x + 1 < kWidth - 100; ++x) {
+      if (view.camera(x, y) == kNoCamera || view.camera(x + 1, y) == kNoCamera) continue;
+      ASSERT_LE(std::abs(view.color(x, y).g - view.color(x + 1, y).g), 4) << x << ' ' << y;
+      changes += view.color(x, y).g != view.color(x + 1, y).g;
+    }
+  }
+  EXPECT_GT(changes, 1000) << "the test sees no border";
+}
+
 TEST(CpuMerge, GivesTheSamePictureWithAnyNumberOfThreads) {
   Looking one(kinect_model(), together({wall(3), sphere({0, 0, 2}, 0.4)}));
   Looking two(kinect_model(), wall(3.01), plain({200, 100, 50}));

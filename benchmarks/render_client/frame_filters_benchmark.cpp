@@ -78,5 +78,23 @@ void background_memory(benchmark::State& state) {
 }
 BENCHMARK(background_memory)->ArgName("motion_px")->Arg(0)->Arg(20)->Unit(benchmark::kMillisecond);
 
+/// Before the wall stand posts of 40 pixels, in a brighter colour.
+void silhouette_refinement(benchmark::State& state) {
+  std::vector<RgbdFrame> frames = noisy_frames(0);
+  for (RgbdFrame& frame : frames) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (x / 40 % 2 == 0) continue;
+        frame.depth(x, y) = static_cast<std::uint16_t>(frame.depth(x, y) / 2);
+        (*frame.color)(x, y) = {240, 240, 240};
+      }
+    }
+  }
+  SilhouetteRefinement refinement;
+  run(state, frames,
+      [&](RgbdFrame& frame) { refinement.apply(frame, DepthUnit::kMillimetre, kKinectV1Noise); });
+}
+BENCHMARK(silhouette_refinement)->Unit(benchmark::kMillisecond);
+
 }  // namespace
 }  // namespace copresence::decoding

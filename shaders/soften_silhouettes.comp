@@ -1,8 +1,8 @@
 #version 450 core
 // checked with: -DLAYERS=2 -DSHARE=0.25
 //
-// Mixes the colours of both sides of a silhouette edge along a row (merge_rules.h, Silhouettes).
-// Each invocation handles one pixel of the view.
+// Mixes the colours of both sides of a silhouette edge along rows or columns (merge_rules.h,
+// Silhouettes). Each invocation handles one pixel of the view.
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2DArray fragments;  // As in merge_layers.comp.
@@ -11,6 +11,7 @@ layout(binding = 2) uniform sampler2D merged;
 layout(binding = 0, rgba8) writeonly uniform image2D softened;
 
 uniform vec2 w_near_far;  // Inverse depth of the near and the far plane, 1/m.
+uniform ivec2 direction;  // (1, 0) along rows, (0, 1) along columns.
 uniform float apart;  // At a silhouette edge, the inverse depths differ by more than this, 1/m.
 
 // Returns the inverse depth of the nearest fragment, or 0 if there is none.
@@ -31,8 +32,8 @@ void main() {
   vec3 color = own.rgb;
   const float w = nearest(at);
   for (int side = -1; side <= 1; side += 2) {
-    const ivec2 beside = ivec2(at.x + side, at.y);
-    if (w <= 0.0 || beside.x < 0 || beside.x >= size.x) continue;
+    const ivec2 beside = at + side * direction;
+    if (w <= 0.0 || any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, size))) continue;
     const float other = nearest(beside);
     if (other > 0.0 && abs(w - other) > apart) color += SHARE * (texelFetch(merged, beside, 0).rgb - own.rgb);
   }

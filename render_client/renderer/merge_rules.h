@@ -29,9 +29,10 @@
 // Remembered   A remembered background is shown only where no camera's newest frame shows anything
 //              at any distance. So it never covers what is seen. Remembered backgrounds are merged
 //              with each other like live cameras.
-// Silhouettes  A silhouette edge lies between two neighbours in a row whose nearest fragments are
-//              kSilhouetteSteps apart in inverse depth along the eye's axis. Each colour moves
-//              1 / kSilhouetteDivisor of the way to the other colour. This hides stair steps.
+// Silhouettes  A silhouette edge lies between two neighbours in a row or a column whose nearest
+//              fragments are kSilhouetteSteps apart in inverse depth along the eye's axis. Each
+//              colour moves 1 / kSilhouetteDivisor of the way to the other colour, first along all
+//              rows, then along all columns. This hides stair steps.
 //
 // Thread: pure functions.
 

@@ -11,6 +11,7 @@
 #include "render_client/renderer/cpu/camera_texture.h"
 #include "render_client/renderer/cpu/depth_mesh.h"
 #include "render_client/renderer/cpu/lanes.h"
+#include "render_client/renderer/cpu/silhouettes.h"
 #include "render_client/renderer/cpu/tile_merge.h"
 #include "render_client/renderer/shading.h"
 
@@ -148,8 +149,9 @@ class CpuRenderer : public Renderer {
     const int tiles = (view.height + kTileRows - 1) / kTileRows;
     pixels_.assign(tiles, {});
     workers_.run(tiles, [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, wanted, view); });
+    if (wanted.color) soften_columns(cameras, view);
     std::size_t extended = 0;
-    if (inverse_.width() > 0) {
+    if (wanted.color && style_.show != UnseenStyle::Show::kBlack) {
       pictures_.clear();
       for (std::size_t i = 0; i < cameras.size(); ++i) pictures_.push_back(surfaces_[i].pictures());
       extended = extension_.apply(eye, cameras, pictures_, inverse_, style_, workers_, view);
@@ -175,6 +177,17 @@ class CpuRenderer : public Renderer {
     return camera.opacity > 0 && !(camera.is_remembered && style_.show == UnseenStyle::Show::kBlack);
   }
 
+  // Softens the silhouette edges between rows. The tiles have softened those between columns.
+  void soften_columns(std::span<const CameraView> cameras, MergedView& view) {
+    float coarsest = 0;
+    for (const CameraView& camera : cameras) coarsest = std::max(coarsest, inverse_step(camera.noise));
+    constexpr int kStrip = 128;
+    workers_.run((view.width + kStrip - 1) / kStrip, [&](int strip, int) {
+      soften_between_rows(inverse_, kSilhouetteSteps * coarsest, strip * kStrip,
+                          std::min((strip + 1) * kStrip, view.width), view);
+    });
+  }
+
   void make_surfaces(std::size_t cameras) {
     assert(cameras <= kMostViews);
     while (surfaces_.size() < cameras) surfaces_.emplace_back(settings_.largest_block);
@@ -194,7 +207,7 @@ class CpuRenderer : public Renderer {
     shape(view.camera, wanted.depth);
     shape(view.quality, wanted.depth);
     shape(view.origin, wanted.depth);
-    shape(inverse_, wanted.color && style_.show != UnseenStyle::Show::kBlack);
+    shape(inverse_, wanted.color);
   }
 
   void draw_tile(int number, Scratch& scratch, const ViewPose& eye, HostPixels wanted, MergedView& view) {
@@ -309,7 +322,7 @@ class CpuRenderer : public Renderer {
   UnseenStyle style_;
   BackgroundExtension extension_;
   std::vector<CameraPictures> pictures_;
-  InverseDepthView inverse_;    // Inverse depths of the nearest fragments; used if surfaces are extended.
+  InverseDepthView inverse_;    // Inverse depths of the nearest fragments, if the colour is wanted.
   std::vector<Pixels> pixels_;  // By tile.
 };
 

@@ -4,7 +4,9 @@
 // Silhouettes). Thread: different tiles may be processed at the same time.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "render_client/renderer/cpu/lanes.h"
 #include "render_client/renderer/merge_rules.h"
@@ -55,6 +57,38 @@ inline void soften_silhouettes(const SilhouetteBits& silhouettes, int top, Merge
         changed_x = at + 1;
         soften(pixels[at], pixels[at + 1], left_before);
       }
+    }
+  }
+}
+
+/// Softens the edges between the rows of `view` in its columns [left, right). `inverse` has the inverse
+/// depths of the nearest fragments, 0 without any. `apart` as in find_silhouettes(). Different columns
+/// may be softened at the same time.
+inline void soften_between_rows(const Image<float>& inverse, float apart, int left, int right,
+                                MergedView& view) {
+  // The colours of the row's pixels before they were mixed with the row above, where they were.
+  std::vector<Rgba8> before(static_cast<std::size_t>(right - left));
+  std::vector<int> changed_row(before.size(), -1);
+  for (int y = 0; y + 1 < view.height; ++y) {
+    const float* const here = inverse.row(y).data();
+    const float* const below = inverse.row(y + 1).data();
+    const auto soften_at = [&](int x) {
+      const int column = x - left;
+      Rgba8& upper = view.color(x, y);
+      const Rgba8 upper_before = changed_row[column] == y ? before[column] : upper;
+      before[column] = view.color(x, y + 1);
+      changed_row[column] = y + 1;
+      soften(upper, view.color(x, y + 1), upper_before);
+    };
+    int x = left;
+    for (; x + kLanes <= right; x += kLanes) {
+      unsigned edges = find_silhouettes(load<Floats>(here + x), load<Floats>(below + x), 0, apart);
+      for (int at = x; edges != 0; ++at, edges >>= 1) {
+        if (edges & 1U) soften_at(at);
+      }
+    }
+    for (; x < right; ++x) {
+      if (here[x] > 0 && below[x] > 0 && std::abs(here[x] - below[x]) > apart) soften_at(x);
     }
   }
 }

@@ -210,7 +210,7 @@ Result<void> MergeLayers::run(std::span<const Camera> cameras, const ViewUniform
 Result<void> SoftenSilhouettes::run(std::span<const MergeLayers::Camera> cameras,
                                     const Eigen::Vector2f& w_near_far, const gl::Texture& fragments,
                                     const gl::Texture& depths, const gl::Texture& merged,
-                                    const gl::Texture& softened) {
+                                    const gl::Texture& scratch, const gl::Texture& softened) {
   auto compiled = programs_.find(cameras.size());
   if (compiled == programs_.end()) {
     const std::array defines = {Define{"LAYERS", std::to_string(cameras.size())},
@@ -221,14 +221,20 @@ Result<void> SoftenSilhouettes::run(std::span<const MergeLayers::Camera> cameras
   }
   fragments.bind(0);
   depths.bind(1);
-  merged.bind(2);
-  softened.bind_image(0, Access::kWrite);
   float coarsest = 0;
   for (const MergeLayers::Camera& camera_texture : cameras)
     coarsest = std::max(coarsest, inverse_step(camera_texture.noise));
   compiled->second.set("w_near_far", w_near_far);
   compiled->second.set("apart", kSilhouetteSteps * coarsest);
-  compiled->second.dispatch_over(softened.width(), softened.height());
+  const auto soften = [&](const Eigen::Vector2i& direction, const gl::Texture& from, const gl::Texture& to) {
+    from.bind(2);
+    to.bind_image(0, Access::kWrite);
+    compiled->second.set("direction", direction);
+    compiled->second.dispatch_over(to.width(), to.height());
+    context_->barrier(gl::Reader::kFetch);
+  };
+  soften({1, 0}, merged, scratch);
+  soften({0, 1}, scratch, softened);
   return {};
 }
 

@@ -161,7 +161,7 @@ class SoftenSilhouettes {
 
   Result<void> run(std::span<const MergeLayers::Camera> cameras, const Eigen::Vector2f& w_near_far,
                    const gl::Texture& fragments, const gl::Texture& depths, const gl::Texture& merged,
-                   const gl::Texture& softened);
+                   const gl::Texture& scratch, const gl::Texture& softened);
 
  private:
   gl::Context* context_;

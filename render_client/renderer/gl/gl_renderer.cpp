@@ -36,10 +36,12 @@ struct Layers {
 
 // The pictures of one eye, for one size of the view.
 struct Target {
-  gl::Texture merged, color, depth, camera, quality, origin;  // `merged` is not softened.
+  // `merged` is not softened, `scratch` along rows only.
+  gl::Texture merged, scratch, color, depth, camera, quality, origin;
 
   Target(gl::Context& context, int width, int height)
       : merged(context, Format::kRgba8, width, height),
+        scratch(context, Format::kRgba8, width, height),
         color(context, Format::kRgba8, width, height),
         depth(context, Format::kR32f, width, height),
         camera(context, Format::kR8ui, width, height),
@@ -203,7 +205,7 @@ class GlRenderer final : public Renderer {
     }
     context_.barrier(Reader::kFetch);
     auto softened = soften_.run(merge_cameras_, uniforms.w_near_far, layers_->fragments, layers_->depths,
-                                target.merged, target.color);
+                                target.merged, target.scratch, target.color);
     context_.barrier(Reader::kFetch | Reader::kFramebuffer | Reader::kHost);
     return softened;
   }

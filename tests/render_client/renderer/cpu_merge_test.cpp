@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/executor.h"
 #include "render_client/renderer/merge_rules.h"
 #include "tests/render_client/renderer/rendering.h"
 
@@ -141,26 +142,43 @@ TEST(CpuMerge, BlendsEqualsEvenly) {
   EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), {125, 125, 30}, 6));
 }
 
+// Colours beside an edge between red and green.
+constexpr int mixed(int own, int other) {
+  return own + (other - own) / kSilhouetteDivisor;
+}
+constexpr Rgb8 kRedSide{mixed(220, 30), mixed(30, 220), 30}, kGreenSide{kRedSide.g, kRedSide.r, 30};
+
 TEST(CpuMerge, SoftensTheOutlineOfWhatStandsBeforeAWall) {
-  Looking near_red(kinect_model(), wall(1.5), plain(kRed)), far_green(kinect_model(), wall(3), plain(kGreen));
-  for (int y = 0; y < 480; ++y) {
-    for (int x = 320; x < 640; ++x) {
-      near_red.frame.depth(x, y) = 0;
-      near_red.frame.state(x, y) = DepthState::kHole;
+  for (const bool upright : {true, false}) {
+    Looking near_red(kinect_model(), wall(1.5), plain(kRed)),
+        far_green(kinect_model(), wall(3), plain(kGreen));
+    for (int y = 0; y < 480; ++y) {
+      for (int x = 0; x < 640; ++x) {
+        if (upright ? x < 320 : y < 240) continue;
+        near_red.frame.depth(x, y) = 0;
+        near_red.frame.state(x, y) = DepthState::kHole;
+      }
+    }
+    for (const bool extends : {true, false}) {
+      InlineExecutor workers;
+      const auto renderer = make_cpu_renderer(workers);
+      renderer->set_unseen({.show = extends ? UnseenStyle::Show::kExtend : UnseenStyle::Show::kBlack});
+      MergedView view;
+      ASSERT_TRUE(renderer->render(views_of({&near_red, &far_green}), eye_at_origin(kWidth, kHeight),
+                                   {.color = true, .depth = true}, view));
+      // Along a line across the edge.
+      const auto pixel = [&](int i) {
+        return upright ? Eigen::Vector2i(i, kHeight / 2) : Eigen::Vector2i(kWidth / 2, i);
+      };
+      const auto color = [&](int i) { return view.color(pixel(i).x(), pixel(i).y()); };
+      int edge = kHeight / 4;
+      while (view.depth_m(pixel(edge + 1).x(), pixel(edge + 1).y()) < 2) ++edge;
+      EXPECT_TRUE(near_color(color(edge), kRedSide));
+      EXPECT_TRUE(near_color(color(edge + 1), kGreenSide));
+      EXPECT_TRUE(near_color(color(edge - 1), kRed));
+      EXPECT_TRUE(near_color(color(edge + 2), kGreen));
     }
   }
-  const MergedView view = render({&near_red, &far_green}, eye_at_origin(kWidth, kHeight));
-  const int y = kHeight / 2;
-  int edge = 0;
-  while (edge + 1 < kWidth && view.depth_m(edge + 1, y) < 2) ++edge;
-  const auto mixed = [](int own, int other) { return own + (other - own) / kSilhouetteDivisor; };
-  const Rgb8 red_side{static_cast<std::uint8_t>(mixed(220, 30)), static_cast<std::uint8_t>(mixed(30, 220)),
-                      30},
-      green_side{red_side.g, red_side.r, 30};
-  EXPECT_TRUE(near_color(view.color(edge, y), red_side));
-  EXPECT_TRUE(near_color(view.color(edge + 1, y), green_side));
-  EXPECT_TRUE(near_color(view.color(edge - 1, y), kRed));
-  EXPECT_TRUE(near_color(view.color(edge + 2, y), kGreen));
 }
 
 TEST(CpuMerge, ChangesFromCameraToCameraWithoutASeam) {

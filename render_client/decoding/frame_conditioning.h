@@ -1,6 +1,6 @@
 #pragma once
 
-// Filters, clips and smooths a decoded frame before it is rendered. Thread: one thread at a time.
+// Refines, clips and smooths a decoded frame before it is rendered. Thread: one thread at a time.
 
 #include <Eigen/Core>
 #include <optional>
@@ -30,7 +30,8 @@ class Clipper {
   std::vector<Eigen::Vector2f> rays_;  // The ray (x, y) at z = 1 of every pixel.
 };
 
-/// Clips the frames of one camera, then smooths their depth. The server has filtered them over time.
+/// Refines the silhouettes of the frames of one camera, clips them, then smooths their depth. The
+/// server has filtered them over time.
 class FrameConditioner {
  public:
   /// Call it for every new connection, before the first frame. `clip` has world coordinates in

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "common/flow/worker_pool.h"
 #include "common/video/frame_decoder.h"
 #include "tests/common/depth/scenes.h"
@@ -54,6 +56,34 @@ TEST(FrameEncoding, SendsFramesThatDecodeThoughDepthMakesAKeyframeOfItsOwn) {
     EXPECT_TRUE(decoded->color);
   }
   EXPECT_GT(keyframes, 1) << "the scene has left its levels";
+}
+
+// A constant QP spaces this wall's 53 disparity steps by four codes each, a bit rate by two.
+TEST(FrameEncoding, SpacesDepthCodesByTheBitRateFromTheBeginningAndWhenItChanges) {
+  EncodingSettings settings;
+  settings.encoder.depth_kbps = 5000;
+  auto encoding = FrameEncoding::open(small_sensor(), nullptr, settings);
+  ASSERT_TRUE(encoding) << encoding.error().what;
+  auto decoder = video::FrameDecoder::open(encoding->description());
+  ASSERT_TRUE(decoder) << decoder.error().what;
+  std::uint64_t sequence = 1;
+  const auto codes = [&] {
+    const auto encoded = encoding->encode(walls(2500, 4000, sequence), sequence == 1);
+    ++sequence;
+    EXPECT_TRUE(encoded);
+    const auto decoded = decoder->decode(*encoded);
+    EXPECT_TRUE(decoded);
+    const auto samples = decoded->depth.picture.plane10();
+    const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
+    return *most - *least;
+  };
+  EXPECT_NEAR(codes(), 106, 20);
+  EncoderSettings constant_qp;
+  constant_qp.depth_qp = 12;
+  ASSERT_TRUE(encoding->change_settings(constant_qp));
+  EXPECT_NEAR(codes(), 211, 20);
+  ASSERT_TRUE(encoding->change_settings(settings.encoder));
+  EXPECT_NEAR(codes(), 106, 20);
 }
 
 }  // namespace

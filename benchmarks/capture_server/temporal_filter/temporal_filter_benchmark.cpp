@@ -81,7 +81,8 @@ BENCHMARK(depth_filter)->ArgName("shift_px")->Arg(0)->Arg(5)->Unit(benchmark::kM
 
 void color_filter(benchmark::State& state) {
   ColorFilter filter;
-  run(state, color_frames(static_cast<int>(state.range(0))), [&](Picture& frame) { filter.apply(frame, false); });
+  run(state, color_frames(static_cast<int>(state.range(0))),
+      [&](Picture& frame) { filter.apply(frame, false); });
 }
 BENCHMARK(color_filter)->ArgName("shift_px")->Arg(0)->Arg(5)->Unit(benchmark::kMillisecond);
 

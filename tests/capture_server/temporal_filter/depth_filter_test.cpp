@@ -100,7 +100,8 @@ TEST_F(DepthFilterTest, HoldsAStillNoisyPlaneStill) {
       before = after;
     }
     EXPECT_GT(changed_pixels(noisy(z).depth, noisy(z).depth), kPixels * 2 / 5) << "as it comes";
-    EXPECT_LT(changed, 10 * kPixels * 3 / 100) << "three pixels in a hundred in each frame, at " << z << " mm";
+    EXPECT_LT(changed, 10 * kPixels * 3 / 100)
+        << "three pixels in a hundred in each frame, at " << z << " mm";
     EXPECT_LT(rmse(before.depth, z), 0.8 * rmse(noisy(z).depth, z)) << "the nearest level, most of the time";
   }
 }

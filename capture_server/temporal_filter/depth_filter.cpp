@@ -120,7 +120,6 @@ void DepthFilter::compare(const DepthImage& depth, const StateImage& state) {
 
 // Returns whether the camera moves.
 bool DepthFilter::find_motion() {
-  constexpr float kDeviations = 3;
   for (int row = 0; row < rows_; ++row) {
     const int height = std::min(kBlock, height_ - row * kBlock);
     for (int column = 0; column < columns_; ++column) {
@@ -167,11 +166,11 @@ bool DepthFilter::accepts(const Block& block, std::uint16_t depth, std::size_t a
   const bool gains_depth = held_[at] == 0, loses_depth = depth == 0;
   if (!gains_depth && !loses_depth && differs_in_depth(depth, at)) {
     if (is_in_motion) return true;
-    return doubts_[at] + 1 >= (flicker_[at] >= kFlickering ? kFlickerFrames : kConfirmingFrames);
+    return doubts_[at] + 1 >= (flicker_[at] >= kFlickering ? kFlickeringDepthFrames : kConfirmingFrames);
   }
   // The state alone changes, or a hole begins or ends. Only new depth amid motion is urgent.
   if (gains_depth && is_in_motion && flicker_[at] < kSteady) return true;
-  return doubts_[at] + 1 >= kFlickerFrames;
+  return doubts_[at] + 1 >= kStateFrames;
 }
 
 // The farthest of the nearest depths above, below, to the left and to the right, or 0.

@@ -42,15 +42,17 @@ class DepthFilter {
   /// between, the weight of the new frame is linear.
   static constexpr float kNoiseSteps = 0.3F, kMotionSteps = 0.6F;
   static constexpr int kFewestPixels = 16;  ///< for a meaningful mean of a block
-  /// Pixels of a block that must have changed beyond the usual number and three standard
+  /// Pixels of a block that must have changed beyond the usual number and kDeviations standard
   /// deviations: for motion in the block, and for motion that may extend into its neighbours.
+  static constexpr float kDeviations = 1.5F;
   static constexpr float kMotionPixels = 10, kStrongMotionPixels = 24;
   /// Share of a block's pixels that have changed, above which the whole block shows something else.
   static constexpr float kReplaced = 0.75F;
   static constexpr int kFlickering = 40;  ///< of 255: rate of changes of a pixel that flickers
   static constexpr int kSteady = 16;      ///< of 255: rate below which a pixel is steady
-  /// Frames that a change without motion around it must last: of depth, of anything that flickers.
-  static constexpr int kConfirmingFrames = 2, kFlickerFrames = 12;
+  /// Number of frames that a change must last if nothing moves around it: a change of depth, the
+  /// same for a pixel that flickers, and a change of the state.
+  static constexpr int kConfirmingFrames = 2, kFlickeringDepthFrames = 4, kStateFrames = 12;
   static constexpr int kReach = 8;  ///< pixels; where to look for the surface behind one that has left
 
   DepthFilter(int width, int height, DepthUnit unit, const DepthNoise& noise);

@@ -5,10 +5,13 @@
 
 #include <csignal>
 #include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/depth/depth_codec.h"
+#include "common/wire/frame_client.h"
 #include "tests/pipeline/running_room.h"
 
 namespace copresence::testing {
@@ -101,6 +104,22 @@ TEST_F(Live, EveryHoleFillerShowsTheRoom) {
     ASSERT_FALSE(stats.is_null()) << filler;
     EXPECT_GT(shown_share(room.picture()), 0.3) << filler;
   }
+}
+
+TEST_F(Live, TheStreamSaysWhetherItIsFilteredOverTime) {
+  const auto is_filtered = [](const RunningRoom::Arguments& more) {
+    RunningRoom room;
+    room.serve(recordings() / "camera0.oni", more);
+    for (int tries = 0; tries < 100; ++tries) {
+      const auto client = wire::FrameClient::connect(room.address(0), seconds(2), {});
+      if (client) return client->description().is_temporally_filtered;
+      std::this_thread::sleep_for(milliseconds(100));
+    }
+    throw std::runtime_error("no server at " + room.address(0));
+  };
+  EXPECT_TRUE(is_filtered({"--loop"}));
+  EXPECT_FALSE(is_filtered({"--loop", "--temporal-filter", "off"}));
+  EXPECT_FALSE(is_filtered({"--loop", "--depth-qp", "0"})) << "lossless";
 }
 
 TEST_F(Live, BothRenderersShowTheSameRoom) {

@@ -2,7 +2,8 @@
 //
 // Without a recording, a simulated Kinect in the room, whose truth is known: a still scene, and the
 // figure in motion. Frames pass through the server's FrameEncoding with and without the filter and
-// are decoded again. Depth is compared with the true depth, colour with the colour before noise.
+// are decoded again. Depth is compared with the true depth, colour with the colour before noise, in
+// the planes that are coded. The first half of the frames is not measured.
 // With a recording: its depth is filtered, and still pixels are compared with their mean over 16
 // frames.
 
@@ -26,14 +27,14 @@
 namespace copresence::temporal_filter {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 480, kFrames = 60, kWarmUp = 15;
+constexpr int kWidth = 640, kHeight = 480, kFrames = 120, kWarmUp = 60;
 constexpr std::uint32_t kSeed = 1;
 constexpr DepthUnit kUnit = DepthUnit::kMillimetre;
 
 struct Errors {
   double squared_steps = 0, gross = 0, pixels = 0;
   double squared_color = 0, samples = 0;
-  double depth_bytes = 0, mask_bytes = 0, color_bytes = 0, frames = 0;
+  double keyframes = 0, depth_bytes = 0, mask_bytes = 0, color_bytes = 0, frames = 0;
 
   /// An error of more than this is another surface: counted, not averaged.
   static constexpr double kGrossSteps = 8;
@@ -44,13 +45,32 @@ struct Errors {
     if (std::abs(steps) > kGrossSteps) return void(++gross);
     squared_steps += steps * steps;
   }
+  void add_color(const Picture& shown, const simulation::NoiseFreeColors& colors) {
+    ColorImage image(colors.width(), colors.height());
+    const auto channel = [](int value) {
+      return static_cast<std::uint8_t>(std::clamp((value + 8) / 16, 0, 255));
+    };
+    for (std::size_t i = 0; i < image.pixels().size(); ++i) {
+      const simulation::NoiseFreeColor& color = colors.data()[i];
+      image.data()[i] = {channel(color.r), channel(color.g), channel(color.b)};
+    }
+    Picture truth;
+    color::rgb_to_yuv420(image, truth);
+    for (int plane = 0; plane < truth.planes(); ++plane) {
+      for (std::size_t i = 0; i < truth.plane8(plane).size(); ++i) {
+        const double error = shown.plane8(plane)[i] - truth.plane8(plane)[i];
+        squared_color += error * error;
+        ++samples;
+      }
+    }
+  }
   void print(const std::string& title) const {
     const double mbps = 8 * 30 / 1e6 / frames;
     fmt::print("{:28} depth {:5.2f} Mbit/s, mask {:5.3f}; error {:.3f} steps, {:.3f} % beyond {} steps; ",
                title, depth_bytes * mbps, mask_bytes * mbps, std::sqrt(squared_steps / (pixels - gross)),
                100 * gross / pixels, kGrossSteps);
-    fmt::print("colour {:.2f} Mbit/s, PSNR {:.2f} dB\n", color_bytes * mbps,
-               10 * std::log10(255.0 * 255.0 * samples / squared_color));
+    fmt::print("colour {:.2f} Mbit/s, PSNR {:.2f} dB; {} keyframes\n", color_bytes * mbps,
+               10 * std::log10(255.0 * 255.0 * samples / squared_color), keyframes);
   }
 };
 
@@ -98,6 +118,7 @@ Errors simulate(bool moves, Mode mode) {
     errors.mask_bytes += static_cast<double>(planes.depth.validity_mask.size());
     errors.color_bytes += static_cast<double>(encoded.color.size());
     ++errors.frames;
+    errors.keyframes += encoded.keyframe;
     for (std::size_t i = 0; i < shown.pixels().size(); ++i) {
       const double truth = kinect.truth().depth_m.data()[i];
       if (raw.data()[i] > 0 && shown.data()[i] > 0 && truth > 0)
@@ -105,18 +126,7 @@ Errors simulate(bool moves, Mode mode) {
     }
     simulation::NoiseFreeColors noise_free;
     response.apply_response(kinect.truth().color, noise_free);
-    ColorImage color;
-    color::yuv420_to_rgb(*planes.color, color);
-    for (std::size_t i = 0; i < color.pixels().size(); ++i) {
-      const auto& truth = noise_free.data()[i];
-      const Rgb8 is = color.data()[i];
-      for (const auto& [channel, wanted] :
-           {std::pair(is.r, truth.r), std::pair(is.g, truth.g), std::pair(is.b, truth.b)}) {
-        const double error = channel - std::clamp(wanted / 16.0, 0.0, 255.0);
-        errors.squared_color += error * error;
-        ++errors.samples;
-      }
-    }
+    errors.add_color(*planes.color, noise_free);
   }
   return errors;
 }
@@ -154,6 +164,7 @@ int measure_recording(const std::string& path) {
       const double mean = sum / kMeanFrames, step = kKinectV1Noise.step_m(mean * unit) / unit;
       if (least == 0 || most - least > 3.5 * step) continue;  // not a still pixel
       for (std::size_t f = kMeanFrames / 2; f < kMeanFrames; ++f) {
+        if (filtered[f].data()[i] == 0) continue;  // a hole that has just been filled
         raw_squares += std::pow((raw[f].data()[i] - mean) / step, 2);
         filtered_squares += std::pow((filtered[f].data()[i] - mean) / step, 2);
         ++pixels;

@@ -86,5 +86,59 @@ TEST(FrameEncoding, SpacesDepthCodesByTheBitRateFromTheBeginningAndWhenItChanges
   EXPECT_NEAR(codes(), 106, 20);
 }
 
+/// A still wall whose depth is off by a level in every third pixel, another one in each frame.
+RgbdFrame noisy_wall(std::uint64_t sequence) {
+  RgbdFrame frame = walls(2000, 2001, sequence);
+  for (std::size_t i = 0; i < frame.depth.pixels().size(); ++i) {
+    if ((i * 7919 + sequence * 31) % 3 == 0) frame.depth.data()[i] = depth::testing::kinect_level(2012);
+  }
+  return frame;
+}
+
+/// The share of pixels that decode to the value that was measured, over the last ten of 30 frames.
+double share_as_measured(const EncodingSettings& settings) {
+  auto encoding = FrameEncoding::open(small_sensor(), nullptr, settings);
+  EXPECT_TRUE(encoding) << encoding.error().what;
+  const StreamDescription& stream = encoding->description();
+  auto video = video::FrameDecoder::open(stream);
+  auto decoder =
+      depth::Decoder::open(stream.codec, {kWidth, kHeight, stream.unit, stream.range, stream.noise});
+  double equal = 0, pixels = 0;
+  for (std::uint64_t sequence = 1; sequence <= 30; ++sequence) {
+    const RgbdFrame frame = noisy_wall(sequence);
+    const auto encoded = encoding->encode(RgbdFrame(frame), sequence == 1);
+    const auto planes = video->decode(*encoded);
+    DepthImage depth;
+    StateImage states;
+    EXPECT_TRUE(decoder->decode(planes->depth, depth, states));
+    if (sequence <= 20) continue;
+    for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
+      equal += depth.data()[i] == frame.depth.data()[i];
+      ++pixels;
+    }
+  }
+  return equal / pixels;
+}
+
+TEST(FrameEncoding, FiltersOverTimeAndSaysSo) {
+  EncodingSettings settings;
+  settings.name = "camera";
+  settings.codec = "quantized";
+  settings.encoder.depth_qp = 8;
+  EXPECT_TRUE(FrameEncoding::open(small_sensor(), nullptr, settings)->description().is_temporally_filtered);
+  EXPECT_LT(share_as_measured(settings), 0.8);
+  settings.temporal_filter = temporal_filter::Mode::kOff;
+  EXPECT_FALSE(FrameEncoding::open(small_sensor(), nullptr, settings)->description().is_temporally_filtered);
+}
+
+TEST(FrameEncoding, LeavesLosslessDepthUntouched) {
+  EncodingSettings settings;
+  settings.name = "camera";
+  settings.codec = "quantized";
+  settings.encoder.depth_qp = 0;
+  EXPECT_FALSE(FrameEncoding::open(small_sensor(), nullptr, settings)->description().is_temporally_filtered);
+  EXPECT_EQ(share_as_measured(settings), 1);
+}
+
 }  // namespace
 }  // namespace copresence::server

@@ -35,7 +35,7 @@ std::string refusal(const std::string& text, const Arguments& more = {"--source"
 TEST(Settings, ComeFromTheFileWhereTheCommandLineDoesNotGiveThem) {
   SettingsFile file(
       "source = \"openni:\"\nname = \"left\"\ndepth-kbps = 1500\nrange = \"0.5:4\"\nhole-filling = "
-      "\"median\"\n"
+      "\"median\"\ntemporal-filter = \"off\"\n"
       "insecure = true\nloop = false\n");
   const ServerSettings settings = settings_of(file.with());
   EXPECT_EQ(settings.source, "openni:");
@@ -43,6 +43,7 @@ TEST(Settings, ComeFromTheFileWhereTheCommandLineDoesNotGiveThem) {
   EXPECT_EQ(settings.encoder.depth_kbps, 1500);
   EXPECT_EQ(settings.range.near_m, 0.5);
   EXPECT_EQ(settings.hole_filling, hole_filling::Method::kMedian);
+  EXPECT_EQ(settings.temporal_filter, temporal_filter::Mode::kOff);
   EXPECT_TRUE(settings.insecure);
   EXPECT_FALSE(settings.loop);
   EXPECT_EQ(settings.codec, "adaptive");  // by default

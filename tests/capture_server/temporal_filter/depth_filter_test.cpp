@@ -253,7 +253,7 @@ TEST_F(DepthFilterTest, AHoleAppearsWhereSomebodyStandsUp) {
   for (int y = 32; y < 96; ++y) {
     for (int x = 40; x < 88; ++x) ASSERT_EQ(shown.depth(x, y), 0);
   }
-  for (int i = 0; i < DepthFilter::kFlickerFrames; ++i) shown = show(empty);
+  for (int i = 0; i < DepthFilter::kStateFrames; ++i) shown = show(empty);
   EXPECT_EQ(shown.state, empty.state);
 }
 

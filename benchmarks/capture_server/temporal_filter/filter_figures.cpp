@@ -3,7 +3,7 @@
 // Without a recording, a simulated Kinect in the room, whose truth is known: a still scene, and the
 // figure in motion. Frames pass through the server's FrameEncoding with and without the filter and
 // are decoded again. Depth is compared with the true depth, colour with the colour before noise, in
-// the planes that are coded. The first half of the frames is not measured.
+// the planes that are coded. The first 120 of 180 frames are not measured.
 // With a recording: its depth is filtered, and still pixels are compared with their mean over 16
 // frames.
 
@@ -27,7 +27,7 @@
 namespace copresence::temporal_filter {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 480, kFrames = 120, kWarmUp = 60;
+constexpr int kWidth = 640, kHeight = 480, kFrames = 180, kWarmUp = 120;
 constexpr std::uint32_t kSeed = 1;
 constexpr DepthUnit kUnit = DepthUnit::kMillimetre;
 

@@ -13,6 +13,9 @@
 
 #include "capture_server/encoding/frame_encoding.h"
 #include "capture_server/hole_filling/hole_filler.h"
+#include "capture_server/temporal_filter/color_filter.h"
+#include "capture_server/temporal_filter/depth_filter.h"
+#include "common/color/yuv420.h"
 #include "common/flow/worker_pool.h"
 #include "render_client/background_memory/background_memory.h"
 #include "render_client/camera_setup/camera_setup.h"
@@ -84,6 +87,10 @@ class Camera {
     frame_.state = StateImage(kCameraWidth, kCameraHeight, DepthState::kMeasured);
     server::clip_to_range(frame_, to_units(kRange, DepthUnit::kMillimetre));
     if (auto filled = filler_->fill(frame_); !filled) return filled;
+    depth_filter_.apply(frame_.depth, frame_.state);
+    color::rgb_to_yuv420(*frame_.color, coded_color_);
+    color_filter_.apply(coded_color_, depth_filter_.is_camera_moving());
+    color::yuv420_to_rgb(coded_color_, *frame_.color);
     conditioner_.apply(frame_);
     background_.learn(frame_);
     const auto covered = background_.covered();
@@ -141,6 +148,10 @@ class Camera {
   simulation::SimulatedKinect kinect_;
   std::unique_ptr<hole_filling::HoleFiller> filler_;
   client::CameraSetup setup_;
+  temporal_filter::DepthFilter depth_filter_{kCameraWidth, kCameraHeight, DepthUnit::kMillimetre,
+                                             kKinectV1Noise};
+  temporal_filter::ColorFilter color_filter_;
+  Picture coded_color_;  // With the halved resolution of chroma that the video encoder takes.
   decoding::FrameConditioner conditioner_;
   RgbdFrame frame_;
   std::uint64_t version_ = 0;

@@ -36,6 +36,7 @@ DepthFilter::DepthFilter(int width, int height, DepthUnit unit, const DepthNoise
   sums_.drift.resize(padded);
   for (auto* sums : {&sums_.differing, &sums_.jumping, &sums_.flicker, &sums_.with_depth})
     sums->resize(padded);
+  other_surface_.resize(padded);
   weight_.resize(padded);
   attention_.resize(padded);
   stand_ins_.reserve(padded);
@@ -52,8 +53,24 @@ void DepthFilter::hold(std::size_t at, std::uint16_t depth, DepthState state) {
 }
 
 void DepthFilter::hold_all(const DepthImage& depth, const StateImage& state) {
-  for (std::size_t at = 0; at < held_.size(); ++at) hold(at, depth.data()[at], state.data()[at]);
+  std::copy(depth.pixels().begin(), depth.pixels().end(), held_.begin());
+  std::copy(state.pixels().begin(), state.pixels().end(), held_state_.begin());
+  std::fill(mean_.begin(), mean_.end(), 0.0F);
+  std::fill(doubts_.begin(), doubts_.end(), std::uint8_t{0});
   std::fill(flicker_.begin(), flicker_.end(), std::uint8_t{0});
+  const std::uint16_t* __restrict const held = held_.data();
+  std::uint16_t* __restrict const same_surface = same_surface_.data();
+  float* __restrict const steps_per_unit = steps_per_unit_.data();
+  const std::size_t pixels = held_.size();
+  const float step_per_square = step_per_square_;
+  for (std::size_t at = 0; at < pixels; ++at) {
+    const float z = held[at], step = step_per_square * z * z;
+    steps_per_unit[at] = z > 0 ? 1 / std::max(step, kSmallestStep) : 0.0F;
+  }
+  for (std::size_t at = 0; at < pixels; ++at) {
+    const float z = held[at], step = step_per_square * z * z;
+    same_surface[at] = static_cast<std::uint16_t>(static_cast<int>(kOtherSurfaceSteps * step + 0.5F));
+  }
 }
 
 // One number type per loop, as far as possible, so that the compiler can vectorise.
@@ -70,17 +87,20 @@ void DepthFilter::compare_row(const DepthImage& depth, const StateImage& state, 
   const float* __restrict const mean = mean_.data() + at;
   std::uint8_t* __restrict const differs = differs_.data() + at;
   std::uint16_t* __restrict const differing = sums_.differing.data();
+  std::uint16_t* __restrict const other_surface = other_surface_.data();
   std::uint16_t* __restrict const jumping = sums_.jumping.data();
   std::uint16_t* __restrict const usual = sums_.flicker.data();
   std::uint16_t* __restrict const with_depth = sums_.with_depth.data();
   float* __restrict const drift = sums_.drift.data();
   for (std::size_t x = 0; x < width; ++x) {
-    const std::uint16_t off = std::max(now[x], held[x]) - std::min(now[x], held[x]);
-    differs[x] = off > same_surface[x];
-    jumping[x] =
-        static_cast<std::uint16_t>(jumping[x] + ((off > same_surface[x]) & (now[x] != 0) & (held[x] != 0)));
-    with_depth[x] = static_cast<std::uint16_t>(with_depth[x] + ((now[x] | held[x]) != 0));
+    const std::uint16_t near = std::min(now[x], held[x]), off = std::max(now[x], held[x]) - near;
+    const std::uint16_t is_other = off > same_surface[x] ? 1 : 0;
+    other_surface[x] = is_other;
+    jumping[x] = static_cast<std::uint16_t>(jumping[x] + (near > 0 ? is_other : 0));
   }
+  for (std::size_t x = 0; x < width; ++x)
+    with_depth[x] = static_cast<std::uint16_t>(with_depth[x] + ((now[x] | held[x]) > 0 ? 1 : 0));
+  for (std::size_t x = 0; x < width; ++x) differs[x] = static_cast<std::uint8_t>(other_surface[x]);
   for (std::size_t x = 0; x < width; ++x) differs[x] |= now_state[x] != held_state[x];
   for (std::size_t x = 0; x < width; ++x) {
     differing[x] = static_cast<std::uint16_t>(differing[x] + differs[x]);

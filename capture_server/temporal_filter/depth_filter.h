@@ -110,6 +110,7 @@ class DepthFilter {
 
   std::vector<Block> blocks_;
   ColumnSums sums_;
+  std::vector<std::uint16_t> other_surface_;              // of a row: 1 for pixels that show another surface
   std::vector<float> weight_;                             // of a row, by pixel: Block::weight
   std::vector<std::uint8_t> attention_;                   // of a row: 1 for pixels that need a decision
   std::vector<std::pair<int, std::uint16_t>> stand_ins_;  // of a row: columns, and the depth shown there

@@ -32,12 +32,15 @@ bool is_hidden(ivec2 at, float nearest_visible) {
   return texelFetch(inverse, clamp(at, ivec2(0), textureSize(inverse, 0) - 1), 0).r > nearest_visible;
 }
 
-// Moves a position away from nearer pixels, whose colour may be mixed into the pixels beside them.
-vec2 away_from_edges(vec2 at, float nearest_visible) {
+// Moves `at` away from nearer pixels, whose colour may be mixed into the pixels beside them. Returns
+// false if all pixels around are nearer.
+bool move_from_edges(inout vec2 at, float nearest_visible) {
   const ivec2 nearest = ivec2(at + 0.5), across = ivec2(MIXED_COLORS, 0), along = across.yx;
-  const int right = int(is_hidden(nearest - across, nearest_visible)) - int(is_hidden(nearest + across, nearest_visible));
-  const int down = int(is_hidden(nearest - along, nearest_visible)) - int(is_hidden(nearest + along, nearest_visible));
-  return clamp(at + float(MIXED_COLORS) * vec2(right, down), vec2(0.0), vec2(textureSize(inverse, 0) - 1));
+  const bvec4 hidden = bvec4(is_hidden(nearest - across, nearest_visible), is_hidden(nearest + across, nearest_visible),
+                             is_hidden(nearest - along, nearest_visible), is_hidden(nearest + along, nearest_visible));
+  const ivec4 i = ivec4(hidden);
+  at = clamp(at + float(MIXED_COLORS) * vec2(i.x - i.y, i.z - i.w), vec2(0.0), vec2(textureSize(inverse, 0) - 1));
+  return !all(hidden);
 }
 
 void main() {
@@ -51,7 +54,7 @@ void main() {
   const ivec2 last = textureSize(inverse, 0) - 1;
   if (any(lessThan(pixel, vec2(0.0))) || any(greaterThan(pixel, vec2(last)))) return;
   const float nearest_visible = 1.0 / point.z + OWN_SURFACE;
-  pixel = away_from_edges(pixel, nearest_visible);
+  if (!move_from_edges(pixel, nearest_visible)) return;
   const ivec2 first = ivec2(pixel);
   const vec2 share = pixel - vec2(first);
   vec3 sum = vec3(0.0);

@@ -9,7 +9,7 @@
 
 #include "render_client/background_memory/background_memory.h"
 #include "render_client/decoding/depth_smoothing.h"
-#include "render_client/decoding/silhouette_refinement.h"
+#include "render_client/decoding/silhouette_colors.h"
 
 namespace copresence::decoding {
 namespace {
@@ -79,7 +79,7 @@ void background_memory(benchmark::State& state) {
 BENCHMARK(background_memory)->ArgName("motion_px")->Arg(0)->Arg(20)->Unit(benchmark::kMillisecond);
 
 /// Before the wall stand posts of 40 pixels, in a brighter colour.
-void silhouette_refinement(benchmark::State& state) {
+void silhouette_colors(benchmark::State& state) {
   std::vector<RgbdFrame> frames = noisy_frames(0);
   for (RgbdFrame& frame : frames) {
     for (int y = 0; y < kHeight; ++y) {
@@ -90,11 +90,10 @@ void silhouette_refinement(benchmark::State& state) {
       }
     }
   }
-  SilhouetteRefinement refinement;
-  run(state, frames,
-      [&](RgbdFrame& frame) { refinement.apply(frame, DepthUnit::kMillimetre, kKinectV1Noise); });
+  SilhouetteColors colors;
+  run(state, frames, [&](RgbdFrame& frame) { colors.apply(frame, DepthUnit::kMillimetre, kKinectV1Noise); });
 }
-BENCHMARK(silhouette_refinement)->Unit(benchmark::kMillisecond);
+BENCHMARK(silhouette_colors)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace copresence::decoding

@@ -34,7 +34,7 @@ void FrameConditioner::begin(const client::CameraSetup& setup, const std::option
 }
 
 void FrameConditioner::apply(RgbdFrame& frame) {
-  refinement_.apply(frame, unit_, noise_);
+  silhouette_colors_.apply(frame, unit_, noise_);
   if (clipper_) clipper_->apply(frame);
   smoothing_.smooth(frame.depth, unit_, noise_);
 }

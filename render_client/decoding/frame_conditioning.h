@@ -1,6 +1,6 @@
 #pragma once
 
-// Refines, clips and smooths a decoded frame before it is rendered. Thread: one thread at a time.
+// Separates colours, clips and smooths in a decoded frame before it is rendered. Thread: one thread at a time.
 
 #include <Eigen/Core>
 #include <optional>
@@ -10,7 +10,7 @@
 #include "common/scene/scene.h"
 #include "render_client/camera_setup/camera_setup.h"
 #include "render_client/decoding/depth_smoothing.h"
-#include "render_client/decoding/silhouette_refinement.h"
+#include "render_client/decoding/silhouette_colors.h"
 
 namespace copresence::decoding {
 
@@ -30,7 +30,7 @@ class Clipper {
   std::vector<Eigen::Vector2f> rays_;  // The ray (x, y) at z = 1 of every pixel.
 };
 
-/// Refines the silhouettes of the frames of one camera, clips them, then smooths their depth. The
+/// Separates the colours at silhouettes in the frames of one camera, clips them and smooths depth. The
 /// server has filtered them over time.
 class FrameConditioner {
  public:
@@ -44,7 +44,7 @@ class FrameConditioner {
  private:
   DepthUnit unit_ = DepthUnit::kMillimetre;
   DepthNoise noise_;
-  SilhouetteRefinement refinement_;
+  SilhouetteColors silhouette_colors_;
   std::optional<Clipper> clipper_;
   DepthSmoothing smoothing_;
 };

@@ -26,7 +26,8 @@
 //           pixel sees it if its own w, along the camera's axis, exceeds the surface's by at most
 //           kOwnSurface. A pixel without depth has w = 0. At least kLeastVisibleShare of the bilinear
 //           weights must see the surface. Before, the position is moved by kMixedColors away from
-//           pixels at that distance in its row and column that do not see it: colours mix at edges. The first such camera of the list counts; cameras without
+//           pixels at that distance in its row and column that do not see it: colours mix at edges.
+//           If all four do not see it, the camera does not count. The first such camera of the list counts; cameras without
 //           colour do not.
 // Pixel     An empty pixel is interpolated between the four nearest blocks. Only blocks on the
 //           farthest of their surfaces are used.

@@ -32,7 +32,8 @@
 // Silhouettes  A silhouette edge lies between two neighbours in a row or a column whose nearest
 //              fragments are kSilhouetteSteps apart in inverse depth along the eye's axis. Each
 //              colour moves 1 / kSilhouetteDivisor of the way to the other colour, first along all
-//              rows, then along all columns. This hides stair steps.
+//              rows, then along all columns. This hides stair steps. Columns are left out if unseen
+//              pixels stay black (UnseenStyle).
 //
 // Thread: pure functions.
 

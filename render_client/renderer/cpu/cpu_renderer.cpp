@@ -149,9 +149,9 @@ class CpuRenderer : public Renderer {
     const int tiles = (view.height + kTileRows - 1) / kTileRows;
     pixels_.assign(tiles, {});
     workers_.run(tiles, [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, wanted, view); });
-    if (wanted.color) soften_columns(cameras, view);
     std::size_t extended = 0;
-    if (wanted.color && style_.show != UnseenStyle::Show::kBlack) {
+    if (inverse_.width() > 0) {
+      soften_columns(cameras, view);
       pictures_.clear();
       for (std::size_t i = 0; i < cameras.size(); ++i) pictures_.push_back(surfaces_[i].pictures());
       extended = extension_.apply(eye, cameras, pictures_, inverse_, style_, workers_, view);
@@ -207,7 +207,7 @@ class CpuRenderer : public Renderer {
     shape(view.camera, wanted.depth);
     shape(view.quality, wanted.depth);
     shape(view.origin, wanted.depth);
-    shape(inverse_, wanted.color);
+    shape(inverse_, wanted.color && style_.show != UnseenStyle::Show::kBlack);
   }
 
   void draw_tile(int number, Scratch& scratch, const ViewPose& eye, HostPixels wanted, MergedView& view) {
@@ -322,7 +322,7 @@ class CpuRenderer : public Renderer {
   UnseenStyle style_;
   BackgroundExtension extension_;
   std::vector<CameraPictures> pictures_;
-  InverseDepthView inverse_;    // Inverse depths of the nearest fragments, if the colour is wanted.
+  InverseDepthView inverse_;    // Inverse depths of the nearest fragments; used if surfaces are extended.
   std::vector<Pixels> pixels_;  // By tile.
 };
 

@@ -9,29 +9,27 @@
 namespace copresence::renderer {
 namespace {
 
-// The pixel of the camera that shows the direction of `ray`. Requires ray.z() > 0.
-Eigen::Vector2f pixel_of(const CameraModel& model, const Eigen::Vector3f& ray) {
-  if (model.is_distorted()) return project(model, ray.cast<double>()).cast<float>();
-  const float scale = 1 / ray.z();
-  return {ray.x() * scale * static_cast<float>(model.fx) + static_cast<float>(model.cx),
-          ray.y() * scale * static_cast<float>(model.fy) + static_cast<float>(model.cy)};
+bool is_hidden(const InverseDepth& inverse, float nearest_visible, int x, int y) {
+  return inverse.w(std::clamp(x, 0, inverse.width - 1), std::clamp(y, 0, inverse.height - 1)) >
+         nearest_visible;
 }
 
 // Moves a position away from pixels that are nearer than 1 / nearest_visible. The pixels beside them
-// may carry some of their colour.
-Eigen::Vector2f away_from_edges(const InverseDepth& inverse, float nearest_visible,
-                                const Eigen::Vector2f& at) {
+// may carry some of their colour. Nothing if all pixels around are nearer.
+std::optional<Eigen::Vector2f> away_from_edges(const InverseDepth& inverse, float nearest_visible,
+                                               const Eigen::Vector2f& at) {
   const int x = static_cast<int>(at.x() + 0.5F), y = static_cast<int>(at.y() + 0.5F);
-  const auto is_hidden = [&](int u, int v) {
-    return inverse.w(std::clamp(u, 0, inverse.width - 1), std::clamp(v, 0, inverse.height - 1)) >
-           nearest_visible;
+  const bool is_left = is_hidden(inverse, nearest_visible, x - kMixedColors, y);
+  const bool is_right = is_hidden(inverse, nearest_visible, x + kMixedColors, y);
+  const bool is_above = is_hidden(inverse, nearest_visible, x, y - kMixedColors);
+  const bool is_below = is_hidden(inverse, nearest_visible, x, y + kMixedColors);
+  if (is_left && is_right && is_above && is_below) return std::nullopt;
+  const auto moved = [](float from, int direction, int size) {
+    return std::clamp(from + static_cast<float>(kMixedColors * direction), 0.0F,
+                      static_cast<float>(size - 1));
   };
-  const int right = is_hidden(x - kMixedColors, y) - is_hidden(x + kMixedColors, y);
-  const int down = is_hidden(x, y - kMixedColors) - is_hidden(x, y + kMixedColors);
-  return {std::clamp(at.x() + static_cast<float>(kMixedColors * right), 0.0F,
-                     static_cast<float>(inverse.width - 1)),
-          std::clamp(at.y() + static_cast<float>(kMixedColors * down), 0.0F,
-                     static_cast<float>(inverse.height - 1))};
+  return Eigen::Vector2f(moved(at.x(), is_left - is_right, inverse.width),
+                         moved(at.y(), is_above - is_below, inverse.height));
 }
 
 }  // namespace
@@ -47,9 +45,22 @@ void PictureColors::begin(const ViewPose& eye, std::span<const CameraView> camer
     const CameraView& camera = cameras[i];
     if (!(camera.opacity > 0) || camera.is_remembered || !camera.frame->color) continue;
     const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
-    cameras_.push_back({pictures[i], camera.model, (camera_from_eye.rotation * ray_from_pixel).cast<float>(),
-                        camera_from_eye.translation.cast<float>(), camera.opacity});
+    const CameraModel& model = camera.model;
+    cameras_.push_back({.pictures = pictures[i],
+                        .model = model,
+                        .is_distorted = model.is_distorted(),
+                        .focal = Eigen::Vector2d(model.fx, model.fy).cast<float>(),
+                        .center = Eigen::Vector2d(model.cx, model.cy).cast<float>(),
+                        .last = Eigen::Vector2i(model.width - 1, model.height - 1).cast<float>(),
+                        .rays = (camera_from_eye.rotation * ray_from_pixel).cast<float>(),
+                        .origin = camera_from_eye.translation.cast<float>(),
+                        .opacity = camera.opacity});
   }
+}
+
+Eigen::Vector2f PictureColors::Camera::pixel(const Eigen::Vector3f& ray) const {
+  if (is_distorted) return project(model, ray.cast<double>()).cast<float>();
+  return (ray.head<2>() * (1 / ray.z())).cwiseProduct(focal) + center;
 }
 
 std::optional<PictureColors::Color> PictureColors::find(int x, int y, float w) const {
@@ -57,16 +68,17 @@ std::optional<PictureColors::Color> PictureColors::find(int x, int y, float w) c
   for (const Camera& camera : cameras_) {
     const Eigen::Vector3f ray = camera.rays * pixel + w * camera.origin;
     if (!(ray.z() > 0)) continue;
-    Eigen::Vector2f at = pixel_of(camera.model, ray);
-    if (!(at.x() >= 0 && at.y() >= 0 && at.x() <= static_cast<float>(camera.model.width - 1) &&
-          at.y() <= static_cast<float>(camera.model.height - 1))) {
+    const Eigen::Vector2f pixel_in_camera = camera.pixel(ray);
+    if (!(pixel_in_camera.x() >= 0 && pixel_in_camera.y() >= 0 && pixel_in_camera.x() <= camera.last.x() &&
+          pixel_in_camera.y() <= camera.last.y())) {
       continue;
     }
     const float nearest_visible = w / ray.z() + kOwnSurface;
-    at = away_from_edges(*camera.pictures.inverse, nearest_visible, at);
-    const int left = static_cast<int>(at.x()), top = static_cast<int>(at.y());
-    const float right_share = at.x() - static_cast<float>(left),
-                lower_share = at.y() - static_cast<float>(top);
+    const auto at = away_from_edges(*camera.pictures.inverse, nearest_visible, pixel_in_camera);
+    if (!at) continue;
+    const int left = static_cast<int>(at->x()), top = static_cast<int>(at->y());
+    const float right_share = at->x() - static_cast<float>(left);
+    const float lower_share = at->y() - static_cast<float>(top);
     Color sum{0, 0, 0};
     float shares = 0;
     for (int i = 0; i < 4; ++i) {

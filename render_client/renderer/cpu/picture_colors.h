@@ -41,11 +41,16 @@ class PictureColors {
   struct Camera {
     CameraPictures pictures;
     CameraModel model;
+    bool is_distorted;
+    Eigen::Vector2f focal, center, last;  // Of `model`; `last` is the last pixel.
     // A point at pixel (x, y) of the view with inverse depth w is rays * (x, y, 1) + w * origin in
     // this camera's frame, up to a factor.
     Eigen::Matrix3f rays;
     Eigen::Vector3f origin;
     float opacity;
+
+    // The pixel that shows the direction of `ray`. Requires ray.z() > 0.
+    Eigen::Vector2f pixel(const Eigen::Vector3f& ray) const;
   };
 
   std::vector<Camera> cameras_;

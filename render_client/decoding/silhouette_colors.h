@@ -1,17 +1,14 @@
 #pragma once
 
-// Moves depth edges to the colour edges beside them. A Kinect's depth edges are several pixels off
-// and ragged, and its two cameras never agree exactly. A background pixel with the colour of the
-// person in front would paint the person's outline on the wall.
+// Removes the colour of a near surface from the farther one beside a depth edge. A Kinect's depth
+// edges are several pixels off, and its two cameras never agree exactly. A background pixel with the
+// colour of the person in front would paint the person's outline on the wall.
 //
 // Along each row and then each column, every depth edge is examined on its own. It may lie between
-// two neighbours, or be a gap of holes. The colours of both surfaces are those a few pixels away
-// from the edge. Of all places within kReach pixels, the edge takes the one at which the pixels
-// before and behind it differ least from their surface's colour. Pixels that change sides, and holes
-// in the gap, get the depth of the surface that they now belong to, and the state kFilled. Beside a
-// gap wider than kWidestGap, the gap itself is the second surface: its pixels stay or become holes.
-// The last pixels of both surfaces, in which a lens mixes the two colours, get the colour of the next
-// pixel of their surface.
+// two neighbours, or be a gap of holes, which belong to the farther surface. The colours of both
+// surfaces are those a few pixels away from the edge. Pixels of the farther surface within kReach of
+// the edge get its colour if theirs is clearly that of the nearer surface. Beside a gap wider than
+// kWidestGap, the gap itself is the farther surface. Depth is never changed.
 //
 // Thread: one thread at a time per object.
 
@@ -24,9 +21,9 @@
 
 namespace copresence::decoding {
 
-class SilhouetteRefinement {
+class SilhouetteColors {
  public:
-  static constexpr int kReach = 3;             ///< pixels by which an edge may move
+  static constexpr int kReach = 3;             ///< pixels of the farther surface beside an edge
   static constexpr int kWidestGap = 8;         ///< holes between the two surfaces of an edge
   static constexpr float kEdgeSteps = 8;       ///< sensor steps between the two surfaces, at least
   static constexpr float kLeastContrast = 40;  ///< distance of the two colours in RGB, of 255
@@ -42,7 +39,7 @@ class SilhouetteRefinement {
     std::ptrdiff_t index(int i) const { return first + i * step; }
   };
   void find_edges(RgbdFrame& frame, int y, bool across);
-  void refine(RgbdFrame& frame, Line line, int at) const;
+  void separate(RgbdFrame& frame, Line line, int at) const;
 
   float edge_ = 0;                   // inverse depth, in 1/units
   std::vector<float> inverse_;       // of a row and the next one, in 1/units; 0 for holes

@@ -1,4 +1,4 @@
-#include "render_client/decoding/silhouette_refinement.h"
+#include "render_client/decoding/silhouette_colors.h"
 
 #include <algorithm>
 #include <array>
@@ -8,16 +8,13 @@
 namespace copresence::decoding {
 namespace {
 
-constexpr int kReach = SilhouetteRefinement::kReach;
-constexpr int kWidestGap = SilhouetteRefinement::kWidestGap;
+constexpr int kReach = SilhouetteColors::kReach;
+constexpr int kWidestGap = SilhouetteColors::kWidestGap;
 constexpr int kReferencePixels = 3;  // whose mean is the colour of a surface
-/// A moved pixel must be nearer to its new surface's colour by this share of the squared contrast.
-constexpr float kLeastGain = 0.5F;
 
-/// Pixels on either side of an edge whose colour may be mixed with that of the other side.
-constexpr int kMixedNear = 1, kMixedFar = 2;
-/// A colour this far from that of its surface is mixed: share of the squared contrast.
-constexpr float kPureShare = 0.05F;
+/// A colour is foreign if its squared distance from its own surface's colour is this many times that
+/// from the other's.
+constexpr float kForeign = 4;
 
 struct Color {
   float r = 0, g = 0, b = 0;
@@ -25,6 +22,10 @@ struct Color {
 
 Color color_of(const Rgb8& pixel) {
   return {float(pixel.r), float(pixel.g), float(pixel.b)};
+}
+
+std::uint8_t rounded(float value) {
+  return static_cast<std::uint8_t>(value + 0.5F);
 }
 
 float squared_distance(const Color& a, const Color& b) {
@@ -46,7 +47,7 @@ void compare_rows(const float* a, const float* b, int count, float edge, std::ui
 
 }  // namespace
 
-void SilhouetteRefinement::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise) {
+void SilhouetteColors::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise& noise) {
   if (!frame.color) return;
   edge_ = kEdgeSteps * static_cast<float>(noise.inverse_step() * metres_per_unit(unit));
   const int width = frame.depth.width(), height = frame.depth.height();
@@ -56,8 +57,8 @@ void SilhouetteRefinement::apply(RgbdFrame& frame, DepthUnit unit, const DepthNo
   for (int y = 0; y + 1 < height; ++y) find_edges(frame, y, false);
 }
 
-// Refines the edges that follow the pixels of row y: in the row, or downwards.
-void SilhouetteRefinement::find_edges(RgbdFrame& frame, int y, bool across) {
+// Examines the edges that follow the pixels of row y: in the row, or downwards.
+void SilhouetteColors::find_edges(RgbdFrame& frame, int y, bool across) {
   const int width = frame.depth.width(), height = frame.depth.height();
   float* const here = inverse_.data();
   invert_row(frame.depth.row(y).data(), width, here);
@@ -76,32 +77,34 @@ void SilhouetteRefinement::find_edges(RgbdFrame& frame, int y, bool across) {
       if (edges_[i] == 0) continue;
       const auto columns = static_cast<std::ptrdiff_t>(width);
       if (across) {
-        refine(frame, {y * columns, 1, width}, i);
+        separate(frame, {y * columns, 1, width}, i);
       } else {
-        refine(frame, {i, columns, height}, y);
+        separate(frame, {i, columns, height}, y);
       }
     }
   }
 }
 
-// Refines the edge between pixels `at` and at + 1 of a line.
-void SilhouetteRefinement::refine(RgbdFrame& frame, Line line, int at) const {
-  std::uint16_t* const depth = frame.depth.data();
+// Separates the colours at the edge between pixels `at` and at + 1 of a line.
+void SilhouetteColors::separate(RgbdFrame& frame, Line line, int at) const {
+  const std::uint16_t* const depth = frame.depth.data();
   Rgb8* const colors = frame.color->data();
-  if (depth[line.index(at)] == 0) {
+  const bool is_reversed = depth[line.index(at)] == 0;
+  if (is_reversed) {
     // The same line backwards, so that it begins with a surface.
     line = {line.index(line.length - 1), -line.step, line.length};
     at = line.length - 2 - at;
   }
-  const auto depth_at = [&](int i) -> std::uint16_t& { return depth[line.index(i)]; };
+  const auto depth_at = [&](int i) { return depth[line.index(i)]; };
   const auto color_at = [&](int i) -> Rgb8& { return colors[line.index(i)]; };
   const std::uint16_t one = depth_at(at);
-  if (one == 0) return;  // an earlier edge has changed it
+  if (one == 0) return;
   int next = at + 1;
   while (next < line.length && next - at <= kWidestGap && depth_at(next) == 0) ++next;
   if (next == line.length) return;
   const std::uint16_t other = depth_at(next);
-  if (other == 0) next = at + 1;  // the gap is wide: its pixels are the other surface
+  if (is_reversed && other != 0) return;  // The gap has been examined from its other end.
+  if (other == 0) next = at + 1;          // the gap is wide: its pixels are the other surface
   const auto is_on = [&](std::uint16_t surface, int i) {
     if (i < 0 || i >= line.length) return false;
     if (surface == 0 || depth_at(i) == 0) return surface == depth_at(i);
@@ -128,44 +131,17 @@ void SilhouetteRefinement::refine(RgbdFrame& frame, Line line, int at) const {
   const float contrast = squared_distance(first_color, second_color);
   if (contrast < kLeastContrast * kLeastContrast) return;
 
-  // An edge at `split` has the pixels before it on the first surface. `gain` compares it with the
-  // edge at the beginning of the window.
-  const int begin = at - kReach + 1, end = next + kReach;
-  float gain = 0, best_gain = -1e30F, kept_gain = -1e30F;
-  int best = at + 1, kept = at + 1;
-  for (int split = begin;; ++split) {
-    if (gain > best_gain) {
-      best_gain = gain;
-      best = split;
-    }
-    if (split > at && split <= next && gain > kept_gain) {
-      kept_gain = gain;
-      kept = split;
-    }
-    if (split == end) break;
-    const Color color = color_of(color_at(split));
-    gain += squared_distance(color, second_color) - squared_distance(color, first_color);
-  }
-  const auto moved = static_cast<float>(std::abs(best - kept));
-  if (best_gain - kept_gain < moved * kLeastGain * contrast) best = kept;
-  const auto assign = [&](int i, std::uint16_t surface) {
-    depth_at(i) = surface;
-    frame.state.data()[line.index(i)] = surface == 0 ? DepthState::kHole : DepthState::kFilled;
-  };
-  for (int i = at + 1; i < best; ++i) assign(i, one);
-  for (int i = best; i < next; ++i) assign(i, other);
-
-  // The last pixels of either surface may show a mixture of both colours.
-  const auto purify = [&](int pixels, int edge, int direction, const Color& own) {
-    const Rgb8 pure = color_at(edge + pixels * direction);
-    for (int k = 0; k < pixels; ++k) {
-      Rgb8& color = color_at(edge + k * direction);
-      if (squared_distance(color_of(color), own) > kPureShare * contrast) color = pure;
-    }
-  };
+  // The pixels of the farther surface, and the holes in the gap.
   const bool first_is_nearer = other == 0 || one < other;
-  purify(first_is_nearer ? kMixedNear : kMixedFar, best - 1, -1, first_color);
-  purify(first_is_nearer ? kMixedFar : kMixedNear, best, 1, second_color);
+  const Color& own = first_is_nearer ? second_color : first_color;
+  const Color& foreign = first_is_nearer ? first_color : second_color;
+  const int begin = first_is_nearer ? at + 1 : at - kReach + 1;
+  const int end = first_is_nearer ? next + kReach : next;
+  const Rgb8 pure{rounded(own.r), rounded(own.g), rounded(own.b)};
+  for (int i = begin; i < end; ++i) {
+    const Color color = color_of(color_at(i));
+    if (squared_distance(color, own) > kForeign * squared_distance(color, foreign)) color_at(i) = pure;
+  }
 }
 
 }  // namespace copresence::decoding

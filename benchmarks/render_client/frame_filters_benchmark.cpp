@@ -17,14 +17,12 @@ namespace {
 constexpr int kWidth = 640, kHeight = 480, kFrames = 8;
 
 /// Returns frames of a slanted wall from 1.5 to 3.5 m. Some depths are wrong by one level, 4 % of
-/// the pixels are changing holes, and the colours have grain. Between frames, the picture moves by
-/// `turn_px` pixels, like that of a turning camera.
-std::vector<RgbdFrame> noisy_frames(int turn_px) {
+/// the pixels are changing holes, and the colours have grain.
+std::vector<RgbdFrame> noisy_frames() {
   std::minstd_rand random(1);
   std::uniform_int_distribution<int> level(-1, 1), grain(-3, 3);
   std::bernoulli_distribution lost(0.04);
   std::vector<RgbdFrame> frames(kFrames);
-  int turned = 0;
   for (RgbdFrame& frame : frames) {
     frame.depth = DepthImage(kWidth, kHeight);
     frame.state = StateImage(kWidth, kHeight, DepthState::kMeasured);
@@ -33,14 +31,13 @@ std::vector<RgbdFrame> noisy_frames(int turn_px) {
       for (int x = 0; x < kWidth; ++x) {
         const double z = 1.5 + 2.0 * x / kWidth;
         frame.depth(x, y) = static_cast<std::uint16_t>(1000 * (z + level(random) * kKinectV1Noise.step_m(z)));
-        const auto gray = static_cast<std::uint8_t>(((x + turned) ^ y) % 200 + 10 + grain(random));
+        const auto gray = static_cast<std::uint8_t>((x ^ y) % 200 + 10 + grain(random));
         (*frame.color)(x, y) = {gray, gray, gray};
         if (!lost(random)) continue;
         frame.depth(x, y) = 0;
         frame.state(x, y) = DepthState::kHole;
       }
     }
-    turned += turn_px;
   }
   return frames;
 }
@@ -59,14 +56,14 @@ void run(benchmark::State& state, const std::vector<RgbdFrame>& frames, Filter f
 
 void depth_smoothing(benchmark::State& state) {
   DepthSmoothing smoothing;
-  run(state, noisy_frames(0),
+  run(state, noisy_frames(),
       [&](RgbdFrame& frame) { smoothing.smooth(frame.depth, DepthUnit::kMillimetre, kKinectV1Noise); });
 }
 BENCHMARK(depth_smoothing)->Unit(benchmark::kMillisecond);
 
 // A box moves before the wall, so that its remembered part must be drawn anew.
 void background_memory(benchmark::State& state) {
-  std::vector<RgbdFrame> frames = noisy_frames(0);
+  std::vector<RgbdFrame> frames = noisy_frames();
   background_memory::BackgroundMemory memory;
   memory.begin(DepthUnit::kMillimetre, kKinectV1Noise);
   for (int i = 0; i < 30; ++i) memory.learn(frames[i % kFrames]);
@@ -80,7 +77,7 @@ BENCHMARK(background_memory)->ArgName("motion_px")->Arg(0)->Arg(20)->Unit(benchm
 
 /// Before the wall stand posts of 40 pixels, in a brighter colour.
 void silhouette_colors(benchmark::State& state) {
-  std::vector<RgbdFrame> frames = noisy_frames(0);
+  std::vector<RgbdFrame> frames = noisy_frames();
   for (RgbdFrame& frame : frames) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {

@@ -8,6 +8,7 @@
 // Thread: one thread at a time per object.
 
 #include <array>
+#include <cstddef>
 
 namespace copresence::temporal_filter {
 

@@ -1,8 +1,8 @@
 #version 450 core
 // checked with: -DOWN_SURFACE=0.02 -DLEAST_VISIBLE_SHARE=0.02 -DMIXED_COLORS=2
 //
-// Gives extended surfaces the colours that one camera has there (extension_rules.h, Colour). Runs once
-// per camera, the last camera of the list first. Each invocation handles one pixel of the view.
+// Gives extended surfaces the colours of one camera (extension_rules.h, Colour). Runs once per
+// camera, the last camera of the list first. Each invocation handles one pixel of the view.
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2D depth;            // Metres along the eye's axis.
@@ -32,7 +32,7 @@ bool is_hidden(ivec2 at, float nearest_visible) {
   return texelFetch(inverse, clamp(at, ivec2(0), textureSize(inverse, 0) - 1), 0).r > nearest_visible;
 }
 
-// Moves `at` away from nearer pixels, whose colour may be mixed into the pixels beside them. Returns
+// Moves `at` away from nearer pixels. The pixels beside them may have some of their colour. Returns
 // false if all pixels around are nearer.
 bool move_from_edges(inout vec2 at, float nearest_visible) {
   const ivec2 nearest = ivec2(at + 0.5), across = ivec2(MIXED_COLORS, 0), along = across.yx;

@@ -2,11 +2,12 @@
 // checked with: -DCELL=8 -DFILLED_WEIGHT=0.5 -DBORDER_SHARE=0.06 -DAMBIENT=0.15
 //
 // Computes the colours and weights of a camera's fragments. Red, green and blue are the corrected
-// colour, or a gray from the surface normals if the camera has no colour. Alpha is the weight:
-// cos(theta), less for filled pixels and near the border, never 0. Each invocation handles one pixel.
+// colour, or a gray from the surface normals if the camera has no colour. Alpha is the weight. It
+// is cos(theta), reduced for filled pixels and near the border, and never 0. Each invocation
+// handles one pixel.
 layout(local_size_x = 16, local_size_y = 16) in;
 
-layout(binding = 0) uniform sampler2D incidences;  // By cell, with a linear filter.
+layout(binding = 0) uniform sampler2D incidences;  // One texel per cell, with a linear filter.
 layout(binding = 1) uniform usampler2D state;
 layout(binding = 2) uniform sampler2D color;
 layout(binding = 0, rgba8) writeonly uniform image2D camera_texture;

@@ -2,8 +2,8 @@
 
 // Detects a moving camera from the blocks of a picture that have changed.
 //
-// If the camera moves, surfaces move all over the picture. Somebody who walks past a still camera
-// changes a part of it only, even if that part is large.
+// If the camera moves, blocks change all over the picture. A person who walks past a still camera
+// changes only a part of the picture, even if that part is large.
 //
 // Thread: one thread at a time per object.
 
@@ -14,24 +14,24 @@ namespace copresence::temporal_filter {
 
 class CameraMotion {
  public:
-  static constexpr int kAcross = 8, kDown = 6;   ///< regions of the picture
-  static constexpr float kMovingBlocks = 0.25F;  ///< share of a region's blocks at which the region moves
-  static constexpr float kMovingRegions = 0.7F;  ///< share of regions at which the camera moves
-  /// Share of a region's blocks that must have depth. Other regions do not count.
+  static constexpr int kAcross = 8, kDown = 6;   ///< Number of regions across and down.
+  static constexpr float kMovingBlocks = 0.25F;  ///< Share of moving blocks in a moving region.
+  static constexpr float kMovingRegions = 0.7F;  ///< Share of moving regions if the camera moves.
+  /// Minimum share of blocks with depth in a region. Other regions are ignored.
   static constexpr float kWithDepth = 0.25F;
   /// The camera counts as still after this many frames without motion.
   static constexpr int kStillFrames = 8;
 
-  /// For a picture of `columns` x `rows` blocks.
+  /// Creates a detector for pictures of `columns` x `rows` blocks.
   CameraMotion(int columns, int rows);
 
-  /// Adds a block with depth of the current frame.
+  /// Adds a block of the current frame. Call this for blocks with depth only.
   void add(int column, int row, bool moves);
 
-  /// Ends the current frame. Returns whether it shows motion of the camera.
+  /// Ends the current frame. Returns true if the frame shows that the camera moves.
   bool end_frame();
 
-  /// Whether the camera moves, or has moved within the last kStillFrames frames.
+  /// Returns true if the camera has moved within the last kStillFrames frames.
   bool is_moving() const { return still_frames_ < kStillFrames; }
 
  private:

@@ -8,21 +8,22 @@
 namespace copresence::temporal_filter {
 namespace {
 
-constexpr int kMeanBits = 7;  // fractional bits of a mean
-constexpr int kSumShift = 3;  // lets the differences of eight rows fit 16 bits
+constexpr int kMeanBits = 7;  // Fractional bits of a mean.
+constexpr int kSumShift = 3;  // The sum of eight rows of differences fits 16 bits after this shift.
 constexpr float kSumScale = 1 << (kMeanBits - kSumShift);
-constexpr float kFirstNoise = 4;     // of 255; before it is learned
-constexpr float kLearning = 0.2F;    // in a frame, the noise grows by at most 5 % or shrinks by at most 15 %
-constexpr float kMostNoise = 8;      // of 255
-constexpr float kTolerance = 0.25F;  // of 255; a smaller mean difference is no change
-/// Standard deviation of normally distributed noise, over its mean magnitude.
+constexpr float kFirstNoise = 4;  // Assumed noise of the first frame, in 1/255.
+/// Learning rate: per frame, the noise grows by at most 5 % or shrinks by at most 15 %.
+constexpr float kLearning = 0.2F;
+constexpr float kMostNoise = 8;      // Maximum noise, in 1/255.
+constexpr float kTolerance = 0.25F;  // Mean differences below this are no change, in 1/255.
+/// Ratio of the standard deviation of normally distributed noise to its mean magnitude.
 constexpr float kDeviation = 1.25F;
 
 std::int16_t to_mean(std::uint8_t sample) {
   return static_cast<std::int16_t>(sample << kMeanBits);
 }
 
-/// Differences to a mean over `frames` are larger than to a mean over many.
+/// Returns the ratio of the noise of a difference to a mean of `frames` frames to that of a frame.
 float widening(int frames) {
   return std::sqrt(1 + 1 / static_cast<float>(frames));
 }
@@ -116,7 +117,7 @@ void ColorFilter::judge(int column, int row) {
     const Difference now = difference(plane, column, row);
     block.is_above_noise[p] = now.magnitude > noise.magnitude[p] * wider;
     const float expected = noise.magnitude[p] * wider;
-    // Few samples of chroma: their mean magnitude varies twice as much as that of luma.
+    // A block has few samples of chroma. Their mean magnitude varies twice as much as that of luma.
     const float ratio = now.magnitude / (expected + kTolerance);
     block.magnitude = std::max(block.magnitude, p == 0 ? ratio : 1 + (ratio - 1) / 2);
     const float deviation = kDeviation * expected / static_cast<float>(plane.block);
@@ -126,9 +127,9 @@ void ColorFilter::judge(int column, int row) {
   if (changes_slowly) block.frames = 1;
 }
 
-// Moves the noise towards the lower quartile of the blocks, so that those that move do not raise it.
+// Moves the noise towards the lower quartile of the blocks. The upper blocks may contain motion.
 void ColorFilter::learn_noise() {
-  constexpr float kQuartile = 0.75F;  // share of blocks above it
+  constexpr float kQuartile = 0.75F;  // Share of blocks above the lower quartile.
   std::array<std::array<int, kPlanes>, kBrightnesses> above{};
   std::array<int, kBrightnesses> blocks{};
   for (int row = 0; row < rows_; ++row) {
@@ -149,7 +150,7 @@ void ColorFilter::learn_noise() {
   }
 }
 
-// Ends the means of blocks that move, and of those beside them that change.
+// Restarts the means of moving blocks, and of changing blocks beside them.
 void ColorFilter::end_changes() {
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
@@ -165,7 +166,7 @@ void ColorFilter::end_changes() {
   }
 }
 
-// Returns whether most of the picture moves.
+// Returns true if most of the picture moves.
 bool ColorFilter::find_motion(const Picture& picture) {
   int moving = 0;
   for (int row = 0; row < rows_; ++row) {
@@ -178,7 +179,7 @@ bool ColorFilter::find_motion(const Picture& picture) {
   return static_cast<float>(moving) > kMostlyChanged * static_cast<float>(blocks_.size());
 }
 
-// Spreads the results of a row of blocks over their columns, for loops over whole rows.
+// Copies the results of a row of blocks to all their columns. Loops can then run over whole rows.
 void ColorFilter::spread(int row) {
   constexpr float kLargest = 32767;
   for (int column = 0; column < columns_; ++column) {

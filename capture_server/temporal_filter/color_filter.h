@@ -1,15 +1,15 @@
 #pragma once
 
-// Removes the grain from the colours of static surfaces by averaging over time.
+// Removes noise from the colours of static surfaces by averaging over time.
 //
-// Each sample becomes its mean over the last frames, as long as its block of 8 x 8 pixels is
-// static. A block that changes more than the camera's noise explains shows the new frame at once.
-// Two tests find such blocks: the mean of the differences, which slow changes of light move, and
-// the mean of their magnitudes, which moving texture increases. The noise itself is learned, for
-// each brightness, as the median over all blocks. A single sample that differs by far more than
-// noise is replaced without its block. If most of the picture changes, the frame passes unchanged.
+// Each sample becomes its mean over the last frames while its block of 8 x 8 pixels is static. A
+// block that changes more than noise explains shows the new frame at once. Two tests find such
+// blocks. The mean of the differences detects slow changes of light. The mean of their magnitudes
+// detects moving texture. The filter learns the noise for each brightness: it is near the lower
+// quartile of all blocks. A single sample that differs by far more than noise is replaced alone. If
+// most of the picture changes, the frame passes unchanged.
 //
-// Works on the planes that the video encoder takes: half as many samples as RGB has.
+// The filter works on the YUV planes of the video encoder, which have half as many samples as RGB.
 //
 // Thread: one thread at a time per object. After the first frame, nothing allocates memory.
 
@@ -24,41 +24,43 @@ namespace copresence::temporal_filter {
 
 class ColorFilter {
  public:
-  static constexpr int kBlock = 8;   ///< pixels a side
-  static constexpr int kFrames = 8;  ///< frames in a mean: a new frame has at least the weight 1 / kFrames
-  /// A block moves if the mean magnitude of its differences is this many times the noise's.
+  static constexpr int kBlock = 8;   ///< Width and height of a block, in pixels.
+  static constexpr int kFrames = 8;  ///< A new frame's weight in a mean is at least 1 / kFrames.
+  /// A block moves if the mean magnitude of its differences is this many times that of the noise.
   static constexpr float kMotion = 1.4F;
-  /// Beside a moving block, a smaller difference is motion.
+  /// Limit for blocks beside a moving block, in place of kMotion.
   static constexpr float kMotionBeside = 1.15F;
-  /// A block changes slowly if the mean of its differences is this many times its standard deviation.
+  /// A block changes slowly if the mean of its differences is this many standard deviations.
   static constexpr float kSlowChange = 4;
-  /// A sample is replaced if its difference is this many times the noise's mean magnitude.
+  /// A sample is replaced if its difference is this many times the mean magnitude of the noise.
   static constexpr float kSampleJump = 6;
-  static constexpr float kMostlyChanged = 0.4F;  ///< share of moving blocks at which a frame passes unchanged
-  static constexpr float kLeastNoise = 0.25F;    ///< of 255; of the mean magnitude
+  /// A frame passes unchanged if more than this share of its blocks moves.
+  static constexpr float kMostlyChanged = 0.4F;
+  static constexpr float kLeastNoise = 0.25F;  ///< Minimum mean magnitude of the noise, in 1/255.
 
-  /// Replaces the samples by the filtered ones. The first frame passes unchanged, as do the first
-  /// after a change of size and all frames while the camera moves. Requires kYuv420.
+  /// Replaces the samples by filtered ones. The first frame, the first frame of another size, and
+  /// all frames while the camera moves pass unchanged. Requires kYuv420.
   void apply(Picture& picture, bool camera_moves);
 
  private:
   static constexpr int kPlanes = 3;
   static constexpr int kBrightnesses = 8;
   struct Block {
-    int frames = 1;      // in the mean, at most kFrames
-    bool moves = false;  // in this frame
+    int frames = 1;      // Number of earlier frames in the mean; 0 restarts the mean.
+    bool moves = false;  // True if the block moves in the current frame.
     std::array<bool, kPlanes> is_above_noise{};
-    float magnitude = 0;  // of the differences, times that of noise
+    float magnitude = 0;  // Mean magnitude of the differences, as a multiple of the noise.
   };
   struct Plane {
-    int width = 0, height = 0, block = kBlock;  // block: samples a side
-    std::vector<std::int16_t> mean;             // of each sample, times 128
-    // Sums over a row of blocks, by column.
+    int width = 0, height = 0, block = kBlock;  // In samples.
+    std::vector<std::int16_t> mean;             // Mean of each sample, times 128.
+    // Sums of the differences and of their magnitudes over a row of blocks, one per column.
     std::vector<std::int16_t> difference, magnitude;
-    // Of a row of blocks, for each column: weight of the new frame, and the replacing difference.
+    // Values for the columns of a row of blocks: the weight of the new frame, times 65536, and the
+    // difference above which a sample is replaced, times 128.
     std::vector<std::int16_t> weight, jump;
   };
-  // Mean magnitudes of the differences between a frame and the mean of many.
+  // Mean magnitudes of the differences between a frame and the mean of many frames, by plane.
   struct Noise {
     std::array<float, kPlanes> magnitude;
   };

@@ -9,8 +9,8 @@
 namespace copresence::temporal_filter {
 namespace {
 
-constexpr int kFlickerShift = 4;      // a new frame's weight in flicker_ is 1/16
-constexpr float kFlickerScale = 255;  // flicker_ of a pixel that differs in every frame
+constexpr int kFlickerShift = 4;      // The weight of a new frame in flicker_ is 1 / 2^4.
+constexpr float kFlickerScale = 255;  // Value of flicker_ for a pixel that differs in every frame.
 constexpr float kSmallestStep = 1e-3F;
 
 }  // namespace
@@ -73,7 +73,7 @@ void DepthFilter::hold_all(const DepthImage& depth, const StateImage& state) {
   }
 }
 
-// One number type per loop, as far as possible, so that the compiler can vectorise.
+// Each loop uses as few number types as possible, so that the compiler can vectorise it.
 void DepthFilter::compare_row(const DepthImage& depth, const StateImage& state, int y) {
   const auto width = static_cast<std::size_t>(width_);
   const std::size_t at = static_cast<std::size_t>(y) * width;
@@ -138,7 +138,7 @@ void DepthFilter::compare(const DepthImage& depth, const StateImage& state) {
   }
 }
 
-// Returns whether the camera moves.
+// Returns true if the camera moves.
 bool DepthFilter::find_motion() {
   for (int row = 0; row < rows_; ++row) {
     const int height = std::min(kBlock, height_ - row * kBlock);
@@ -147,7 +147,7 @@ bool DepthFilter::find_motion() {
       const auto pixels = static_cast<float>(height * std::min(kBlock, width_ - column * kBlock));
       const auto differing = static_cast<float>(block.differing);
       const auto agreeing = static_cast<float>(block.with_depth - block.differing);
-      // The mean of fewer pixels is noisier.
+      // The mean of fewer pixels is noisier, so its drift counts less.
       const float drift = std::abs(block.drift) / std::sqrt(std::max(agreeing, 1.0F)) / kBlock;
       const float motion =
           agreeing < kFewestPixels ? 0 : (drift - kNoiseSteps) / (kMotionSteps - kNoiseSteps);
@@ -179,7 +179,7 @@ bool DepthFilter::differs_in_depth(std::uint16_t depth, std::size_t at) const {
   return std::abs(depth - held_[at]) > same_surface_[at];
 }
 
-// Whether a pixel that differs from its held value takes the new one in this frame.
+// Returns true if a pixel that differs from its held value takes the new value in this frame.
 bool DepthFilter::accepts(const Block& block, std::uint16_t depth, std::size_t at) const {
   if (block.is_replaced) return true;
   const bool is_in_motion = block.moves || block.is_near_motion;
@@ -188,12 +188,13 @@ bool DepthFilter::accepts(const Block& block, std::uint16_t depth, std::size_t a
     if (is_in_motion) return true;
     return doubts_[at] + 1 >= (flicker_[at] >= kFlickering ? kFlickeringDepthFrames : kConfirmingFrames);
   }
-  // The state alone changes, or a hole begins or ends. Only new depth amid motion is urgent.
+  // The pixel's state changes, with or without its depth. Only new depth within motion is urgent.
   if (gains_depth && is_in_motion && flicker_[at] < kSteady) return true;
   return doubts_[at] + 1 >= kStateFrames;
 }
 
-// The farthest of the nearest depths above, below, to the left and to the right, or 0.
+// Searches up, down, left and right for the nearest pixel with depth within kReach. Returns the
+// farthest of these depths, or 0 if there is none.
 std::uint16_t DepthFilter::surface_behind(const DepthImage& depth, int x, int y) const {
   std::uint16_t farthest = 0;
   for (const auto& [right, down] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
@@ -248,7 +249,7 @@ void DepthFilter::filter_row(DepthImage& depth, StateImage& state, int y) {
       mean_[pixel] = mean - off;
       continue;
     }
-    // What left this pixel must not stay there as a ghost.
+    // A surface that has left this pixel must not stay there as a ghost.
     const bool has_left = now[x] == 0 && (block.moves || block.is_near_motion);
     const std::uint16_t behind = has_left ? surface_behind(depth, x, y) : std::uint16_t{0};
     if (accepts(block, now[x], pixel) || (has_left && behind == 0)) {
@@ -272,7 +273,7 @@ void DepthFilter::apply(DepthImage& depth, StateImage& state) {
   compare(depth, state);
   const bool was_moving = camera_.is_moving();
   if (find_motion()) return hold_all(depth, state);
-  // Until the camera counts as still, each frame is compared with the last one that moved.
+  // Until the camera counts as still, each frame is compared with the last frame in motion.
   if (camera_.is_moving()) return;
   if (was_moving) return hold_all(depth, state);
   spread_motion();

@@ -1,14 +1,14 @@
 #pragma once
 
-// Setting of the temporal filter (depth_filter.h, color_filter.h). Thread: a value.
+// The setting of the temporal filters (depth_filter.h, color_filter.h). Thread: a plain value.
 
 #include <cstdint>
 
 namespace copresence::temporal_filter {
 
 enum class Mode : std::uint8_t {
-  kAuto,  ///< filters, except lossless streams and while the camera moves
-  kOff,
+  kAuto,  ///< Filters every frame, except in lossless streams and while the camera moves.
+  kOff,   ///< Filters no frame.
 };
 
 }  // namespace copresence::temporal_filter

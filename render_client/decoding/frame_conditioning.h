@@ -1,6 +1,7 @@
 #pragma once
 
-// Separates colours, clips and smooths in a decoded frame before it is rendered. Thread: one thread at a time.
+// Prepares a decoded frame for rendering: separates colours at silhouettes, clips and smooths
+// depth. Thread: one thread at a time.
 
 #include <Eigen/Core>
 #include <optional>
@@ -30,8 +31,8 @@ class Clipper {
   std::vector<Eigen::Vector2f> rays_;  // The ray (x, y) at z = 1 of every pixel.
 };
 
-/// Separates the colours at silhouettes in the frames of one camera, clips them and smooths depth. The
-/// server has filtered them over time.
+/// Separates the colours at silhouettes in the frames of one camera, clips depth and smooths it.
+/// The server has already filtered the frames over time.
 class FrameConditioner {
  public:
   /// Call it for every new connection, before the first frame. `clip` has world coordinates in

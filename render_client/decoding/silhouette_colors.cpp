@@ -10,10 +10,10 @@ namespace {
 
 constexpr int kReach = SilhouetteColors::kReach;
 constexpr int kWidestGap = SilhouetteColors::kWidestGap;
-constexpr int kReferencePixels = 3;  // whose mean is the colour of a surface
+constexpr int kReferencePixels = 3;  // Number of pixels that give a surface's mean colour.
 
-/// A colour is foreign if its squared distance from its own surface's colour is this many times that
-/// from the other's.
+/// A pixel has a foreign colour if the squared distance from its own surface's colour is this many
+/// times the squared distance from the other surface's colour.
 constexpr float kForeign = 4;
 
 struct Color {
@@ -36,11 +36,11 @@ float squared_distance(const Color& a, const Color& b) {
 void invert_row(const std::uint16_t* from, int width, float* to) {
   for (int x = 0; x < width; ++x) {
     const auto value = static_cast<float>(from[x]);
-    to[x] = std::min(value, 1.0F) / std::max(value, 1.0F);  // 0 for a hole
+    to[x] = std::min(value, 1.0F) / std::max(value, 1.0F);  // Is 0 for a hole.
   }
 }
 
-// Sets out[i] to 1 where a[i] and b[i] differ by more than an edge. One of them may be a hole.
+// Sets out[i] to 1 where a[i] and b[i] differ by more than `edge`. One of them may be a hole.
 void compare_rows(const float* a, const float* b, int count, float edge, std::uint8_t* out) {
   for (int i = 0; i < count; ++i) out[i] = static_cast<std::uint8_t>(std::abs(a[i] - b[i]) > edge);
 }
@@ -57,7 +57,7 @@ void SilhouetteColors::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise&
   for (int y = 0; y + 1 < height; ++y) find_edges(frame, y, false);
 }
 
-// Examines the edges that follow the pixels of row y: in the row, or downwards.
+// Examines the edges between the pixels of row y and their right or lower neighbours.
 void SilhouetteColors::find_edges(RgbdFrame& frame, int y, bool across) {
   const int width = frame.depth.width(), height = frame.depth.height();
   float* const here = inverse_.data();
@@ -91,7 +91,7 @@ void SilhouetteColors::separate(RgbdFrame& frame, Line line, int at) const {
   Rgb8* const colors = frame.color->data();
   const bool is_reversed = depth[line.index(at)] == 0;
   if (is_reversed) {
-    // The same line backwards, so that it begins with a surface.
+    // The line is reversed, so that it begins with a surface.
     line = {line.index(line.length - 1), -line.step, line.length};
     at = line.length - 2 - at;
   }
@@ -104,7 +104,7 @@ void SilhouetteColors::separate(RgbdFrame& frame, Line line, int at) const {
   if (next == line.length) return;
   const std::uint16_t other = depth_at(next);
   if (is_reversed && other != 0) return;  // The gap has been examined from its other end.
-  if (other == 0) next = at + 1;          // the gap is wide: its pixels are the other surface
+  if (other == 0) next = at + 1;          // The pixels of a wide gap are the other surface.
   const auto is_on = [&](std::uint16_t surface, int i) {
     if (i < 0 || i >= line.length) return false;
     if (surface == 0 || depth_at(i) == 0) return surface == depth_at(i);
@@ -112,7 +112,7 @@ void SilhouetteColors::separate(RgbdFrame& frame, Line line, int at) const {
   };
   if (is_on(one, next)) return;
 
-  // The mean colour of the pixels of a surface that lie beyond the edge's reach.
+  // Computes the mean colour of the surface's pixels that are at least kReach away from the edge.
   const auto reference = [&](std::uint16_t surface, int from, int direction, Color& mean) {
     int count = 0;
     for (int k = 0; k < kReferencePixels; ++k) {
@@ -131,7 +131,7 @@ void SilhouetteColors::separate(RgbdFrame& frame, Line line, int at) const {
   const float contrast = squared_distance(first_color, second_color);
   if (contrast < kLeastContrast * kLeastContrast) return;
 
-  // The pixels of the farther surface, and the holes in the gap.
+  // Corrects the pixels of the farther surface and the holes in the gap.
   const bool first_is_nearer = other == 0 || one < other;
   const Color& own = first_is_nearer ? second_color : first_color;
   const Color& foreign = first_is_nearer ? first_color : second_color;

@@ -21,14 +21,15 @@
 //           Then kSmoothingRounds of averaging with neighbours on the same surface remove streaks.
 // Fading    Outside all cameras' pictures, estimates fade to the background colour over the
 //           fraction kFadeShare of a picture's width. Depth beyond kFarthestM becomes kFarthestM.
-// Colour    A camera may show an extended surface although it has no depth there. The surface then has
-//           that camera's colour: the bilinear mean of those of its four nearest pixels that see it. A
-//           pixel sees it if its own w, along the camera's axis, exceeds the surface's by at most
-//           kOwnSurface. A pixel without depth has w = 0. At least kLeastVisibleShare of the bilinear
-//           weights must see the surface. Before, the position is moved by kMixedColors away from
-//           pixels at that distance in its row and column that do not see it: colours mix at edges.
-//           If all four do not see it, the camera does not count. The first such camera of the list counts; cameras without
-//           colour do not.
+// Colour    A camera's picture may show an extended surface although it has no depth there. The
+//           surface then gets the colour from the first such camera in the list that has colour. A
+//           pixel of the camera sees the surface if its w exceeds that of the surface by at most
+//           kOwnSurface. Here, w is along the camera's axis, and 0 for a pixel without depth. At
+//           depth edges, the colours of both sides mix. So the four pixels at the distance
+//           kMixedColors in the same row and column are examined first. The position moves by
+//           kMixedColors away from those that do not see the surface. If none of the four sees it,
+//           the camera is left out. The colour is the bilinear mean of the pixels that see the
+//           surface. Their weights must sum to at least kLeastVisibleShare.
 // Pixel     An empty pixel is interpolated between the four nearest blocks. Only blocks on the
 //           farthest of their surfaces are used.
 //

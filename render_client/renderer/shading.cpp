@@ -9,7 +9,7 @@
 namespace copresence::renderer {
 namespace {
 
-// w is 0 without depth. Slopes are per cell.
+// Inverse depth of a cell, 0 without depth, and its slopes per cell.
 struct Cell {
   float w = 0, dx = 0, dy = 0;
   bool has_slope = false;

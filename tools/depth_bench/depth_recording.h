@@ -20,9 +20,9 @@ struct DepthRecording {
   std::vector<StateImage> states;
 };
 
-/// Loads the first `frames` frames, or all if `frames` is 0.
-/// `temporal_filter` is applied as capture_server does before coding.
-/// Fails as open_source() does, and with kEndOfStream for a recording without frames.
+/// Loads the first `frames` frames, or all if `frames` is 0. Applies `temporal_filter` to them as
+/// capture_server does. Fails as open_source() does, and with kEndOfStream for a recording without
+/// frames.
 Result<DepthRecording> load(const std::filesystem::path& recording, const DepthRange& range, int frames,
                             temporal_filter::Mode temporal_filter);
 

@@ -151,7 +151,7 @@ class Camera {
   temporal_filter::DepthFilter depth_filter_{kCameraWidth, kCameraHeight, DepthUnit::kMillimetre,
                                              kKinectV1Noise};
   temporal_filter::ColorFilter color_filter_;
-  Picture coded_color_;  // With the halved resolution of chroma that the video encoder takes.
+  Picture coded_color_;  // Colour as the video encoder takes it, in YUV 4:2:0.
   decoding::FrameConditioner conditioner_;
   RgbdFrame frame_;
   std::uint64_t version_ = 0;

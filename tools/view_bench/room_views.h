@@ -12,8 +12,8 @@
 
 namespace copresence::view_bench {
 
-/// Names of scenes: empty, standing, walking, four and own. The scenes differ in the person's motion and
-/// the number of cameras.
+/// Names of the scenes, which differ in the person's motion, the number of cameras and the
+/// viewpoint.
 std::vector<std::string_view> scene_names();
 
 struct RunSettings {

@@ -22,7 +22,7 @@ struct ViewVolume {
   CameraModel model;
   Rigid3 world_from_camera;
   DepthRange range;
-  /// The farthest depth that each of its pixels has ever measured; metres, 0 for none. Null: not known.
+  /// The farthest depth that each pixel has ever measured, in metres; 0 for none. Null if unknown.
   const Image<float>* farthest_m = nullptr;
 };
 

@@ -14,8 +14,8 @@ bool is_hidden(const InverseDepth& inverse, float nearest_visible, int x, int y)
          nearest_visible;
 }
 
-// Moves a position away from pixels that are nearer than 1 / nearest_visible. The pixels beside them
-// may carry some of their colour. Nothing if all pixels around are nearer.
+// Moves a position away from pixels with an inverse depth above `nearest_visible`. The pixels
+// beside them may have some of their colour. Returns nothing if all pixels around are nearer.
 std::optional<Eigen::Vector2f> away_from_edges(const InverseDepth& inverse, float nearest_visible,
                                                const Eigen::Vector2f& at) {
   const int x = static_cast<int>(at.x() + 0.5F), y = static_cast<int>(at.y() + 0.5F);

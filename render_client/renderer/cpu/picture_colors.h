@@ -1,10 +1,10 @@
 #pragma once
 
-// Colours of surfaces that have no depth in any camera, taken from the cameras' pictures
-// (extension_rules.h, Colour): windows, screens, the shadow of a Kinect's projector, and hairlines
-// along depth edges.
+// Finds colours of extended surfaces in the cameras' pictures (extension_rules.h, Colour). Such
+// surfaces have no depth in any camera. Examples are windows, screens, the shadow of a Kinect's
+// projector, and thin lines along depth edges.
 //
-// Thread: begin() by one thread; then find() by any number of threads.
+// Thread: one thread calls begin(). Then any number of threads may call find().
 
 #include <Eigen/Core>
 #include <optional>
@@ -17,7 +17,7 @@
 
 namespace copresence::renderer {
 
-/// The pictures of one camera, in its own pixels.
+/// Texture and inverse depth of one camera, with one element per pixel of the camera.
 struct CameraPictures {
   const CameraTexture* texture;
   const InverseDepth* inverse;
@@ -26,15 +26,15 @@ struct CameraPictures {
 class PictureColors {
  public:
   struct Color {
-    float r, g, b;  ///< 0 to 255
+    float r, g, b;  ///< From 0 to 255.
   };
 
-  /// Prepares a view. `pictures[i]` belongs to `cameras[i]`, and must outlive the last find().
+  /// Prepares a view. `pictures[i]` belongs to `cameras[i]` and must outlive the last find().
   void begin(const ViewPose& eye, std::span<const CameraView> cameras,
              std::span<const CameraPictures> pictures);
 
-  /// The colour of the surface that the view's pixel (x, y) shows at inverse depth `w` > 0 along the
-  /// eye's axis, 1/m. Nothing if no camera sees it.
+  /// Returns the colour of a surface at the view's pixel (x, y), or nothing if no camera sees it.
+  /// `w` > 0 is the surface's inverse depth along the eye's axis, 1/m.
   std::optional<Color> find(int x, int y, float w) const;
 
  private:
@@ -49,7 +49,7 @@ class PictureColors {
     Eigen::Vector3f origin;
     float opacity;
 
-    // The pixel that shows the direction of `ray`. Requires ray.z() > 0.
+    // Returns the position of `ray` in the camera's picture. Requires ray.z() > 0.
     Eigen::Vector2f pixel(const Eigen::Vector3f& ray) const;
   };
 

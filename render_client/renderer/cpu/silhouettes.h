@@ -61,12 +61,12 @@ inline void soften_silhouettes(const SilhouetteBits& silhouettes, int top, Merge
   }
 }
 
-/// Softens the edges between the rows of `view` in its columns [left, right). `inverse` has the inverse
-/// depths of the nearest fragments, 0 without any. `apart` as in find_silhouettes(). Different columns
-/// may be softened at the same time.
+/// Softens the edges between the rows of `view` in its columns [left, right). `inverse` has the
+/// inverse depths of the nearest fragments, 0 without any. At an edge, two inverse depths differ by
+/// more than `apart`. Different columns may be softened at the same time.
 inline void soften_between_rows(const Image<float>& inverse, float apart, int left, int right,
                                 MergedView& view) {
-  // The colours of the row's pixels before they were mixed with the row above, where they were.
+  // before[i] is a pixel's colour before mixing, if changed_row[i] is the pixel's row.
   std::vector<Rgba8> before(static_cast<std::size_t>(right - left));
   std::vector<int> changed_row(before.size(), -1);
   for (int y = 0; y + 1 < view.height; ++y) {

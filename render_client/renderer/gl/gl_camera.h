@@ -45,7 +45,7 @@ class GlCamera {
   CameraModel model_;
   gl::Texture rays_, depth_, state_, color_, inverse_, incidences_, texture_;
   GlPlanes planes_;
-  Image<float> shading_;  // of a camera without colour
+  Image<float> shading_;  // The cos(theta) of each cell, used if the camera has no colour.
   gl::Buffer command_, indices_;
 
   // The frame and settings that the textures above were made from.

@@ -11,7 +11,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-PROGRAMS = ("calibrate", "capture_server", "depth_bench", "record", "render_client", "simulate_kinect")
+PROGRAMS = ("calibrate", "capture_server", "depth_bench", "record", "render_client", "simulate_kinect", "view_bench")
 UDEV_RULE = "lib/udev/rules.d/70-copresence-cameras.rules"
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Compares the depth codec `adaptive` with the best other codec at equal bit rates. Prints the table of
-docs/internals/compression.md. The error is depth_bench's RMSE in disparity steps.
+"""Compares the depth codec `adaptive` with the best other codec at equal bitrates. Prints the table
+in docs/internals/compression.md. The error is the RMSE of depth_bench in disparity steps.
 
-  benchmarks/depth_codecs.py                        all recordings that are here, 90 frames, 1, 2 and 4 Mbit/s
+  benchmarks/depth_codecs.py                        all available recordings, 90 frames, 1, 2 and 4 Mbit/s
   benchmarks/depth_codecs.py room.oni --frames 30   one recording
 """
 import argparse
@@ -28,7 +28,7 @@ def measure(recording, kbps, frames):
 
 
 def cells(rows, setting):
-    """Returns the two cells of the table, and the ratio of the errors."""
+    """Returns the two table cells and the ratio of the errors."""
     own = rows["adaptive", setting]
     best = min((rows[codec, setting] for codec in OTHERS), key=lambda row: row["rmse_steps"])
     text = [f"{row['rmse_steps']:.2f} ({row['rmse_mm']:.1f})" for row in (own, best)]

@@ -75,7 +75,7 @@ void background_memory(benchmark::State& state) {
 }
 BENCHMARK(background_memory)->ArgName("motion_px")->Arg(0)->Arg(20)->Unit(benchmark::kMillisecond);
 
-/// Before the wall stand posts of 40 pixels, in a brighter colour.
+/// Posts of 40 pixels in a brighter colour stand in front of the wall.
 void silhouette_colors(benchmark::State& state) {
   std::vector<RgbdFrame> frames = noisy_frames();
   for (RgbdFrame& frame : frames) {

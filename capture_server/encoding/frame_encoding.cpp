@@ -29,7 +29,7 @@ Result<void> check_scene_fits(const sensor::SensorDescription& sensor, const sce
                           sensor.depth.height));
 }
 
-/// Whether frames are filtered over time. Lossless frames must be as the sensor measured them.
+/// Returns true if frames are filtered over time. Lossless frames must stay as measured.
 bool filters(temporal_filter::Mode mode, const EncoderSettings& settings) {
   return mode == temporal_filter::Mode::kAuto && !settings.is_lossless();
 }
@@ -141,7 +141,7 @@ Result<EncodedFrame> FrameEncoding::encode(RgbdFrame frame, bool keyframe, Execu
     if (filling && filters_) filters_->depth.apply(frame.depth, frame.state);
     filled = steady_clock::now();
   };
-  // Of the last frame: depth and colour are filtered at the same time.
+  // This is the state after the last frame, since depth and colour are filtered at the same time.
   const bool camera_moves = filters_ && filters_->depth.is_camera_moving();
   const bool fills_here = !filler_->is_free_of_threads();
   if (fills_here) fill();

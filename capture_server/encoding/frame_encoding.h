@@ -62,7 +62,7 @@ class FrameEncoding {
   registration::Registration registration_;
   std::unique_ptr<hole_filling::HoleFiller> filler_;
   temporal_filter::Mode temporal_filter_;
-  std::optional<TemporalFilters> filters_;  ///< empty while nothing is filtered
+  std::optional<TemporalFilters> filters_;  ///< Empty while frames are not filtered.
   depth::Encoder depth_;
   video::FrameEncoder video_;
   bool keyframe_due_ = false;

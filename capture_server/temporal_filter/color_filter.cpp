@@ -23,7 +23,8 @@ std::int16_t to_mean(std::uint8_t sample) {
   return static_cast<std::int16_t>(sample << kMeanBits);
 }
 
-/// Returns the ratio of the noise of a difference to a mean of `frames` frames to that of a frame.
+/// Returns the noise of the difference between a frame and a mean of `frames` earlier frames. The
+/// unit is the noise of a single frame.
 float widening(int frames) {
   return std::sqrt(1 + 1 / static_cast<float>(frames));
 }

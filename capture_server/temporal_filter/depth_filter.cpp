@@ -188,7 +188,8 @@ bool DepthFilter::accepts(const Block& block, std::uint16_t depth, std::size_t a
     if (is_in_motion) return true;
     return doubts_[at] + 1 >= (flicker_[at] >= kFlickering ? kFlickeringDepthFrames : kConfirmingFrames);
   }
-  // The pixel's state changes, with or without its depth. Only new depth within motion is urgent.
+  // A hole begins or ends, or a pixel changes between measured and filled. Only new depth within
+  // motion is urgent.
   if (gains_depth && is_in_motion && flicker_[at] < kSteady) return true;
   return doubts_[at] + 1 >= kStateFrames;
 }

@@ -44,9 +44,9 @@ class Encoder {
   /// video codec must code the pictures losslessly. Initially off.
   void set_lossless(bool lossless);
 
-  /// Sets the bitrate of depth and the frame rate that it is for; no bitrate means a constant QP,
-  /// the default. The codec `adaptive` spaces its codes accordingly from its next keyframe on.
-  /// Requires frames_per_second > 0.
+  /// Sets the bitrate of depth at a frame rate. No bitrate means a constant QP, which is the
+  /// default. The codec `adaptive` spaces its codes accordingly from its next keyframe on. Requires
+  /// frames_per_second > 0.
   void set_bitrate(std::optional<int> kbps, double frames_per_second);
 
   /// Converts depth and states to a picture and side data. Depth 0 and depth outside the range

@@ -30,11 +30,11 @@ class PlaneEncoder {
   /// Switches lossless coding on or off from the next frame on.
   virtual void set_lossless(bool) {}
 
-  /// Sets the number of bits of a frame at the stream's bitrate. None means a constant QP, the
-  /// default.
+  /// Sets the number of bits per frame at the stream's bitrate. No number means a constant QP,
+  /// which is the default.
   virtual void set_bits_per_frame(std::optional<double>) {}
 
-  /// Sets the depths that the sensor can report, ascending. Called before the first frame.
+  /// Sets the depths that the sensor can report, ascending. It is called before the first frame.
   virtual void set_sensor_levels(std::span<const std::uint16_t>) {}
 };
 

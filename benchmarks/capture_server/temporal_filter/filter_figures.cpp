@@ -1,10 +1,13 @@
-// What the temporal filter does to bit rates and errors: filter_figures [RECORDING.oni]
+// Measures the effect of the temporal filters on bitrates and errors.
 //
-// Without a recording, a simulated Kinect in the room, whose truth is known: a still scene, and the
-// figure in motion. Frames pass through the server's FrameEncoding with and without the filter and
-// are decoded again. Depth is compared with the true depth, colour with the colour before noise, in
-// the planes that are coded. The first 120 of 180 frames are not measured.
-// With a recording: its depth is filtered, and still pixels are compared with their mean over 16
+// Usage: filter_figures [RECORDING.oni]
+//
+// Without a recording, a simulated Kinect shows a still scene and a scene with a moving figure.
+// Each frame passes the server's FrameEncoding, with and without the filters, and is decoded again.
+// Depth is compared with the true depth. Colour is compared with the colour before noise, in the
+// coded planes. The first 120 of 180 frames are not measured.
+//
+// With a recording, the depth is filtered. Still pixels are compared with their mean over 16
 // frames.
 
 #include <fmt/format.h>
@@ -36,7 +39,7 @@ struct Errors {
   double squared_color = 0, samples = 0;
   double keyframes = 0, depth_bytes = 0, mask_bytes = 0, color_bytes = 0, frames = 0;
 
-  /// An error of more than this is another surface: counted, not averaged.
+  /// Errors above this limit are counted but not averaged, since they show another surface.
   static constexpr double kGrossSteps = 8;
 
   void add_depth(double z_m, double truth_m) {
@@ -83,7 +86,7 @@ sensor::SensorDescription description_of(const CameraModel& model) {
   return sensor;
 }
 
-/// Runs the simulated camera. `moves`: the figure walks, else it stands.
+/// Runs the simulated camera. The figure walks if `moves` is true, and stands otherwise.
 Errors simulate(bool moves, Mode mode) {
   const auto world =
       std::make_shared<const simulation::LitScene>(simulation::LitScene::of_world("room").value());
@@ -131,7 +134,7 @@ Errors simulate(bool moves, Mode mode) {
   return errors;
 }
 
-/// Prints the error of still pixels of a recording, as measured and as filtered.
+/// Prints the error of a recording's still pixels before and after the filter.
 int measure_recording(const std::string& path) {
   auto source = sensor::open_source(path, {sensor::SourceSettings::Pace::kFast, false});
   if (!source) {
@@ -162,9 +165,9 @@ int measure_recording(const std::string& path) {
         most = std::max(most, depth.data()[i]);
       }
       const double mean = sum / kMeanFrames, step = kKinectV1Noise.step_m(mean * unit) / unit;
-      if (least == 0 || most - least > 3.5 * step) continue;  // not a still pixel
+      if (least == 0 || most - least > 3.5 * step) continue;  // The pixel is not still.
       for (std::size_t f = kMeanFrames / 2; f < kMeanFrames; ++f) {
-        if (filtered[f].data()[i] == 0) continue;  // a hole that has just been filled
+        if (filtered[f].data()[i] == 0) continue;  // The filter still shows a hole.
         raw_squares += std::pow((raw[f].data()[i] - mean) / step, 2);
         filtered_squares += std::pow((filtered[f].data()[i] - mean) / step, 2);
         ++pixels;

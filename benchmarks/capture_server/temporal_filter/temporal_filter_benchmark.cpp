@@ -1,4 +1,4 @@
-// Cost of the temporal filters for a 640x480 frame on one thread.
+// Measures the time of the temporal filters for a 640x480 frame on one thread.
 
 #include <benchmark/benchmark.h>
 
@@ -19,8 +19,9 @@ struct Depth {
   StateImage state{kWidth, kHeight, DepthState::kMeasured};
 };
 
-/// Posts before a slanted wall from 2 to 3.5 m. Some depths are off by a level, and 4 % of the
-/// pixels are changing holes. The picture moves by `shift_px` from frame to frame.
+/// Returns frames with posts in front of a slanted wall from 2 to 3.5 m. Some depths are wrong by
+/// one level, and 4 % of the pixels are changing holes. The picture moves by `shift_px` from frame
+/// to frame.
 std::vector<Depth> depth_frames(int shift_px) {
   std::minstd_rand random(1);
   std::uniform_int_distribution<int> level(-1, 1);

@@ -90,7 +90,7 @@ std::vector<double> Codebook::double_spacing(std::span<const std::uint16_t> leve
   std::vector<double> distance;
   double before = range_.near;
   for (const std::uint16_t level : levels) {
-    // Codes up to nearest_double(), and codes from there on.
+    // Numbers of codes before and after nearest_double().
     const double squeezed = before < nearest ? kNearer * steps(before, std::min<double>(level, nearest)) /
                                                    steps(range_.near, nearest)
                                              : 0.0;

@@ -36,16 +36,16 @@ class Codebook {
   std::vector<double> sensor_spacing(std::span<const std::uint16_t> levels) const;
 
   /// Returns distances for assign() that spend the codes on the depths in the scene. Levels with
-  /// many pixels are spaced as widely as the codes allow, up to kFinest codes a step. Rare levels
-  /// are one code a step apart. `pixels` holds each level's number of pixels. A finer code and a
-  /// coarser QP cost the same bits. With the finer code, H.264 errs by fractions of a level, which
-  /// reduces the error by a tenth. Source: thesis 3.3.3.3 for the idea; the formula is ours.
+  /// many pixels are spaced as widely as the codes allow, up to kFinest codes per step. Rare levels
+  /// have one code per step. `pixels` holds each level's number of pixels. More codes per step with
+  /// a coarser QP cost the same bits. But the error of H.264 is then a fraction of a level, which
+  /// reduces the total error by a tenth. Source: thesis 3.3.3.3 for the idea; the formula is ours.
   std::vector<double> scene_spacing(std::span<const std::uint16_t> levels,
                                     std::span<const std::uint32_t> pixels) const;
   static constexpr double kFinest = 4.0;  ///< In codes per disparity step; finer codes gained nothing.
 
-  /// Returns distances for assign() that are even in 1/z over the whole range, at most kEven codes
-  /// per disparity step. Every level that appears later finds its place.
+  /// Returns distances for assign() that are even in 1/z over the whole range, with at most kEven
+  /// codes per disparity step. Levels that appear later then get codes without moving others.
   std::vector<double> even_spacing(std::span<const std::uint16_t> levels) const;
 
   /// Returns distances for assign() of exactly kEven codes per disparity step, beginning at the far
@@ -53,7 +53,7 @@ class Codebook {
   std::vector<double> double_spacing(std::span<const std::uint16_t> levels) const;
   /// The smallest depth with kEven codes per step in double_spacing(), in the stream's unit.
   double nearest_double() const;
-  /// In codes per disparity step. It is a whole number, so that equal steps have equal distances.
+  /// In codes per disparity step. A whole number gives equal steps equal distances.
   static constexpr double kEven = 2.0;
 
   /// Replaces all levels by `levels`. The value distance[i] is the wanted number of codes between

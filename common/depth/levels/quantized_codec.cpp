@@ -90,7 +90,7 @@ class QuantizedEncoder final : public PlaneEncoder {
     for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
       std::uint16_t& code = code_of_depth_[depth.data()[i]];
       if (!(code & kUnknown) || states.data()[i] != DepthState::kMeasured) continue;
-      code = 0;  // Adds each level once.
+      code = 0;  // Prevents adding the level twice.
       fresh.push_back(depth.data()[i]);
     }
     const bool full = static_cast<std::size_t>(table_.count()) + fresh.size() > Codebook::kCodes;
@@ -149,11 +149,12 @@ class QuantizedEncoder final : public PlaneEncoder {
 
   // Returns the distances of adaptive's levels in lossy coding, for the frame counted last.
   //
-  // With scene_spacing(), the levels of a surface that enters later get up to four times fewer codes
-  // per step than the others. At equal QPs its error is then four times larger. A bitrate cannot
-  // compensate for that, and every keyframe with new spacing costs bits. So with a bitrate, all
-  // levels have equal spacing: two codes per step if the codes suffice for the scene. Otherwise,
-  // and at scarce rates, the codes are even over the whole range, as those of accuracy10.
+  // With scene_spacing(), the levels of a surface that enters later get up to four times fewer
+  // codes per step than the others. At the same QP, the surface's error is then four times larger.
+  // The rate controller cannot compensate for that, and every keyframe with new spacing costs bits.
+  // So with a bitrate, all levels have equal spacing. It is two codes per step if the codes suffice
+  // for the scene. Otherwise, and at scarce bitrates, the codes are even over the whole range, like
+  // those of accuracy10.
   std::vector<double> spacing(std::span<const std::uint16_t> levels,
                               std::span<const std::uint32_t> pixels) const {
     if (!bits_per_frame_) return table_.scene_spacing(levels, pixels);
@@ -165,9 +166,9 @@ class QuantizedEncoder final : public PlaneEncoder {
     return scarce || is_near ? table_.even_spacing(levels) : table_.double_spacing(levels);
   }
 
-  // Returns true if a keyframe with new spacing is worthwhile: if the codes at this frame's depths
-  // would become finer by kWorthwhileBits on average. Tests only some frames, so that the codebook
-  // changes rarely.
+  // Returns true if a keyframe with new spacing is worthwhile. The codes at this frame's depths
+  // must become finer by kWorthwhileBits on average. Only some frames are tested, so that the
+  // codebook changes rarely.
   bool has_scene_moved(const DepthImage& depth, const StateImage& states) {
     if (even_ || lossless_ || frames_since_layout_ < kFramesBetweenLayouts ||
         frames_since_layout_ % kFramesBetweenLooks != 0) {

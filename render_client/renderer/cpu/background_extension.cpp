@@ -297,7 +297,7 @@ std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, c
   const int top = std::clamp(static_cast<int>(std::floor(block_y)), 0, std::max(0, height_ - 2));
   const float down = std::clamp(block_y - static_cast<float>(top), 0.0F, 1.0F);
   std::size_t filled = 0;
-  // Eight pixels at a time, from the middle of a block to the middle of the next.
+  // Fills eight pixels at a time, from the middle of a block to the middle of the next block.
   for (int left = -1; left < width_; ++left) {
     const int x = left * kExtensionBlock + kExtensionBlock / 2;
     const int first = std::max(x, 0), columns = std::min(x + kLanes, view.width) - first;

@@ -360,9 +360,13 @@ std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const In
   std::memcpy(static_cast<void*>(&view.color(x, y)), &pixels, columns * sizeof(Rgba8));
   const bool has_depth = view.depth_m.width() == view.width;
   const Floats w = larger(between(left_side.w, right_side.w) * scale, all(kSmallestW));
+  const auto color_at = [&](int lane) { return colors_.find(x + lane, y, w[lane]); };
+  // Most gaps are hidden from all cameras. If three of eight pixels are, the others are not tried.
+  const bool is_hidden =
+      bits(fills) == (1U << kLanes) - 1 && !color_at(0) && !color_at(kLanes / 2) && !color_at(kLanes - 1);
   for (unsigned lanes = bits(fills); lanes != 0; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
-    if (const auto color = colors_.find(x + lane, y, w[lane])) {
+    if (const auto color = is_hidden ? std::nullopt : color_at(lane)) {
       const auto dimmed = [&](float value) {
         return static_cast<std::uint8_t>(style.brightness() * value + 0.5F);
       };

@@ -14,9 +14,11 @@ namespace copresence::temporal_filter {
 
 class CameraMotion {
  public:
-  static constexpr int kAcross = 8, kDown = 6;   ///< Number of regions across and down.
-  static constexpr float kMovingBlocks = 0.25F;  ///< Share of moving blocks in a moving region.
-  static constexpr float kMovingRegions = 0.7F;  ///< Share of moving regions if the camera moves.
+  static constexpr int kAcross = 8, kDown = 6;  ///< Number of regions across and down.
+  /// A region moves if at least this share of its blocks with depth moves.
+  static constexpr float kMovingBlocks = 0.25F;
+  /// The camera moves if at least this share of the regions moves.
+  static constexpr float kMovingRegions = 0.7F;
   /// Minimum share of blocks with depth in a region. Other regions are ignored.
   static constexpr float kWithDepth = 0.25F;
   /// The camera counts as still after this many frames without motion.

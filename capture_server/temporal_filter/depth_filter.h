@@ -8,12 +8,11 @@
 // of the sensor, so a codec with a codebook needs no further levels. A pixel that flickers, for
 // example between hole and depth, keeps the state that it has most of the time.
 //
-// Motion is never delayed. Two tests detect motion in blocks of 8 x 8 pixels:
-// - The mean depth of a block changes by more than noise explains.
-// - More pixels of a block than usual show another surface or have another state. The filter learns
-//   each pixel's rate of such changes, so that flickering edges do not count as motion.
-// In moving blocks, pixels take new values at once. While the camera moves (camera_motion.h),
-// frames pass unchanged.
+// Motion is never delayed. Two tests detect motion in blocks of 8 x 8 pixels. In the first test,
+// the mean depth of a block changes by more than noise explains. In the second, more pixels than
+// usual show another surface or have another state. The filter learns each pixel's rate of such
+// changes, so that flickering edges do not count as motion. In moving blocks, pixels take new
+// values at once. While the camera moves (camera_motion.h), frames pass unchanged.
 //
 // All thresholds are in disparity steps of the sensor (DepthNoise). Other filters, such as the
 // temporal filter of librealsense, also hold values until a change exceeds the noise. The tests of
@@ -40,7 +39,7 @@ class DepthFilter {
   /// new value must be within kNearMeanSteps of the mean.
   static constexpr float kHeldSteps = 0.7F;
   static constexpr float kNearMeanSteps = 0.5F;
-  static constexpr float kOtherSurfaceSteps = 2.5F;  ///< Largest step within one surface.
+  static constexpr float kOtherSurfaceSteps = 2.5F;  ///< Largest change on one surface.
   /// Limits for the change of the mean depth of a block, in steps. Below kNoiseSteps it is noise,
   /// above kMotionSteps motion. In between, the weight of the new frame is linear.
   static constexpr float kNoiseSteps = 0.3F, kMotionSteps = 0.6F;
@@ -52,7 +51,7 @@ class DepthFilter {
   static constexpr float kMotionPixels = 10, kStrongMotionPixels = 24;
   /// A block is replaced as a whole if more than this share of its pixels has changed.
   static constexpr float kReplaced = 0.75F;
-  static constexpr int kFlickering = 40;  ///< Rate from which on a pixel flickers, in 1/255.
+  static constexpr int kFlickering = 40;  ///< Least change rate of a flickering pixel, in 1/255.
   static constexpr int kSteady = 16;      ///< Rate below which a pixel is steady, in 1/255.
   /// Number of frames that a change must last if nothing moves around it. For depth, the number is
   /// larger where a pixel flickers. A change of the state has its own number.

@@ -40,7 +40,7 @@ enum Flag : std::uint8_t { kCovered = 1, kAgrees = 2, kFarther = 4 };
 
 enum ColorQuality : std::uint8_t {
   kNoColor,
-  kNearSilhouette,  // May be the colour of an object beside the surface.
+  kNearSilhouette,  // The colour may belong to an object beside the surface.
   kGoodColor,
 };
 

@@ -1,5 +1,6 @@
-// What the network and the codecs cost: the picture that real processes show, held against one rendered from
-// the same frames of the recording before any coding, 20 degrees off the cameras.
+// Measures the loss of quality by network and codecs. The picture of real processes is compared
+// with a picture rendered from the uncoded frames of the same recording. The viewpoint is 20
+// degrees beside the cameras.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -35,8 +36,8 @@ namespace {
 constexpr int kWidth = 1280, kHeight = 720;
 
 struct Difference {
-  double psnr = 0;              ///< dB, over pixels shown in both
-  double only_one_percent = 0;  ///< of the pixels shown in either
+  double psnr = 0;              ///< In dB, over pixels that both pictures show.
+  double only_one_percent = 0;  ///< Share of pixels that only one picture shows.
 };
 
 class Fidelity : public ::testing::Test {
@@ -63,7 +64,7 @@ class Fidelity : public ::testing::Test {
     for (const auto& camera : stats["cameras"]) shown.push_back(camera["last_shown_sequence"]);
     const cv::Mat streamed = cv::imread(room_.picture().string()),
                   undecoded = reference(scene, shown, sent, world_from_eye);
-    if (const char* folder = std::getenv("COPRESENCE_KEEP_PICTURES")) {  // for a look at what differs
+    if (const char* folder = std::getenv("COPRESENCE_KEEP_PICTURES")) {  // Keeps both pictures.
       cv::imwrite(std::string(folder) + "/streamed.png", streamed);
       cv::imwrite(std::string(folder) + "/undecoded.png", undecoded);
     }
@@ -75,7 +76,8 @@ class Fidelity : public ::testing::Test {
  private:
   static constexpr double kPivotM = 2.0;
 
-  /// Sequence numbers: what is shown depends on the frames before, and a busy machine leaves some out.
+  /// Sequence numbers: what is shown depends on the frames before, and a busy machine leaves some
+  /// out.
   using SentFrames = std::set<std::uint64_t>;
 
   static void listen(const std::stop_token& stop, const std::string& address, SentFrames& sent) {
@@ -104,7 +106,8 @@ class Fidelity : public ::testing::Test {
     return room_.file("eye.path").string();
   }
 
-  /// What the client would show of the frame with this sequence number, had it got uncoded what was sent up to it.
+  /// What the client would show of the frame with this sequence number, had it got uncoded what was
+  /// sent up to it.
   static RgbdFrame shown_frame(const scene::Camera& camera, std::uint64_t sequence, const SentFrames& sent) {
     auto source = sensor::open_source(camera.source, {sensor::SourceSettings::Pace::kFast, true});
     EXPECT_TRUE(source) << source.error().what;

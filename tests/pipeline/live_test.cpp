@@ -1,4 +1,5 @@
-// The whole way with real processes: recordings in, a picture and statistics out.
+// Tests the whole system with real processes. Recordings are the input, a picture and statistics
+// the output.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -69,7 +70,7 @@ TEST_F(Live, TwoCamerasBecomeOneView) {
   EXPECT_EQ(stats["view"]["frames"], 45);
   EXPECT_EQ(stats["view"]["size"], "640x360");
   EXPECT_GT(stats["view"]["fps"], 5.0);
-  EXPECT_EQ(stats["clock"]["offset_us"], 0.0);  // both ends read one clock
+  EXPECT_EQ(stats["clock"]["offset_us"], 0.0);  // Client and server use the same clock.
   EXPECT_GT(shown_share(room_.picture()), 0.5);
 }
 
@@ -141,7 +142,7 @@ TEST_F(Live, TheClientWaitsForItsServerAndComesBackToIt) {
   room_.restart_server(server);
   EXPECT_TRUE(client.says("connected", seconds(10))) << client.output();
   std::this_thread::sleep_for(milliseconds(500));
-  room_.kill_server(server);  // in mid-stream
+  room_.kill_server(server);  // Kills the server while it sends.
   EXPECT_EQ(client.wait(milliseconds(700)), std::nullopt);
   room_.restart_server(server);
   std::this_thread::sleep_for(milliseconds(2000));
@@ -171,9 +172,9 @@ TEST_F(Live, AClientThatStopsReadingDelaysNobody) {
   std::this_thread::sleep_for(milliseconds(300));
   sleeper.signal(SIGSTOP);
   Process& other = room_.look({"--size", "320x180", "--frames", "90"});
-  EXPECT_EQ(other.wait(seconds(20)), 0) << other.output();  // frames that wait for the sleeper would not come
+  EXPECT_EQ(other.wait(seconds(20)), 0) << other.output();  // The sleeper delays no frame.
   EXPECT_EQ(room_.stats()["cameras"][0]["drops"]["decode_error"], 0);
-  sleeper.signal(SIGCONT);  // and it goes on at the next keyframe
+  sleeper.signal(SIGCONT);  // The client continues at the next keyframe.
   std::this_thread::sleep_for(milliseconds(1500));
   sleeper.signal(SIGTERM);
   EXPECT_EQ(sleeper.wait(seconds(1)), 0) << sleeper.output();

@@ -1,6 +1,6 @@
-// The simulated room as the client shows it from between its cameras, held against what a perfect camera would see
-// from there: what sensors, hole filling, meshing, merging and colour matching leave of it. Without coding, whose share
-// fidelity_test.cpp measures.
+// Compares the client's view of the simulated room, from between its cameras, with the picture of a
+// perfect camera. This measures the errors of sensors, hole filling, meshing, merging and colour
+// matching. Frames are not coded. The test fidelity_test.cpp measures the errors of coding.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ namespace {
 constexpr int kWidth = 640, kHeight = 360;
 constexpr double kPhase = 0.15;
 constexpr double kCalibrationErrorM = 0.005;
-constexpr std::uint64_t kHalfASecond = 15;  // frames
+constexpr std::uint64_t kHalfASecond = 15;  // In frames.
 
 cv::Mat to_mat(const Image<Rgba8>& image) {
   cv::Mat rgb(image.height(), image.width(), CV_8UC3);
@@ -77,8 +77,8 @@ class MergedTruth : public ::testing::Test {
     world_.reset();
   }
 
-  /// What the client has of one instant of the still scene: every camera's frame with its holes filled, kept still and
-  /// its grain smoothed.
+  /// Returns the client's frames of all cameras at one instant of the still scene. Holes are
+  /// filled, and noise is filtered over time.
   std::vector<RgbdFrame> frames(std::uint64_t number) {
     std::vector<RgbdFrame> result;
     for (std::size_t i = 0; i < kinects_.size(); ++i) {
@@ -141,8 +141,9 @@ class MergedTruth : public ::testing::Test {
     return simulation::TrueCamera::make(world_, model, pose).value();
   }
 
-  /// Over the pixels shown, each the mean of a square of `side` pixels a side as far as they are shown: 1 says all,
-  /// more says how colours agree where texture is not to the pixel where it should be.
+  /// Returns the PSNR over squares of `side` pixels a side. The colour of a square is the mean of
+  /// its shown pixels, which must be at least half of the pixels. With side = 1, every error
+  /// counts. Larger squares ignore small shifts of texture.
   static double psnr_of_shown(const renderer::MergedView& view, const ColorImage& truth, int side) {
     double squares = 0;
     int areas = 0;

@@ -56,7 +56,7 @@ struct ViewScore {
   double psnr_silhouette = 0;  ///< PSNR over pixels near depth edges.
   /// Mean change of shown pixels between consecutive views, where the ground truth does not change.
   double flicker = 0;
-  /// The same over pixels that both views show as remembered, or as extended.
+  /// Mean change as above, over pixels that both views show as remembered or extended surfaces.
   double flicker_remembered = 0, flicker_extended = 0;
   /// Mean step across borders between cameras on flat surfaces, less that of the ground truth.
   double seam_step = 0;

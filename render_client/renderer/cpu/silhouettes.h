@@ -66,7 +66,7 @@ inline void soften_silhouettes(const SilhouetteBits& silhouettes, int top, Merge
 /// more than `apart`. Different columns may be softened at the same time.
 inline void soften_between_rows(const Image<float>& inverse, float apart, int left, int right,
                                 MergedView& view) {
-  // The colour of each column's pixel before mixing. It is valid for the pixel in changed_row.
+  // For each column, the colour before mixing of the pixel in the row `changed_row`.
   std::vector<Rgba8> before(static_cast<std::size_t>(right - left));
   std::vector<int> changed_row(before.size(), -1);
   for (int y = 0; y + 1 < view.height; ++y) {

@@ -104,8 +104,8 @@ class DrawMesh {
   gl::Program program_;
 };
 
-/// Fades the layers of stale cameras and of remembered backgrounds, and clears them where a layer of
-/// a lower rank shows anything: fade_layers.comp. A shader is compiled once for each number of
+/// Fades the layers of stale cameras and of remembered backgrounds, and clears them where a layer
+/// of a lower rank shows anything: fade_layers.comp. A shader is compiled once for each number of
 /// layers.
 class FadeLayers {
  public:
@@ -176,8 +176,8 @@ class ExtendBackground {
     Eigen::Matrix<float, 3, 4> camera_from_eye;
     CameraModel model;
     bool is_drawn, is_remembered;
-    const gl::Texture* inverse;  ///< Of the camera's picture, 1/m.
-    const gl::Texture* colors;   ///< Corrected; null if the camera has none.
+    const gl::Texture* inverse;  ///< Inverse depth of each pixel, 1/m.
+    const gl::Texture* colors;   ///< Corrected colours; null if the camera has none.
     float opacity;
   };
 

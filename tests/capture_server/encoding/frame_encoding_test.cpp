@@ -22,7 +22,7 @@ sensor::SensorDescription small_sensor() {
   return sensor;
 }
 
-/// A Kinect's levels from near to far all over the picture, mm.
+/// A picture of all levels of a Kinect from near to far, in mm.
 RgbdFrame walls(int near, int far, std::uint64_t sequence) {
   RgbdFrame frame;
   frame.metadata.sequence = sequence;
@@ -38,7 +38,7 @@ RgbdFrame walls(int near, int far, std::uint64_t sequence) {
   return frame;
 }
 
-// Whoever asks for keyframes does not know of those that depth makes by itself.
+// The caller requests keyframes. The depth codec may make further keyframes by itself.
 TEST(FrameEncoding, SendsFramesThatDecodeThoughDepthMakesAKeyframeOfItsOwn) {
   auto encoding = FrameEncoding::open(small_sensor(), nullptr, EncodingSettings{});
   ASSERT_TRUE(encoding) << encoding.error().what;
@@ -58,7 +58,7 @@ TEST(FrameEncoding, SendsFramesThatDecodeThoughDepthMakesAKeyframeOfItsOwn) {
   EXPECT_GT(keyframes, 1) << "the scene has left its levels";
 }
 
-// A constant QP spaces this wall's 53 disparity steps by four codes each, a bit rate by two.
+// This wall has 53 disparity steps. A step has four codes at a constant QP, and two at a bitrate.
 TEST(FrameEncoding, SpacesDepthCodesByTheBitRateFromTheBeginningAndWhenItChanges) {
   EncodingSettings settings;
   settings.encoder.depth_kbps = 5000;
@@ -86,7 +86,8 @@ TEST(FrameEncoding, SpacesDepthCodesByTheBitRateFromTheBeginningAndWhenItChanges
   EXPECT_NEAR(codes(), 106, 20);
 }
 
-/// A still wall whose depth is off by a level in every third pixel, another one in each frame.
+/// A still wall whose depth is wrong by one level in every third pixel. These pixels change with
+/// each frame.
 RgbdFrame noisy_wall(std::uint64_t sequence) {
   RgbdFrame frame = walls(2000, 2001, sequence);
   for (std::size_t i = 0; i < frame.depth.pixels().size(); ++i) {
@@ -95,7 +96,7 @@ RgbdFrame noisy_wall(std::uint64_t sequence) {
   return frame;
 }
 
-/// The share of pixels that decode to the value that was measured, over the last ten of 30 frames.
+/// Returns the share of pixels that decode to the measured value, over the last ten of 30 frames.
 double share_as_measured(const EncodingSettings& settings) {
   auto encoding = FrameEncoding::open(small_sensor(), nullptr, settings);
   EXPECT_TRUE(encoding) << encoding.error().what;

@@ -21,7 +21,7 @@ ServerSettings settings_of(const Arguments& arguments) {
   return settings ? *settings : ServerSettings();
 }
 
-/// What a file is refused with.
+/// Returns the error message for a file.
 std::string refusal(const std::string& text, const Arguments& more = {"--source", "desk.oni"}) {
   SettingsFile file(text);
   const Arguments arguments = file.with(more);
@@ -46,7 +46,7 @@ TEST(Settings, ComeFromTheFileWhereTheCommandLineDoesNotGiveThem) {
   EXPECT_EQ(settings.temporal_filter, temporal_filter::Mode::kOff);
   EXPECT_TRUE(settings.insecure);
   EXPECT_FALSE(settings.loop);
-  EXPECT_EQ(settings.codec, "adaptive");  // by default
+  EXPECT_EQ(settings.codec, "adaptive");  // The default.
 
   const ServerSettings over = settings_of(file.with({"--name", "right", "--depth-kbps", "900"}));
   EXPECT_EQ(over.name, "right");
@@ -117,7 +117,7 @@ TEST(Settings, NameAHugeKeyInAShortSentence) {
 
 constexpr const char* kLens = "width = 640\nheight = 480\nfx = 585\nfy = 585\ncx = 320\ncy = 240\n";
 
-/// A scene file of two cameras beside a settings file that names it.
+/// A scene file of two cameras, and a settings file that refers to it.
 class SettingsOfAScene : public ::testing::Test {
  protected:
   SettingsOfAScene() {
@@ -126,7 +126,7 @@ class SettingsOfAScene : public ::testing::Test {
         kLens + "[[camera]]\nname = \"right\"\nsource = \"simulated:room?camera=1\"\n" + kLens);
   }
   void write_scene(const std::string& text) const { std::ofstream(scene_) << text; }
-  /// Exit code and what was said.
+  /// Exit code and output.
   std::pair<int, std::string> refusal_of(std::vector<const char*> more) const {
     more.insert(more.begin(), {"capture_server", "--scene", scene_.c_str()});
     ::testing::internal::CaptureStderr();
@@ -150,7 +150,7 @@ TEST_F(SettingsOfAScene, TakeSourceAndAddressFromItsCamera) {
   EXPECT_EQ(left.texts.at("source"), left.source);
   const ServerSettings right = given({"--name", "right"});
   EXPECT_EQ(right.source, "simulated:room?camera=1");
-  EXPECT_EQ(right.listen, "127.0.0.1:7001");  // by default: the file does not say
+  EXPECT_EQ(right.listen, "127.0.0.1:7001");  // The file has no address, so this is the default.
 }
 
 TEST_F(SettingsOfAScene, GiveWayToTheCommandLineAndTheSettingsFile) {

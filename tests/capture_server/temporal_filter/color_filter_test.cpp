@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
 
-/// Luma with a gradient and some texture; `darker` of 255 is taken away from it.
+/// Luma with a gradient and some texture, reduced by `darker`, in 1/255.
 Picture scene(double darker = 0) {
   Picture picture(PixelFormat::kYuv420, kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {

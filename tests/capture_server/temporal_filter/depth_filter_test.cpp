@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
 constexpr int kPixels = kWidth * kHeight;
-constexpr double kWall = 3000;  // mm; a disparity step is 25.6 mm there
+constexpr double kWall = 3000;  // In mm. A disparity step is 25.6 mm there.
 constexpr double kStep = 25.6;
 
 struct Frame {
@@ -28,7 +28,7 @@ struct Frame {
   }
 };
 
-/// What a Kinect reports of depth `z`, mm: a level of its own, after noise of half a step.
+/// Returns the depth level that a Kinect reports for depth `z` with noise, in mm.
 std::uint16_t measure(double z, std::minstd_rand& random) {
   std::normal_distribution<double> noise(0, kKinectV1Noise.sigma_steps);
   const double constant = 1000 * kKinectV1Noise.disparity_constant_m;
@@ -154,7 +154,7 @@ TEST_F(DepthFilterTest, ShowsAChangeOfTwoStepsInTheSameFrame) {
   EXPECT_NEAR(mean, kWall - 2 * kStep, 0.2 * kStep);
 }
 
-// As of a door that is opened slowly.
+// For example, a door is opened slowly.
 TEST_F(DepthFilterTest, FollowsASlowApproachWithoutDelay) {
   for (const double steps_a_frame : {0.02, 0.05, 0.1, 0.3, 1.0}) {
     filter_ = DepthFilter(kWidth, kHeight, DepthUnit::kMillimetre, kKinectV1Noise);

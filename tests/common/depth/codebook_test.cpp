@@ -166,7 +166,7 @@ TEST(Codebook, StandsForDepthThatAscendsWithTheCode) {
   EXPECT_TRUE(std::is_sorted(depth.begin(), depth.end()));
   EXPECT_EQ(depth.front(), 1000);
   EXPECT_EQ(depth.back(), 1500);
-  // 1000 to 1500 mm are 117 Kinect steps; half way in 1/z lies 1200 mm.
+  // From 1000 to 1500 mm, a Kinect has 117 steps. The middle in 1/z is 1200 mm.
   EXPECT_NEAR(depth[(code_of(table, 1000) + code_of(table, 1500)) / 2], 1200, 3);
 }
 
@@ -249,7 +249,7 @@ TEST(Codebook, RefusesLevelsThatDoNotAscendOrLieOutsideTheRange) {
   Codebook table = empty_table();
   assign(table, {400, 4000});
   EXPECT_TRUE(Codebook(table).read_change(code_3(405)));
-  EXPECT_FALSE(Codebook(table).read_change(code_3(4500)));  // before 4000
+  EXPECT_FALSE(Codebook(table).read_change(code_3(4500)));  // The level 4500 precedes 4000.
   EXPECT_FALSE(Codebook({400, 449}, DepthUnit::kMillimetre, kKinectV1Noise).read_change(code_3(450)));
 }
 

@@ -104,7 +104,8 @@ TEST_P(CodedByLevels, LearnsNothingThatTheSensorHasTold) {
 }
 
 TEST_P(CodedByLevels, IsExactWhereTheSensorHasToldTooManyLevelsOrWrongOnes) {
-  for (const int step : {4, 9}) {  // 1150 levels, and 511 levels that leave no codes for the scene's
+  // There are 1150 levels, or 511 levels that leave no codes for the scene's own levels.
+  for (const int step : {4, 9}) {
     StreamWithoutVideo stream(GetParam());
     std::vector<std::uint16_t> advertised;
     for (int z = 401; z <= 5000; z += step) advertised.push_back(static_cast<std::uint16_t>(z));

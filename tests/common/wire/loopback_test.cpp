@@ -79,7 +79,7 @@ TEST(Loopback, EndsInTimeEvenIfAClientDoesNotListen) {
   Served served;
   auto deaf = served.client();
   ASSERT_TRUE(deaf);
-  ASSERT_NE(served.capture_when_wanted(5'000'000), 0u);  // more than the sockets hold
+  ASSERT_NE(served.capture_when_wanted(5'000'000), 0u);  // More than the sockets buffer.
   const auto before = std::chrono::steady_clock::now();
   served.server().end("the camera is gone");
   EXPECT_TRUE(eventually([&] { return served.is_done(); }));
@@ -165,7 +165,7 @@ TEST(Loopback, NoticesThatItsServerVanished) {
 }
 
 TEST(Loopback, ConnectsAnewToAServersSuccessor) {
-  const auto socket = listen("127.0.0.1:0", false);  // the parent's
+  const auto socket = listen("127.0.0.1:0", false);  // The parent process owns this socket.
   ASSERT_TRUE(socket);
   for (int life = 0; life < 3; ++life) {
     Served served(*socket);
@@ -228,18 +228,18 @@ TEST(Loopback, HangsUpOnNonsenseAndOnNobodyElse) {
   };
   std::vector<Bytes> nonsense = {
       twice,
-      after_hello(encode(FrameAck{1})),                         // of a frame nobody sent
-      after_hello(encode(Pong{})),                              // the server's to say
-      after_hello(encode(EndOfStream{std::string(500, 'x')})),  // likewise
-      after_hello({0xff, 0xff, 0xff, 0xff, 0x13, 0, 0, 0}),     // of 4 GiB
-      after_hello({0, 0, 0, 0, 99, 0, 0, 0}),                   // of no type
-      encode_keyframe_request(),                                // before hello
+      after_hello(encode(FrameAck{1})),                         // The server never sent this frame.
+      after_hello(encode(Pong{})),                              // Only a server sends this.
+      after_hello(encode(EndOfStream{std::string(500, 'x')})),  // Only a server sends this.
+      after_hello({0xff, 0xff, 0xff, 0xff, 0x13, 0, 0, 0}),     // A body of 4 GiB.
+      after_hello({0, 0, 0, 0, 99, 0, 0, 0}),                   // An unknown type.
+      encode_keyframe_request(),                                // A message before Hello.
       Bytes(100000, 0xaa),
   };
   for (const Bytes& message : nonsense) {
     RawPeer peer(served.address());
     peer.say(message);
-    peer.hear_out();  // returns, since the server hangs up
+    peer.hear_out();  // Returns when the server closes the connection.
   }
   RawPeer browser(served.address());
   browser.say("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
@@ -260,7 +260,7 @@ TEST(Loopback, DoesNotQueueAnswersForWhoeverNeverReadsThem) {
     const Bytes ping = encode(Ping{at_ns(i)});
     pings.insert(pings.end(), ping.begin(), ping.end());
   }
-  for (int i = 0; i < 1000; ++i) flood.say(pings);  // fails quietly once the server hangs up
+  for (int i = 0; i < 1000; ++i) flood.say(pings);  // Fails silently once it is closed.
   EXPECT_TRUE(eventually([&] { return served.server().counters().clients == 0; }));
 }
 

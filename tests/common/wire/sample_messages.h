@@ -1,7 +1,7 @@
 #pragma once
 
-// One message of each kind, with numbers that are easy to find again in hexadecimal: what docs/internals/wire_format.md
-// shows.
+// One message of each kind, as docs/internals/wire_format.md shows them. Their numbers are easy to
+// recognise in hexadecimal.
 
 #include <algorithm>
 #include <string>
@@ -49,7 +49,7 @@ inline FrameHead sample_frame_head() {
   return head;
 }
 
-/// The names are those of the drawings in docs/internals/wire_format.md. `frame` is only its head.
+/// The names are those in docs/internals/wire_format.md. `frame` contains only a frame's head.
 inline std::vector<std::pair<std::string, Bytes>> sample_messages() {
   const FrameHeadMessage frame = encode(sample_frame_head());
   return {

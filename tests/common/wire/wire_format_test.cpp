@@ -1,4 +1,4 @@
-// Holds docs/internals/wire_format.md against the codec: the page's drawings are the bytes.
+// Compares the bytes in docs/internals/wire_format.md with the bytes of the message codec.
 
 #include <gtest/gtest.h>
 
@@ -12,13 +12,13 @@
 namespace copresence::wire {
 namespace {
 
-// What the page says in words.
+// The values that the page states in its text.
 static_assert(kProtocolVersion == 7);
 static_assert(kMaxMessageBytes == 8 << 20 && kMaxTextBytes == 512 && kMaxNameBytes == 64 &&
               kMaxParameters == 64);
 static_assert(ClientWindow::kBytes == 1 << 20);
 
-/// Bytes as the page writes them: "offset  byte byte ...  what it is".
+/// The bytes of a drawing in the page. Its lines are "offset  byte byte ...  description".
 struct Drawing {
   Bytes bytes;
   bool offsets_hold = true;

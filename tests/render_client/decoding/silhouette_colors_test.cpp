@@ -13,7 +13,7 @@ bool is_post(int x, int y, int shift) {
   return x >= 20 + shift && x < 40 + shift && y >= 12 + shift && y < 36 + shift;
 }
 
-/// A post before a wall. Its depth is `shift` pixels to the lower right of its colour.
+/// A post in front of a wall. Its depth is `shift` pixels to the lower right of its colour.
 RgbdFrame post(int shift, Rgb8 post_color = kPostColor) {
   RgbdFrame frame;
   frame.depth = DepthImage(kWidth, kHeight);
@@ -37,7 +37,7 @@ void separate(RgbdFrame& frame) {
   SilhouetteColors().apply(frame, DepthUnit::kMillimetre, kKinectV1Noise);
 }
 
-/// Pixels with the depth of the wall and the colour of the post.
+/// Returns the number of pixels with the depth of the wall and the colour of the post.
 int painted_on_the_wall(const RgbdFrame& frame) {
   int count = 0;
   for (int y = 0; y < kHeight; ++y) {
@@ -54,7 +54,7 @@ TEST(SilhouetteColors, TheFarSideOfADepthEdgeNeverCarriesTheNearSidesColor) {
     const int before = painted_on_the_wall(frame);
     separate(frame);
     EXPECT_EQ(before > 0, shift != 0);
-    // A corner of the colour may lie beside no edge in its row and column.
+    // Pixels at a corner of the post's colour may have no depth edge in their row or column.
     EXPECT_LE(painted_on_the_wall(frame), shift * shift) << shift;
     EXPECT_EQ(frame.depth, depth);
   }

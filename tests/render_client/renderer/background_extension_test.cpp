@@ -1,4 +1,4 @@
-// Views of scenes with a known answer behind what hides it.
+// Views of scenes with known surfaces behind the objects that hide them.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 constexpr int kWidth = 480, kHeight = 270;
 constexpr Rgb8 kWall{60, 120, 180}, kPerson{220, 40, 30};
 
-// A wall at 3 m, and an upright post of 0.4 m at 1.5 m before it.
+// A wall at 3 m, with an upright post of 0.4 m width in front of it at 1.5 m.
 Surface post_and_wall() {
   return [](double x, double) -> std::optional<double> {
     constexpr double kPostM = 1.5, kHalfWidthM = 0.2;
@@ -105,7 +105,7 @@ TEST_F(PostBeforeAWall, DimmedSurfacesHaveHalfTheBrightness) {
 
 TEST_F(PostBeforeAWall, EmptyPixelsShowTheBackground) {
   for (const auto show : {UnseenStyle::Show::kExtend, UnseenStyle::Show::kBlack}) {
-    eye_ = orbiting_eye(kWidth, kHeight, 40, 2);  // looks past the camera's picture
+    eye_ = orbiting_eye(kWidth, kHeight, 40, 2);  // The view extends beyond the camera's picture.
     const MergedView view = this->view({.show = show, .background = {10, 20, 30}});
     int empty = 0;
     for (int y = 0; y < kHeight; ++y) {
@@ -137,7 +137,7 @@ TEST_F(PostBeforeAWall, TheNumberOfThreadsChangesNothing) {
   EXPECT_TRUE(std::ranges::equal(one.depth_m.pixels(), three.depth_m.pixels()));
 }
 
-// A window: the camera sees colour in it, and no depth.
+// The camera sees colour but no depth in a window.
 class WindowInAWall : public ::testing::Test {
  protected:
   static constexpr Rgb8 kSky{230, 240, 250};

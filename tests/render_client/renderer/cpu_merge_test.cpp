@@ -60,7 +60,8 @@ TEST(CpuMerge, AStaleCameraIsShownOnlyWhereNoLiveCameraShowsAnything) {
 }
 
 TEST(CpuMerge, ARememberedBackgroundIsShownOnlyWhereNoCameraShowsAnything) {
-  // The remembered wall is nearer and has the better quality. The right half of the live camera is a hole.
+  // The remembered wall is nearer and has the better quality. The right half of the live camera is
+  // a hole.
   Looking live(kinect_model(), wall(3), plain(kGreen)), remembered(kinect_model(), wall(1.2), plain(kRed));
   for (int y = 0; y < 480; ++y) {
     for (int x = 320; x < 640; ++x) {
@@ -125,7 +126,7 @@ TEST(CpuMerge, AStaleCameraWithoutColorFadesToo) {
 }
 
 TEST(CpuMerge, WidensTheRangeByTheCalibrationsErrors) {
-  // 8 cm apart: more than noise explains at 3 m and 1.5 m, less than noise and 5 cm.
+  // At 3 m and 1.5 m, 8 cm are more than noise explains, but less than noise and 5 cm.
   Looking far_away(kinect_model(), wall(2.92), plain(kRed));
   Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));
   const ViewPose eye = eye_at_origin(kWidth, kHeight);
@@ -142,7 +143,7 @@ TEST(CpuMerge, BlendsEqualsEvenly) {
   EXPECT_TRUE(near_color(view.color(kWidth / 2, kHeight / 2), {125, 125, 30}, 6));
 }
 
-// Colours beside an edge between red and green.
+// The colours of the pixels beside an edge between red and green.
 constexpr int mixed(int own, int other) {
   return own + (other - own) / kSilhouetteDivisor;
 }
@@ -200,8 +201,8 @@ TEST(CpuMerge, ChangesFromCameraToCameraWithoutASeam) {
     largest = std::max(largest, std::abs(next.r - here.r));
     total += here.r - next.r;
   }
-  EXPECT_GT(std::abs(total), 150);  // from one camera to the other
-  EXPECT_LE(largest, 12);           // in small steps
+  EXPECT_GT(std::abs(total), 150);  // The colour changes from one camera's to the other's.
+  EXPECT_LE(largest, 12);           // Each change is small.
 }
 
 TEST(CpuMerge, PrefersMeasuredPixelsToFilledOnes) {
@@ -243,7 +244,8 @@ TEST(CpuMerge, FillsOneCamerasHolesFromTheOther) {
   EXPECT_GT(green, 5000);
 }
 
-// Two cameras of different exposure look at one wall. The picture of the second covers half of the view.
+// Two cameras of different exposure look at one wall. The picture of the second camera covers half
+// of the view.
 TEST(CpuMerge, LeavesNoStepAtTheBorderOfACamerasPicture) {
   Looking one(kinect_model(), wall(2), plain({120, 120, 120}));
   Looking other(kinect_model(), wall(2), plain({160, 160, 160}), moved(1.1, 0, 0));

@@ -134,7 +134,7 @@ TEST_F(GlRenderer, ShowsNothingWhereThereIsNothing) {
   eye = eye_of(camera);
   eye.world_from_eye.rotation = Eigen::Vector3d(-1, 1, -1).asDiagonal();
   expect_nothing(render({&camera, 1}, eye));
-  eye.world_from_eye.translation.z() = 4;  // looks at the back of the wall
+  eye.world_from_eye.translation.z() = 4;  // The eye looks at the back of the wall.
   expect_nothing(render({&camera, 1}, eye));
 }
 
@@ -150,7 +150,7 @@ TEST_F(GlRenderer, LeavesOutHolesAndDoesNotBridgeSteps) {
   const MergedView ahead = render({&camera, 1}, eye);
   EXPECT_EQ(ahead.camera(10, 10), kNoCamera);
   EXPECT_EQ(ahead.camera(13, 10), 0);
-  eye.world_from_eye.translation.x() = 0.5;  // the gap at the depth step opens
+  eye.world_from_eye.translation.x() = 0.5;  // From here, the depth step has a gap.
   const MergedView aside = render({&camera, 1}, eye);
   int gap = 0;
   for (int x = 0; x < 64; ++x) {
@@ -203,7 +203,7 @@ TEST_F(GlRenderer, MatchesColors) {
   CameraView camera = camera_at(frame, 0);
   render({&camera, 1}, eye_of(camera));
   camera.color_correction << 0.5F, 0, 0, 0, 0, 1, 0, 0.1F, 0, 0, 3,
-      0;  // same frame: only the correction is new
+      0;  // The frame is the same. Only the correction is new.
   const MergedView view = render({&camera, 1}, eye_of(camera));
   EXPECT_EQ(view.color(32, 24), (Rgba8{50, 126, 255, 255}));
 }

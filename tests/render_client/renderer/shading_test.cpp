@@ -11,7 +11,7 @@
 namespace copresence::renderer {
 namespace {
 
-/// A surface as a Kinect measures it: only at its depth levels.
+/// A surface whose depths are levels of a Kinect.
 DepthImage measured_in_levels(const CameraModel& model, const Surface& surface) {
   RgbdFrame frame = frame_of(model, surface, std::nullopt);
   for (std::uint16_t& depth : frame.depth.pixels()) {

@@ -32,7 +32,7 @@ TEST(DepthError, KnowsAnErrorWhenItSeesOne) {
   const auto wall = flat_scene(16, 8, 2000);
   DepthImage back = wall.depth;
   StateImage states = wall.state;
-  back(3, 3) = 2012;  // one step is 11.4 mm here
+  back(3, 3) = 2012;  // One step is 11.4 mm here.
   back(4, 4) = 1800;
   states(5, 5) = DepthState::kHole;
   DepthError error(DepthUnit::kMillimetre);

@@ -9,9 +9,9 @@
 // example between hole and depth, keeps the state that it has most of the time.
 //
 // Motion is never delayed. Two tests detect motion in blocks of 8 x 8 pixels. In the first test,
-// the mean depth of a block changes by more than noise explains. In the second, more pixels than
-// usual show another surface or have another state. The filter learns each pixel's rate of such
-// changes, so that flickering edges do not count as motion. In moving blocks, pixels take new
+// the mean depth of a block changes by more than noise explains. In the second test, more pixels
+// than usual show another surface or have another state. The filter learns each pixel's rate of
+// such changes, so that flickering edges do not count as motion. In moving blocks, pixels take new
 // values at once. While the camera moves (camera_motion.h), frames pass unchanged.
 //
 // All thresholds are in disparity steps of the sensor (DepthNoise). Other filters, such as the

@@ -168,9 +168,9 @@ class SpiralEncoder final : public PlaneEncoder {
     }
   }
 
-  // Returns Y of a pixel whose own upper bits may differ from the sample's, `voted`. On the same
-  // surface, the pixel takes the nearest code with the upper bits `voted`. Beyond an edge the pixel
-  // keeps its own lower bits, and the filter finds the upper bits.
+  // Returns Y of a pixel. The upper bits of its code may differ from `voted`, the upper bits in the
+  // chroma sample. On the same surface, the pixel takes the nearest code with the upper bits
+  // `voted`. Beyond an edge, it keeps its own lower bits, and the filter finds the upper bits.
   std::uint8_t luma_beside(int coded, unsigned voted) const {
     const int least = static_cast<int>(voted) << 8, most = least + 255;
     if (coded < least && coded >= least - kSameSurface) return luma(0u, voted);

@@ -16,7 +16,7 @@ namespace copresence::depth {
 /// neighbourhood anywhere without tests for the image's border.
 class BitPlane {
  public:
-  static constexpr int kMargin = 2;  ///< Rows of zeros above and below; left and right have 64 bits.
+  static constexpr int kMargin = 2;  ///< In rows above and below. Left and right are 64 bits.
 
   BitPlane() = default;
   BitPlane(int width, int height)

@@ -361,7 +361,8 @@ std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const In
   const bool has_depth = view.depth_m.width() == view.width;
   const Floats w = larger(between(left_side.w, right_side.w) * scale, all(kSmallestW));
   const auto color_at = [&](int lane) { return colors_.find(x + lane, y, w[lane]); };
-  // Most gaps are hidden from all cameras. If three of eight pixels are, the others are not tried.
+  // Most gaps are hidden from all cameras. If no camera sees the first, middle and last of eight
+  // pixels, the other pixels are not examined.
   const bool is_hidden =
       bits(fills) == (1U << kLanes) - 1 && !color_at(0) && !color_at(kLanes / 2) && !color_at(kLanes - 1);
   for (unsigned lanes = bits(fills); lanes != 0; lanes &= lanes - 1) {

@@ -7,7 +7,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(binding = 0) uniform sampler2D estimates;  // As `surfaces` in extend_blocks.comp.
 layout(binding = 1) uniform usampler2D gaps;
-layout(binding = 2) uniform usampler2D camera;  // 255 where no camera shows anything
+layout(binding = 2) uniform usampler2D camera;  // Is 255 where no camera shows anything.
 layout(binding = 0, rgba8) writeonly uniform image2D color;
 layout(binding = 1, r32f) uniform image2D depth;  // Metres, 0 where no camera shows anything.
 layout(binding = 2, r8ui) writeonly uniform uimage2D origin;

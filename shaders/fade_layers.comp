@@ -14,7 +14,7 @@ uniform int rank[LAYERS];  // 0 for a live camera, 1 for a stale one, 2 for a re
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(at, imageSize(fragments).xy))) return;
-  int least = 3;  // more than any rank
+  int least = 3;  // Is greater than any rank.
   for (int i = 0; i < LAYERS; ++i) {
     if (rank[i] < least && imageLoad(fragments, ivec3(at, i)).a > 0.0) least = rank[i];
   }

@@ -56,8 +56,8 @@ class ColorFilter {
     std::vector<std::int16_t> mean;             // Mean of each sample, times 128.
     // Sums of the differences and of their magnitudes over a row of blocks, one per column.
     std::vector<std::int16_t> difference, magnitude;
-    // Values for the columns of a row of blocks: the weight of the new frame, times 65536, and the
-    // difference above which a sample is replaced, times 128.
+    // Values for the columns of a row of blocks. `weight` is the weight of the new frame, times
+    // 65536. A sample is replaced if its difference, times 128, is above `jump`.
     std::vector<std::int16_t> weight, jump;
   };
   // Mean magnitudes of the differences between a frame and the mean of many frames, by plane.

@@ -3,9 +3,9 @@
 // Keeps the depth of static surfaces constant, so that the sensor's noise is neither coded nor
 // shown.
 //
-// Each pixel holds one measured value. The pixel takes a newer value if the mean of the last frames
-// has moved away from the held value, or if the pixel shows another surface. Held values are levels
-// of the sensor, so a codec with a codebook needs no further levels. A pixel that flickers, for
+// Each pixel holds one measured value. It takes a newer value if the mean of the last frames has
+// moved away from the held value, or if the pixel shows another surface. Held values are levels of
+// the sensor, so a codec with a codebook needs no further levels. A pixel that flickers, for
 // example between hole and depth, keeps the state that it has most of the time.
 //
 // Motion is never delayed. Two tests detect motion in blocks of 8 x 8 pixels. In the first test,

@@ -20,8 +20,8 @@ constexpr int kFewestRefuted = 8;      // A refuted block has at least this many
 constexpr int kMeanShift = 2;          // A new value changes a mean by 1 / 2^2 of the difference.
 constexpr int kColorEvery = 6;         // Each row's colours are compared in one of this many frames.
 
-// Blocks around covered ones are drawn, too. So a covering object may move a little before the
-// surface behind it must be drawn anew, and the drawn surface meets the one that is seen.
+// Blocks around covered ones are drawn, too. So the drawn surface meets the surface that is seen.
+// Also, a covering object may move a little before the surface behind it must be drawn again.
 constexpr int kDrawnAround = 2, kNeededAround = 1;
 constexpr std::uint64_t kRedrawEvery = 60;  // In frames.
 

@@ -56,7 +56,7 @@ class BackgroundMemory {
     }
 
    private:
-    static constexpr int kCoarse = 4, kFraction = 16;  // bits
+    static constexpr int kCoarse = 4, kFraction = 16;  // Numbers of bits.
     int per_square_ = 0, most_ = 0;
   };
 

@@ -12,8 +12,8 @@ constexpr int kReach = SilhouetteColors::kReach;
 constexpr int kWidestGap = SilhouetteColors::kWidestGap;
 constexpr int kReferencePixels = 3;  // Number of pixels that give a surface's mean colour.
 
-/// A pixel has a foreign colour if the squared distance from its own surface's colour is this many
-/// times the squared distance from the other surface's colour.
+/// A colour is foreign if its squared distance from its own surface's colour is this many times the
+/// squared distance from the other surface's colour.
 constexpr float kForeign = 4;
 
 struct Color {

@@ -29,11 +29,11 @@
 // Remembered   A remembered background is shown only where no camera's newest frame shows anything
 //              at any distance. So it never covers what is seen. Remembered backgrounds are merged
 //              with each other like live cameras.
-// Silhouettes  A silhouette edge lies between two neighbours in a row or a column whose nearest
-//              fragments are kSilhouetteSteps apart in inverse depth along the eye's axis. Each
-//              colour moves 1 / kSilhouetteDivisor of the way to the other colour, first along all
-//              rows, then along all columns. This hides stair steps. Columns are left out if unseen
-//              pixels stay black (UnseenStyle).
+// Silhouettes  A silhouette edge lies between two neighbours in a row or a column. The inverse
+//              depths of their nearest fragments, along the eye's axis, differ by more than
+//              kSilhouetteSteps. Each colour moves 1 / kSilhouetteDivisor of the way to the other
+//              colour, first along all rows, then along all columns. This hides stair steps.
+//              Columns are left out if unseen pixels stay black (UnseenStyle).
 //
 // Thread: pure functions.
 
@@ -113,10 +113,10 @@ inline float cos_theta(float w, float dw_dx, float dw_dy, float x, float y) {
 /// Weight of a filled pixel relative to a measured one.
 inline constexpr float kFilledWeight = 0.25F;
 
-/// Factor of a fragment's weight, so that a camera gives way before its picture ends: from 0 at the
-/// border to 1 at the fraction kBorderShare of the picture's width inside. Otherwise the difference
-/// between two cameras' exposures would show as a line. `distance` is the pixel's distance from the
-/// nearest border, in pixels.
+/// A factor of a fragment's weight, which reduces the weight near the picture's border. The factor
+/// rises from 0 at the border to 1 at a distance of kBorderShare times the picture's width.
+/// Otherwise different exposures of two cameras would show as a line. `distance` is the distance
+/// from the nearest border, in pixels.
 inline constexpr float kBorderShare = 0.05F;
 inline float border_fade(int distance, int width) {
   return std::min(1.0F, (static_cast<float>(distance) + 0.5F) / (kBorderShare * static_cast<float>(width)));

@@ -1,7 +1,8 @@
 #pragma once
 
-// Baselines that the depth codecs are compared with: rvl and rvl_zstd (rvl.h), png of 16-bit depth,
-// split16 (high and low bytes as two 8-bit pictures in H.264), and holoimage (holoimage.h).
+// Baselines that the depth codecs are compared with. They are rvl and rvl_zstd (rvl.h), png of
+// 16-bit depth, split16 and holoimage (holoimage.h). The baseline split16 codes high and low bytes
+// as two 8-bit pictures in H.264.
 
 #include <span>
 #include <string>

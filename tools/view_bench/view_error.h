@@ -1,8 +1,8 @@
 #pragma once
 
 // Measures the difference of rendered views from the ground truth, over all reachable pixels. A
-// pixel is reachable if its true surface point lies in the image and depth range of a camera, even
-// if something hides it from that camera. Pixels that show nothing count as black.
+// pixel is reachable if its true surface point lies in the image and depth range of a camera.
+// Another object may hide the point from that camera. Pixels that show nothing count as black.
 // Thread: one thread per object.
 
 #include <cstdint>

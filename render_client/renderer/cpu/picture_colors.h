@@ -43,8 +43,8 @@ class PictureColors {
     CameraModel model;
     bool is_distorted;
     Eigen::Vector2f focal, center, last;  // Of `model`; `last` is the last pixel.
-    // A point at pixel (x, y) of the view with inverse depth w is rays * (x, y, 1) + w * origin in
-    // this camera's frame, up to a factor.
+    // A surface at pixel (x, y) of the view has the inverse depth w. In this camera's frame, its
+    // point is rays * (x, y, 1) + w * origin, up to a factor.
     Eigen::Matrix3f rays;
     Eigen::Vector3f origin;
     float opacity;

@@ -15,6 +15,11 @@ struct Cell {
   bool has_slope = false;
 };
 
+// How much inverse depths of one surface may differ at a distance of one cell.
+float most_difference(float w) {
+  return kShadedSurface + kShadedSlope * w;
+}
+
 Cell mean_of_nearest(const DepthImage& depth, float units_per_metre, int left, int top) {
   const int right = std::min(left + kCell, depth.width()), bottom = std::min(top + kCell, depth.height());
   std::uint16_t nearest = 0;
@@ -26,7 +31,7 @@ Cell mean_of_nearest(const DepthImage& depth, float units_per_metre, int left, i
   }
   Cell cell;
   if (nearest == 0) return cell;
-  const float least_w = units_per_metre / float(nearest) - kShadedSurface;
+  const float nearest_w = units_per_metre / float(nearest), least_w = nearest_w - most_difference(nearest_w);
   int count = 0;
   for (int y = top; y < bottom; ++y) {
     for (int x = left; x < right; ++x) {
@@ -49,7 +54,7 @@ void for_each_beside(const Image<Cell>& cells, int x, int y, int radius, Visit&&
     for (int u = std::max(0, x - radius); u <= std::min(x + radius, cells.width() - 1); ++u) {
       const Cell& cell = cells(u, v);
       const auto distance = static_cast<float>(std::max(std::abs(u - x), std::abs(v - y)));
-      if (cell.w > 0 && std::abs(cell.w - w) <= distance * kShadedSurface) visit(u - x, v - y, cell);
+      if (cell.w > 0 && std::abs(cell.w - w) <= distance * most_difference(w)) visit(u - x, v - y, cell);
     }
   }
 }

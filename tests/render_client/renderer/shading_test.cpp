@@ -57,6 +57,19 @@ TEST(Shading, ASurfaceIsNotShadedByTheOneBehindIt) {
   }
 }
 
+TEST(Shading, ATableSeenFromCloseIsShadedEvenly) {
+  const CameraModel model = kinect_model();
+  const Eigen::Vector3d normal(0, 1, 0.25);
+  const Image<float> incidences = shading_of(plane(normal, 0.35));
+  for (int y = incidences.height() / 2 + 3; y < incidences.height() - 3; ++y) {
+    for (int x = 3; x < incidences.width() - 3; ++x) {
+      const Eigen::Vector3d ray((x * kCell + 4 - model.cx) / model.fx, (y * kCell + 4 - model.cy) / model.fy,
+                                1);
+      ASSERT_NEAR(incidences(x, y), normal.dot(ray) / (normal.norm() * ray.norm()), 0.06) << x << ' ' << y;
+    }
+  }
+}
+
 TEST(Shading, WithoutDepthTheNormalIsUnknown) {
   Image<float> incidences;
   measure_shading(DepthImage(24, 18), DepthUnit::kMillimetre, kinect_model(), incidences);

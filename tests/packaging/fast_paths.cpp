@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -11,8 +12,11 @@
 
 #include "capture_server/hole_filling/hole_filler.h"
 #include "capture_server/registration/registration.h"
+#include "capture_server/temporal_filter/color_filter.h"
+#include "capture_server/temporal_filter/depth_filter.h"
 #include "common/color/yuv420.h"
 #include "common/depth/depth_codec.h"
+#include "render_client/background_memory/background_memory.h"
 #include "render_client/color_matching/color_matcher.h"
 #include "tests/render_client/renderer/rendering.h"
 
@@ -113,12 +117,48 @@ void try_hole_filling(RgbdFrame frame, hole_filling::Method method) {
 void try_renderer(renderer::Looking& left, renderer::Looking& right) {
   for (double degrees : {0.0, 20.0}) {
     const auto eye = renderer::orbiting_eye(640, 360, degrees, 2);
-    const auto view = renderer::render({&left, &right}, eye);
+    InlineExecutor workers;
+    const auto renderer = renderer::make_cpu_renderer(workers);
+    renderer->set_unseen({.show = renderer::UnseenStyle::Show::kExtend});
+    renderer::MergedView view;
+    if (!renderer->render(renderer::views_of({&left, &right}), eye, {.color = true, .depth = true}, view))
+      return fmt::print("renderer failed\n");
     Checksum sum;
     sum.add(view.depth_m);
     sum.add(view.color);
     sum.print("renderer");
   }
+}
+
+// Filters twelve frames with different noise, as the server does, and remembers the background.
+void try_filters_over_time(renderer::Looking camera) {
+  const DepthImage true_depth = camera.frame.depth;
+  temporal_filter::DepthFilter depth_filter(true_depth.width(), true_depth.height(),
+                                            DepthUnit::k100Micrometres, kKinectV1Noise);
+  temporal_filter::ColorFilter color_filter;
+  background_memory::BackgroundMemory memory;
+  memory.begin(DepthUnit::k100Micrometres, kKinectV1Noise);
+  Checksum sum;
+  for (unsigned i = 0; i < 12; ++i) {
+    RgbdFrame frame = camera.frame;
+    renderer::measure_like_a_kinect(frame, 0.04, i);
+    if (i == 11) {
+      for (int y = 100; y < 300; ++y) std::fill_n(&frame.depth(200, y), 100, std::uint16_t{8000});
+    }
+    depth_filter.apply(frame.depth, frame.state);
+    Picture picture;
+    color::rgb_to_yuv420(*frame.color, picture);
+    color_filter.apply(picture, depth_filter.is_camera_moving());
+    color::yuv420_to_rgb(picture, *frame.color);
+    memory.learn(frame);
+    sum.add(frame.depth);
+    sum.add(*frame.color);
+  }
+  sum.print("temporal filter");
+  if (!memory.covered()) return fmt::print("background memory failed\n");
+  Checksum remembered;
+  remembered.add(memory.covered()->depth);
+  remembered.print("background memory");
 }
 
 void try_color_matching(const renderer::Looking& left, const renderer::Looking& right) {
@@ -151,5 +191,6 @@ int main() {
     try_hole_filling(left.frame, method);
   }
   try_renderer(left, right);
+  try_filters_over_time(left);
   try_color_matching(left, right);
 }

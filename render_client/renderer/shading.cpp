@@ -15,7 +15,7 @@ struct Cell {
   bool has_slope = false;
 };
 
-// How much inverse depths of one surface may differ at a distance of one cell.
+// Returns the largest difference of inverse depth between neighbouring cells of one surface.
 float most_difference(float w) {
   return kShadedSurface + kShadedSlope * w;
 }

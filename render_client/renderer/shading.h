@@ -4,12 +4,13 @@
 // gray depends on the normals alone, so their noise is clearly visible. Normals of single cells
 // would show the steps between depth levels as stripes.
 //
-// On one surface, the inverse depth w of neighbouring cells differs by at most kShadedSurface +
-// kShadedSlope w. The inverse depth of a cell is the mean over its pixels that differ by at most
-// that from the nearest pixel. Then a plane is fitted to the cells in a window around it. The window grows with depth, as
-// the noise does. Its radius is one cell per metre, from kLeastRadius to kMostRadius. A cell at a
-// distance of d cells is included if its inverse depth differs by at most d times that.
-// Beyond kSharpM, the slopes of the planes are averaged over 3x3 cells by the same rule.
+// On one surface, the inverse depths w of neighbouring cells differ by at most the limit
+// kShadedSurface + kShadedSlope w. The inverse depth of a cell is the mean over its pixels that
+// differ from its nearest pixel by at most this limit. Then a plane is fitted to the cells in a
+// window around it. The window grows with depth, as the noise does. Its radius is one cell per
+// metre, from kLeastRadius to kMostRadius. A cell at a distance of d cells is included if its
+// inverse depth differs by at most d times the limit. Beyond kSharpM, the slopes of the planes are
+// averaged over 3x3 cells by the same rule.
 //
 // Thread: pure functions.
 
@@ -20,7 +21,7 @@
 namespace copresence::renderer {
 
 inline constexpr float kShadedSurface = 0.0228F;  ///< In 1/m; 8 disparity steps of a Kinect v1.
-inline constexpr float kShadedSlope = 0.05F;      ///< A surface that is tilted by 75 degrees.
+inline constexpr float kShadedSlope = 0.05F;      ///< Slope of a surface tilted by 75 degrees, per cell.
 inline constexpr float kSharpM = 1.2F;
 inline constexpr int kLeastRadius = 1, kMostRadius = 3;
 

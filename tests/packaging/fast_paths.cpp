@@ -130,7 +130,7 @@ void try_renderer(renderer::Looking& left, renderer::Looking& right) {
   }
 }
 
-// Filters twelve frames with different noise, as the server does, and remembers the background.
+// Filters twelve frames with different noise as the server does, and remembers the background.
 void try_filters_over_time(renderer::Looking camera) {
   const DepthImage true_depth = camera.frame.depth;
   temporal_filter::DepthFilter depth_filter(true_depth.width(), true_depth.height(),

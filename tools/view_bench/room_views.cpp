@@ -102,7 +102,7 @@ class Camera {
   }
 
   renderer::CameraView view() const { return view(frame_, version_); }
-  // Nothing if no remembered background is covered.
+  // Returns nothing if no remembered background is covered.
   std::optional<renderer::CameraView> remembered_view() const {
     if (!covered_) return std::nullopt;
     auto remembered = view(*covered_, covered_version_);

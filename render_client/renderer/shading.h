@@ -21,7 +21,7 @@
 namespace copresence::renderer {
 
 inline constexpr float kShadedSurface = 0.0228F;  ///< In 1/m; 8 disparity steps of a Kinect v1.
-inline constexpr float kShadedSlope = 0.05F;      ///< Slope of a surface tilted by 75 degrees, per cell.
+inline constexpr float kShadedSlope = 0.05F;      ///< Slope per cell at a tilt of 75 degrees.
 inline constexpr float kSharpM = 1.2F;
 inline constexpr int kLeastRadius = 1, kMostRadius = 3;
 

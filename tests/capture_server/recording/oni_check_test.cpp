@@ -131,15 +131,15 @@ TEST_F(OniCheck, RefusesRecordsThatThePlayerWouldLoseItsWayOn) {
     return refusal(damaged);
   };
   const std::string at = "damaged at byte " + std::to_string(frames[5].at);
-  EXPECT_THAT(with(0, 0), HasSubstr(at));                              // magic
-  EXPECT_THAT(with(4, 99), HasSubstr("record type 99"));               // type
-  EXPECT_THAT(with(8, 7), HasSubstr("unknown stream"));                // node
-  EXPECT_THAT(with(12, 27), HasSubstr("fields"));                      // fields' size: below the header's
-  EXPECT_THAT(with(12, 0x7fffffff), HasSubstr("fields"));              // ... beyond all bounds
-  EXPECT_THAT(with(16, 0xffffffff), HasSubstr("goes on beyond"));      // payload's size
-  EXPECT_THAT(with(28 + 4, 0x7f000000), HasSubstr("time"));            // time beyond the header's
-  EXPECT_THAT(with(28 + 8, 0), HasSubstr("from frame 5 to 0 of 12"));  // frame number
-  EXPECT_THAT(with(28 + 8, 13), HasSubstr("from frame 5 to 13 of 12"));
+  EXPECT_THAT(with(0, 0), HasSubstr(at));                          // magic
+  EXPECT_THAT(with(4, 99), HasSubstr("record type 99"));           // type
+  EXPECT_THAT(with(8, 7), HasSubstr("unknown stream"));            // node
+  EXPECT_THAT(with(12, 27), HasSubstr("fields"));                  // fields' size: below the header's
+  EXPECT_THAT(with(12, 0x7fffffff), HasSubstr("fields"));          // ... beyond all bounds
+  EXPECT_THAT(with(16, 0xffffffff), HasSubstr("goes on beyond"));  // payload's size
+  EXPECT_THAT(with(28 + 4, 0x7f000000), HasSubstr("time"));        // time beyond the header's
+  EXPECT_THAT(with(28 + 8, 0), HasSubstr("frame 5, then frame 0, of 12"));  // frame number
+  EXPECT_THAT(with(28 + 8, 13), HasSubstr("frame 5, then frame 13, of 12"));
 }
 
 TEST_F(OniCheck, RefusesStreamsThatThePlayerWouldCrashOn) {

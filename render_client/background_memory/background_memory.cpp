@@ -30,10 +30,15 @@ constexpr std::uint64_t kRedrawEvery = 60;  // In frames.
 // move.
 constexpr int kRegionsAcross = 8, kRegionsDown = 6;
 constexpr std::uint32_t kFewestInRegion = 100;
-constexpr double kMostFarther = 0.25;     // Limit for Comparison::farther, as a share of `known`.
+constexpr double kMostFarther = 0.04;     // Share of a region's known pixels.
 constexpr double kLeastAgreement = 0.35;  // Limit for Comparison::agree, as a share of `known`.
 constexpr double kMostRecolored = 0.25;   // Limit for Comparison::recolored, as a share of `colored`.
 constexpr int kSameColor = 40;            // Limit for the sum of the differences of red, green and blue.
+
+// After a motion of the camera, learning pauses. Then surfaces are learned again, and they are drawn
+// if the camera has not moved meanwhile. So a hand-held camera costs little and shows nothing false.
+constexpr std::uint64_t kPauseFrames = 30;  // At 30 frames per second, one second.
+constexpr std::uint64_t kWatchFrames = 2 * kSteadyFrames;
 
 // Says what a pixel shows, compared with the remembered surface. At most one flag is set.
 enum Flag : std::uint8_t { kCovered = 1, kAgrees = 2, kFarther = 4 };
@@ -79,6 +84,7 @@ void BackgroundMemory::begin(DepthUnit unit, const DepthNoise& noise) {
   tolerance_ = Tolerance(kToleranceSteps * noise.inverse_step() * metres_per_unit(unit));
   depth_ = {};
   has_color_ = false;
+  frames_ = resumes_at_ = 0;
   covered_.reset();
 }
 
@@ -102,6 +108,7 @@ void BackgroundMemory::learn(const RgbdFrame& frame) {
   pose_ = pose;
   has_color_ = has_color_ || frame.color;
   ++frames_;
+  if (frames_ < resumes_at_) return;
   for (auto* blocks : {&covered_pixels_, &refuted_pixels_})
     std::fill(blocks->pixels().begin(), blocks->pixels().end(), std::uint8_t{0});
   std::array<Comparison, kRegionsAcross * kRegionsDown> regions{};
@@ -116,8 +123,12 @@ void BackgroundMemory::learn(const RgbdFrame& frame) {
   if (frame.color) {
     for (int y = int(frames_ % kColorEvery); y < height; y += kColorEvery) learn_colors(frame, y, colors);
   }
-  if (camera_has_moved(regions, colors)) return forget(width, height);
-  draw_covered();
+  if (camera_has_moved(regions, colors)) {
+    forget(width, height);
+    resumes_at_ = frames_ + kPauseFrames;
+    return;
+  }
+  if (frames_ >= resumes_at_ + kWatchFrames) draw_covered();
 }
 
 // Compares the depths in row y with the remembered ones, and remembers farther surfaces.

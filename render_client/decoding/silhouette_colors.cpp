@@ -51,24 +51,25 @@ void SilhouetteColors::apply(RgbdFrame& frame, DepthUnit unit, const DepthNoise&
   if (!frame.color) return;
   edge_ = kEdgeSteps * static_cast<float>(noise.inverse_step() * metres_per_unit(unit));
   const int width = frame.depth.width(), height = frame.depth.height();
-  inverse_.resize(2 * static_cast<std::size_t>(width));
-  edges_.resize(static_cast<std::size_t>(width) + sizeof(std::uint64_t));
-  for (int y = 0; y < height; ++y) find_edges(frame, y, true);
-  for (int y = 0; y + 1 < height; ++y) find_edges(frame, y, false);
+  above_.resize(static_cast<std::size_t>(width));
+  here_.resize(static_cast<std::size_t>(width));
+  edges_.assign(static_cast<std::size_t>(width) + sizeof(std::uint64_t), 0);
+  for (int y = 0; y < height; ++y) {
+    here_.swap(above_);
+    invert_row(frame.depth.row(y).data(), width, here_.data());
+    edges_[static_cast<std::size_t>(width) - 1] = 0;  // The last pixel has no right neighbour.
+    compare_rows(here_.data(), here_.data() + 1, width - 1, edge_, edges_.data());
+    separate_row(frame, y, true);
+    if (y == 0) continue;
+    compare_rows(above_.data(), here_.data(), width, edge_, edges_.data());
+    separate_row(frame, y - 1, false);
+  }
 }
 
-// Examines the edges between the pixels of row y and their right or lower neighbours.
-void SilhouetteColors::find_edges(RgbdFrame& frame, int y, bool across) {
+// Separates the colours at the row's edges: those between the pixels of row y and their right
+// neighbours, or those between the rows y and y + 1.
+void SilhouetteColors::separate_row(RgbdFrame& frame, int y, bool across) const {
   const int width = frame.depth.width(), height = frame.depth.height();
-  float* const here = inverse_.data();
-  invert_row(frame.depth.row(y).data(), width, here);
-  std::fill(edges_.begin(), edges_.end(), std::uint8_t{0});
-  if (across) {
-    compare_rows(here, here + 1, width - 1, edge_, edges_.data());
-  } else {
-    invert_row(frame.depth.row(y + 1).data(), width, here + width);
-    compare_rows(here, here + width, width, edge_, edges_.data());
-  }
   for (int x = 0; x < width; x += static_cast<int>(sizeof(std::uint64_t))) {
     std::uint64_t any;
     std::memcpy(&any, edges_.data() + x, sizeof any);

@@ -38,11 +38,11 @@ class SilhouetteColors {
     int length;
     std::ptrdiff_t index(int i) const { return first + i * step; }
   };
-  void find_edges(RgbdFrame& frame, int y, bool across);
+  void separate_row(RgbdFrame& frame, int y, bool across) const;
   void separate(RgbdFrame& frame, Line line, int at) const;
 
   float edge_ = 0;                   // Smallest edge in inverse depth, in 1/units.
-  std::vector<float> inverse_;       // Inverse depth of two rows, in 1/units; 0 for holes.
+  std::vector<float> above_, here_;  // Inverse depths of the last two rows.
   std::vector<std::uint8_t> edges_;  // Is 1 if an edge may follow the row's pixel.
 };
 

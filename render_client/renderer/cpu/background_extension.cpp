@@ -152,6 +152,8 @@ void BackgroundExtension::find_sources(int dx, int dy, std::vector<Source>& sour
     for (int x = step_x > 0 ? 0 : width_ - 1; x >= 0 && x < width_; x += step_x) {
       Source source;
       if (!blocks_[index(x, y)].is_gap) {
+        // Only a gap asks for sources.
+        if (!contains(x + dx, y + dy) || !blocks_[index(x + dx, y + dy)].is_gap) continue;
         source = source_at(x, y, dx, dy);
       } else if (contains(x - dx, y - dy)) {
         source = sources[index(x - dx, y - dy)];

@@ -1,6 +1,7 @@
 #include "render_client/renderer/cpu/cpu_renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstring>
 #include <limits>
@@ -306,9 +307,11 @@ class CpuRenderer : public Renderer {
     std::size_t pixels = 0;
     const Tile& first = *remembered[0];
     for (int y = first.top(); y < first.top() + first.rows(); ++y) {
-      for (int x = 0; x < first.width(); ++x) {
-        pixels += std::any_of(remembered.begin(), remembered.end(),
-                              [&](const Tile* tile) { return tile->depths(y)[x] > tile->empty(); });
+      for (int x = 0; x < first.width(); x += kLanes) {
+        Ints shown{};
+        for (const Tile* tile : remembered) shown |= load<Floats>(tile->depths(y) + x) > tile->empty();
+        shown &= ramp() < static_cast<float>(first.width() - x);
+        pixels += static_cast<std::size_t>(std::popcount(bits(shown)));
       }
     }
     return pixels;

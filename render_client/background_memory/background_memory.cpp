@@ -128,7 +128,7 @@ void BackgroundMemory::learn(const RgbdFrame& frame) {
     resumes_at_ = frames_ + kPauseFrames;
     return;
   }
-  if (frames_ >= resumes_at_ + kWatchFrames) draw_covered();
+  if (frames_ >= resumes_at_ + kWatchFrames) draw_covered(frame);
 }
 
 // Compares the depths in row y with the remembered ones, and remembers farther surfaces.
@@ -236,7 +236,7 @@ bool BackgroundMemory::camera_has_moved(std::span<const Comparison> regions, con
   return 2 * farther > known || 2 * disagreeing > known;
 }
 
-void BackgroundMemory::draw_covered() {
+void BackgroundMemory::draw_covered(const RgbdFrame& newest) {
   const auto blocks = covered_pixels_.pixels(), needed = near_covered_.pixels(), drawn = drawn_.pixels();
   if (std::none_of(blocks.begin(), blocks.end(), [](std::uint8_t block) { return block != 0; })) {
     std::fill(drawn.begin(), drawn.end(), std::uint8_t{0});
@@ -253,16 +253,17 @@ void BackgroundMemory::draw_covered() {
   auto frame = std::make_shared<RgbdFrame>();
   frame->depth = DepthImage(width, height);
   frame->state = StateImage(width, height, DepthState::kHole);
-  if (has_color_) frame->color = ColorImage(width, height);
+  // Pixels beside the drawn ones have plausible colours, because a renderer interpolates.
+  if (has_color_) frame->color = newest.color.value_or(color_);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       if (drawn_(x / kBlock, y / kBlock) == 0) continue;
+      if (has_color_ && color_quality_(x, y) != kNoColor) (*frame->color)(x, y) = color_(x, y);
       // A pixel that now shows something farther refutes the remembered surface.
       if (depth_(x, y) == 0 || times_seen_(x, y) > 0 || (has_color_ && color_quality_(x, y) == kNoColor))
         continue;
       frame->depth(x, y) = depth_(x, y);
       frame->state(x, y) = DepthState::kMeasured;
-      if (has_color_) (*frame->color)(x, y) = color_(x, y);
     }
   }
   covered_ = std::move(frame);

@@ -74,14 +74,14 @@ class BackgroundMemory {
   void count_flags(int y, Comparison* regions);
   void learn_colors(const RgbdFrame& frame, int y, Comparison& all);
   static bool camera_has_moved(std::span<const Comparison> regions, const Comparison& colors);
-  void draw_covered();
+  void draw_covered(const RgbdFrame& newest);
 
   DepthUnit unit_ = DepthUnit::kMillimetre;
   Tolerance tolerance_;
   bool has_color_ = false;
   Rigid3 pose_;  // The last frame's pose in the world.
   std::uint64_t frames_ = 0;
-  std::uint64_t resumes_at_ = 0;  // Frames before this number are not learned from.
+  std::uint64_t resumes_at_ = 0;     // Frames before this number are not learned from.
   DepthImage depth_;                 // The remembered surface; 0 where there is none.
   DepthImage candidate_;             // A farther surface that may replace it; 0 where there is none.
   Image<std::uint16_t> times_seen_;  // Number of frames in a row that agree on the candidate.

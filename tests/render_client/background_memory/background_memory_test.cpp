@@ -106,6 +106,16 @@ TEST_F(BackgroundMemoryTest, TakesNoColorBesideASilhouette) {
     EXPECT_EQ((*memory_.covered()->color)(x, 60), kWallColor) << x;
 }
 
+TEST_F(BackgroundMemoryTest, HasColorsBesideTheDrawnPixelsToo) {
+  learn(wall(), 20);
+  learn(box());
+  ASSERT_NE(memory_.covered(), nullptr);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x)
+      ASSERT_EQ((*memory_.covered()->color)(x, y), kWallColor) << x << ' ' << y;
+  }
+}
+
 TEST_F(BackgroundMemoryTest, FollowsTheLight) {
   for (int level = 0; level < 60; ++level) {
     const auto darker = static_cast<std::uint8_t>(kWallColor.r - level);

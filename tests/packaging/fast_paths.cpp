@@ -130,7 +130,7 @@ void try_renderer(renderer::Looking& left, renderer::Looking& right) {
   }
 }
 
-// Filters twelve frames with different noise as the server does, and remembers the background.
+// Filters 24 frames with different noise as the server does, and remembers the background.
 void try_filters_over_time(renderer::Looking camera) {
   const DepthImage true_depth = camera.frame.depth;
   temporal_filter::DepthFilter depth_filter(true_depth.width(), true_depth.height(),
@@ -139,10 +139,10 @@ void try_filters_over_time(renderer::Looking camera) {
   background_memory::BackgroundMemory memory;
   memory.begin(DepthUnit::k100Micrometres, kKinectV1Noise);
   Checksum sum;
-  for (unsigned i = 0; i < 12; ++i) {
+  for (unsigned i = 0; i < 24; ++i) {
     RgbdFrame frame = camera.frame;
     renderer::measure_like_a_kinect(frame, 0.04, i);
-    if (i == 11) {
+    if (i == 23) {
       for (int y = 100; y < 300; ++y) std::fill_n(&frame.depth(200, y), 100, std::uint16_t{8000});
     }
     depth_filter.apply(frame.depth, frame.state);

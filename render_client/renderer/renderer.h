@@ -76,6 +76,11 @@ struct UnseenStyle {
   float brightness() const { return show == Show::kDim ? 0.5F : 1.0F; }
 };
 
+/// Whether a renderer draws the camera in this style.
+inline bool is_drawn(const CameraView& camera, const UnseenStyle& style) {
+  return camera.opacity > 0 && !(camera.is_remembered && style.show == UnseenStyle::Show::kBlack);
+}
+
 /// Fractions of a view's pixels by origin. Their sum is 1.
 struct OriginShares {
   float seen = 0, remembered = 0, extended = 0, empty = 1;

@@ -128,7 +128,7 @@ class CpuRenderer : public Renderer {
   void prepare(std::span<const CameraView> cameras) override {
     make_surfaces(cameras.size());
     workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
-      if (is_drawn(cameras[i])) surfaces_[i].update(cameras[i]);
+      if (is_drawn(cameras[i], style_)) surfaces_[i].update(cameras[i]);
     });
   }
 
@@ -137,7 +137,7 @@ class CpuRenderer : public Renderer {
     make_surfaces(cameras.size());
     shape_view(eye, wanted, view);
     workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
-      if (!is_drawn(cameras[i])) return surfaces_[i].hide();
+      if (!is_drawn(cameras[i], style_)) return surfaces_[i].hide();
       surfaces_[i].update(cameras[i]);
       surfaces_[i].project(eye, cameras[i].world_from_camera);
       surfaces_[i].sort_into_tiles(view.width, view.height);
@@ -173,10 +173,6 @@ class CpuRenderer : public Renderer {
     std::size_t shown = 0;       // Pixels that show any camera.
     std::size_t remembered = 0;  // Pixels that show a remembered background.
   };
-
-  bool is_drawn(const CameraView& camera) const {
-    return camera.opacity > 0 && !(camera.is_remembered && style_.show == UnseenStyle::Show::kBlack);
-  }
 
   // Softens the silhouette edges between rows. The tiles have softened those between columns.
   void soften_columns(std::span<const CameraView> cameras, MergedView& view) {

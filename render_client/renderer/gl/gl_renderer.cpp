@@ -102,7 +102,7 @@ class GlRenderer final : public Renderer {
     assert(cameras.size() <= kMostViews);
     make_cameras(cameras);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      if (is_drawn(cameras[i])) cameras_[i].update(cameras[i], shaders_);
+      if (is_drawn(cameras[i], style_)) cameras_[i].update(cameras[i], shaders_);
     }
   }
 
@@ -172,7 +172,7 @@ class GlRenderer final : public Renderer {
       gl::Framebuffer& layer = layers_->by_camera[i];
       layer.clear_color(0, {0, 0, 0, 0});
       layer.clear_depth(1);
-      if (!is_drawn(cameras[i])) continue;
+      if (!is_drawn(cameras[i], style_)) continue;
       cameras_[i].draw((clip_from_world * cameras[i].world_from_camera.matrix()).cast<float>(), draw_, layer);
     }
   }
@@ -209,10 +209,6 @@ class GlRenderer final : public Renderer {
                     style_.show != UnseenStyle::Show::kBlack, target.merged, target.scratch, target.color);
     context_.barrier(Reader::kFetch | Reader::kFramebuffer | Reader::kHost);
     return softened;
-  }
-
-  bool is_drawn(const CameraView& camera) const {
-    return camera.opacity > 0 && !(camera.is_remembered && style_.show == UnseenStyle::Show::kBlack);
   }
 
   // Returns whether the pixels that no camera shows need a colour or an origin.

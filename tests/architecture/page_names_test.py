@@ -3,6 +3,7 @@
 project must exist, and so must a test named as Suite.Name. So pages name no file or test that was moved or renamed."""
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -15,11 +16,12 @@ HISTORY = {"CHANGELOG.md"}  # names what was
 
 
 def project_files():
-    """Returns the files of the working tree that git does not ignore."""
-    listed = subprocess.run(["git", "-C", ROOT, "ls-files", "--cached", "--others", "--exclude-standard"],
-                            capture_output=True, text=True)
-    if listed.returncode == 0:
-        return [ROOT / line for line in listed.stdout.splitlines()]
+    """Returns the files of the working tree that git does not ignore. Without git, all but build folders'."""
+    if shutil.which("git"):
+        listed = subprocess.run(["git", "-C", ROOT, "ls-files", "--cached", "--others", "--exclude-standard"],
+                                capture_output=True, text=True)
+        if listed.returncode == 0:
+            return [ROOT / line for line in listed.stdout.splitlines()]
     return [path for path in ROOT.rglob("*") if "build" not in path.relative_to(ROOT).parts]  # a tarball
 
 

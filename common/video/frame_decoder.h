@@ -7,10 +7,9 @@
 // next keyframe, so a wrong picture is never returned. Thread: one thread at a time; different
 // decoders are independent.
 
-#include <cstdint>
 #include <optional>
 
-#include "common/bitstream/side_data.h"
+#include "common/bitstream/frame_chain.h"
 #include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
@@ -29,14 +28,12 @@ class FrameDecoder {
   Result<PlanarFrame> decode(const EncodedFrame& encoded);
 
  private:
-  FrameDecoder(PictureDecoder depth, std::optional<PictureDecoder> color, Rigid3 world_from_camera);
+  FrameDecoder(bitstream::FrameChain chain, PictureDecoder depth, std::optional<PictureDecoder> color);
   Result<PlanarFrame> decode_checked(const EncodedFrame& encoded);
 
+  bitstream::FrameChain chain_;
   PictureDecoder depth_;
   std::optional<PictureDecoder> color_;
-  Rigid3 world_from_camera_;
-  // Sequence of the last decoded frame, or nothing if a keyframe is needed.
-  std::optional<std::uint64_t> previous_;
 };
 
 }  // namespace copresence::video

@@ -8,64 +8,29 @@
 #include <vector>
 
 #include "render_client/renderer/cpu/background_extension.h"
-#include "render_client/renderer/cpu/block_stitching.h"
-#include "render_client/renderer/cpu/camera_texture.h"
-#include "render_client/renderer/cpu/depth_mesh.h"
+#include "render_client/renderer/cpu/camera_surface.h"
 #include "render_client/renderer/cpu/lanes.h"
 #include "render_client/renderer/cpu/silhouettes.h"
 #include "render_client/renderer/cpu/tile_merge.h"
-#include "render_client/renderer/shading.h"
 
 namespace copresence::renderer {
 namespace {
 
 constexpr int kTileRows = 16;
 
-// The mesh and texture of a camera's frame, and the mesh's projection into the view.
-class CameraSurface {
+// The surface of a camera's frame and its projection into the view.
+class ProjectedSurface {
  public:
-  explicit CameraSurface(int largest_block) : largest_block_(largest_block) {}
+  explicit ProjectedSurface(int largest_block) : surface_(largest_block) {}
 
-  void update(const CameraView& camera) {
-    const bool new_model = !(camera.model == model_);
-    if (new_model) rays_ = rays(camera.model);
-    const bool new_frame = new_model || !has_frame_ || camera.version != version_ || camera.unit != unit_ ||
-                           !(camera.noise == noise_);
-    model_ = camera.model;
-    unit_ = camera.unit;
-    noise_ = camera.noise;
-    version_ = camera.version;
-    has_frame_ = true;
-    if (new_frame) {
-      const SurfaceLimits limits(noise_, static_cast<float>(1.0 / model_.fx));
-      invert_depth(camera.frame->depth, metres_per_unit(unit_), inverse_);
-      find_planar_blocks(inverse_, limits, planar_);
-      if (camera.frame->color) {
-        measure_incidence(inverse_, planar_, model_, incidences_);
-      } else {
-        measure_shading(camera.frame->depth, unit_, model_, incidences_);
-      }
-      list_blocks(inverse_, planar_, largest_block_, blocks_);
-      if (model_.is_distorted()) {
-        straightened_rays_ = rays_;
-        stitching_.draw(planar_, blocks_, inverse_, &straightened_rays_);
-        build_mesh(inverse_, blocks_, {straightened_rays_, true}, limits, mesh);
-      } else {
-        stitching_.draw(planar_, blocks_, inverse_);
-        build_mesh(inverse_, blocks_, {rays_, false}, limits, mesh);
-      }
-    }
-    if (new_frame || camera.color_correction != color_correction_) {
-      color_correction_ = camera.color_correction;
-      make_texture(*camera.frame, incidences_, color_correction_, texture);
-    }
-  }
+  void update(const CameraView& camera) { surface_.update(camera); }
 
   void project(const ViewPose& eye, const Rigid3& world_from_camera) {
     matrix = projection_matrix(eye, world_from_camera);
-    vertices.resize(mesh.vertices());
-    extents.resize(mesh.patches.size());
-    project_patches(mesh, 0, mesh.patches.size(), matrix, static_cast<float>(eye.near_m), vertices, extents);
+    vertices.resize(mesh().vertices());
+    extents.resize(mesh().patches.size());
+    project_patches(mesh(), 0, mesh().patches.size(), matrix, static_cast<float>(eye.near_m), vertices,
+                    extents);
   }
 
   void sort_into_tiles(int width, int height) {
@@ -91,29 +56,17 @@ class CameraSurface {
 
   void hide() { tiles.clear(); }
 
-  CameraPictures pictures() const { return {&texture, &inverse_}; }
+  const DepthMesh& mesh() const { return surface_.mesh(); }
+  const CameraTexture& texture() const { return surface_.texture(); }
+  CameraPictures pictures() const { return {&surface_.texture(), &surface_.inverse()}; }
 
-  DepthMesh mesh;
-  CameraTexture texture;
   ProjectionMatrix matrix;
   std::vector<ViewVertex> vertices;
   std::vector<PatchExtent> extents;
   std::vector<std::vector<std::uint32_t>> tiles;
 
  private:
-  int largest_block_;
-  bool has_frame_ = false;
-  std::uint64_t version_ = 0;
-  CameraModel model_;
-  DepthUnit unit_ = DepthUnit::kMillimetre;
-  DepthNoise noise_;
-  Eigen::Matrix<float, 3, 4> color_correction_;
-  std::vector<Eigen::Vector2f> rays_, straightened_rays_;
-  InverseDepth inverse_;
-  PlanarBlocks planar_;
-  MeshBlocks blocks_;
-  BlockStitching stitching_;
-  Image<float> incidences_;
+  CameraSurface surface_;
 };
 
 class CpuRenderer : public Renderer {
@@ -144,7 +97,7 @@ class CpuRenderer : public Renderer {
     });
     merge_cameras_.clear();
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      merge_cameras_.push_back(merge_camera(cameras[i], eye, surfaces_[i].texture, style_.brightness()));
+      merge_cameras_.push_back(merge_camera(cameras[i], eye, surfaces_[i].texture(), style_.brightness()));
       merge_cameras_.back().index = static_cast<int>(i);
     }
     const int tiles = (view.height + kTileRows - 1) / kTileRows;
@@ -212,14 +165,14 @@ class CpuRenderer : public Renderer {
     const int rows = std::min(kTileRows, view.height - top);
     scratch.cameras.clear();
     for (const MergeCamera& camera : merge_cameras_) {
-      const CameraSurface& surface = surfaces_[camera.index];
+      const ProjectedSurface& surface = surfaces_[camera.index];
       if (surface.tiles.empty() || surface.tiles[number].empty()) continue;
       Tile& tile = scratch.tiles[scratch.cameras.size()];
       scratch.cameras.push_back(camera);
-      tile.begin(view.width, top, rows, static_cast<float>(eye.far_m), surface.texture.width() - 1,
-                 surface.texture.height() - 1);
+      tile.begin(view.width, top, rows, static_cast<float>(eye.far_m), surface.texture().width() - 1,
+                 surface.texture().height() - 1);
       for (const std::uint32_t p : surface.tiles[number]) {
-        draw_patch(surface.mesh, surface.mesh.patches[p], surface.extents[p], surface.vertices,
+        draw_patch(surface.mesh(), surface.mesh().patches[p], surface.extents[p], surface.vertices,
                    surface.matrix, static_cast<float>(eye.near_m), tile);
       }
     }
@@ -315,7 +268,7 @@ class CpuRenderer : public Renderer {
 
   Executor& workers_;
   CpuRendererSettings settings_;
-  std::vector<CameraSurface> surfaces_;
+  std::vector<ProjectedSurface> surfaces_;
   std::vector<MergeCamera> merge_cameras_;
   std::vector<Scratch> scratch_;  // By worker.
   UnseenStyle style_;

@@ -2,7 +2,8 @@
 """Shows the whole system: two capture servers replay data/recordings, and one client shows the room. With
 --simulated the servers run live simulated cameras in the same poses. With a display, the client opens a window,
 and closing the window ends the demo. Without a display, the client renders along a path and writes the last view to a
-picture. At the end the demo prints a table of views per second, bitrate and latency."""
+picture. At the end the demo prints a table of views per second, bitrate and latency. With --browser the web gateway
+takes the client's place, and the demo prints the address to open until Ctrl+C ends it."""
 import argparse
 import collections
 import json
@@ -21,6 +22,7 @@ RECORDINGS = ROOT / "data/recordings"
 PICTURE = ROOT / "build/demo.png"
 CAMERAS = ("camera0", "camera1")
 FIRST_PORT = 7001
+WEB_PORT = 8080
 VIEWS = 300
 HEADLESS_LIMIT_S = 300  # The views take ten seconds; a longer run has hung.
 
@@ -161,9 +163,32 @@ def show_room(options, folder):
     return None
 
 
+def show_in_browser(options):
+    """Runs servers and gateway until Ctrl+C. Returns an error message if a program has ended, else None."""
+    ports = choose_ports(options.port)
+    web_port = WEB_PORT if is_free(WEB_PORT) else any_free_port()
+    connect = [word for port in ports for word in ("--connect", f"127.0.0.1:{port}")]
+    programs = start_servers(options, ports)
+    programs.append(Server("gateway", [options.bin / "web_gateway", *connect, "--listen", f"127.0.0.1:{web_port}",
+                                       "--open"]))
+    print(f"\nOpen http://127.0.0.1:{web_port}/ in a browser on this machine. Ctrl+C ends the demo.\n", flush=True)
+    try:
+        while True:
+            gone = next((program for program in programs if program.has_ended()), None)
+            if gone:
+                return f"{gone.name} has ended: {gone.last_words()}"
+            time.sleep(0.1)
+    finally:
+        for program in programs:
+            program.stop()
+        for program in programs:
+            program.wait()
+
+
 def main():
     parser = argparse.ArgumentParser(prog="./run demo", description=__doc__)
     parser.add_argument("--simulated", action="store_true", help="live simulated cameras instead of recordings")
+    parser.add_argument("--browser", action="store_true", help="show the room in a browser instead of the client")
     parser.add_argument("--port", type=int, metavar="N",
                         help=f"the servers listen on ports N and N+1 [{FIRST_PORT} and {FIRST_PORT + 1}, or others "
                              "where these are taken]")
@@ -172,6 +197,8 @@ def main():
     if options.port is not None and not 1 <= options.port <= 65535 - len(CAMERAS) + 1:
         parser.error(f"--port: {options.port} is not a port from 1 to {65535 - len(CAMERAS) + 1}")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    if options.browser:
+        sys.exit(f"demo: {show_in_browser(options)}")
     PICTURE.parent.mkdir(exist_ok=True)
     PICTURE.unlink(missing_ok=True)
     with tempfile.TemporaryDirectory() as folder:

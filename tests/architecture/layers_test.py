@@ -46,6 +46,7 @@ MODULES = {
     "capture_server/recorder": EDGE_TYPES | {"common/flow", "capture_server/recording", "capture_server/sensor"},
     "capture_server/supervisor": EDGE_TYPES | {"common/flow"},
     "render_client/stream": EDGE_TYPES | {"common/flow", "common/wire"},
+    "render_client/background_memory": EDGE_TYPES,
     "render_client/camera_setup": EDGE_TYPES | {"common/scene"},
     "render_client/decoding": EDGE_TYPES | {"common/color", "common/depth", "common/scene", "common/video",
                                             "render_client/camera_setup"},
@@ -55,6 +56,10 @@ MODULES = {
     "render_client/renderer": EDGE_TYPES | {"common/gl", "render_client/viewpoint"},
     "render_client/display": EDGE_TYPES | {"common/gl", "common/window", "render_client/renderer",
                                            "render_client/viewpoint"},
+    # Compiled to WebAssembly. It takes the sources of the modules that a frame passes from the wire to the mesh.
+    "web/native": EDGE_TYPES | {"common/bitstream", "common/color", "common/depth", "common/wire",
+                                "render_client/background_memory", "render_client/camera_setup",
+                                "render_client/color_matching", "render_client/decoding", "render_client/renderer"},
     "render_client/statistics": EDGE_TYPES | {"render_client/renderer", "common/flow", "common/wire",
                                               "render_client/stream", "render_client/viewpoint"},
 }
@@ -108,7 +113,7 @@ NOT_IN_PROGRAM = {
     "render_client": ({"simulation", "capture_server"},
                       {"embree", "copresence_opencv", "PkgConfig::OPENNI2", "PkgConfig::FREENECT"}),
 }
-PROJECT_FOLDERS = r"(common|simulation|capture_server|render_client|tests|benchmarks|tools)/"
+PROJECT_FOLDERS = r"(common|simulation|capture_server|render_client|web|tests|benchmarks|tools)/"
 
 
 @dataclasses.dataclass
@@ -214,7 +219,7 @@ def include_faults(path):
 
 
 def main():
-    sources = [path.relative_to(ROOT) for top in ("common", "simulation", "capture_server", "render_client")
+    sources = [path.relative_to(ROOT) for top in ("common", "simulation", "capture_server", "render_client", "web")
                for path in (ROOT / top).rglob("*") if path.suffix in (".h", ".cpp")]
     faults = [fault for path in sources for fault in include_faults(path)]
     if len(sys.argv) > 2:

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Lines of CMake, Python and shell have at most 120 columns, lines of pages 140. clang-format limits those of C++.
+"""Lines of CMake, Python, TypeScript and shell have at most 120 columns, lines of pages 140. clang-format limits
+those of C++.
 
   tests/architecture/line_lengths_test.py FOLDER
 
@@ -9,14 +10,14 @@ import sys
 
 ROOT = pathlib.Path(sys.argv[1])
 FOLDERS = (".ci", "benchmarks", "capture_server", "cmake", "common", "data", "docs", "packaging", "render_client",
-           "simulation", "tests", "tools")
+           "simulation", "tests", "tools", "web")
 SHELL = {"run", "debian13"}
 
 
 def limit_of(path):
     if path.suffix == ".md":
         return 140
-    return 120 if path.suffix in (".cmake", ".py") or path.name in SHELL | {"CMakeLists.txt"} else None
+    return 120 if path.suffix in (".cmake", ".py", ".ts") or path.name in SHELL | {"CMakeLists.txt"} else None
 
 
 def divisible_lines(path):
@@ -32,7 +33,8 @@ def divisible_lines(path):
 
 def main():
     paths = [path for path in ROOT.iterdir() if path.is_file()]
-    paths += [path for folder in FOLDERS for path in (ROOT / folder).rglob("*") if path.is_file()]
+    paths += [path for folder in FOLDERS for path in (ROOT / folder).rglob("*")
+              if path.is_file() and "dist" not in path.parts]
     paths = sorted(path for path in paths if limit_of(path))
     faults = [f"{path.relative_to(ROOT)}:{number}: {len(line)} columns, allowed are {limit_of(path)}"
               for path in paths for number, line in divisible_lines(path) if len(line) > limit_of(path)]

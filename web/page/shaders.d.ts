@@ -1,0 +1,8 @@
+declare module '*.frag' {
+  const text: string;
+  export default text;
+}
+declare module '*.vert' {
+  const text: string;
+  export default text;
+}

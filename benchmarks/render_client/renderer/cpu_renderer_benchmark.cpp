@@ -192,6 +192,7 @@ void merge(benchmark::State& state) {
   for (auto _ : state) {
     std::chrono::duration<double> merging{};
     Image<float> unwanted;
+    TileBorders borders;
     for (int top = 0; top < view.height; top += kRows) {
       for (std::size_t i = 0; i < drawn.size(); ++i) {
         const Drawn& d = drawn[i];
@@ -203,7 +204,7 @@ void merge(benchmark::State& state) {
         }
       }
       const auto begin = std::chrono::steady_clock::now();
-      merge_tile(sources, tiles, {.color = true}, view, unwanted);
+      merge_tile(sources, tiles, {.wanted = {.color = true}, .background = {}}, view, unwanted, borders);
       merging += std::chrono::steady_clock::now() - begin;
     }
     state.SetIterationTime(merging.count());

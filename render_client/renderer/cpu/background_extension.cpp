@@ -359,7 +359,7 @@ std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const In
   const Ints background = all(back.r | back.g << 8 | back.b << 16);
   const auto shown = load_first<Ints>(&view.color(x, y), columns);
   const Ints pixels = fills ? surface : empty ? background : shown;
-  std::memcpy(static_cast<void*>(&view.color(x, y)), &pixels, columns * sizeof(Rgba8));
+  store_first(&view.color(x, y), pixels, columns);
   const bool has_depth = view.depth_m.width() == view.width;
   const Floats w = larger(between(left_side.w, right_side.w) * scale, all(kSmallestW));
   const auto color_at = [&](int lane) { return colors_.find(x + lane, y, w[lane]); };

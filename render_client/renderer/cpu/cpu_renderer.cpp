@@ -100,12 +100,20 @@ class CpuRenderer : public Renderer {
       merge_cameras_.push_back(merge_camera(cameras[i], eye, surfaces_[i].texture(), style_.brightness()));
       merge_cameras_.back().index = static_cast<int>(i);
     }
+    const MergeSettings settings{wanted, style_.background, silhouette_step()};
     const int tiles = (view.height + kTileRows - 1) / kTileRows;
     pixels_.assign(tiles, {});
-    workers_.run(tiles, [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, wanted, view); });
+    borders_.resize(tiles);
+    workers_.run(tiles,
+                 [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, settings, view); });
+    if (wanted.color) {
+      for (int tile = 1; tile < tiles; ++tile) {
+        soften_between_tiles(borders_[tile - 1].last, borders_[tile].first, tile * kTileRows,
+                             settings.silhouette_step, view);
+      }
+    }
     std::size_t extended = 0;
     if (inverse_.width() > 0) {
-      soften_columns(cameras, view);
       pictures_.clear();
       for (std::size_t i = 0; i < cameras.size(); ++i) pictures_.push_back(surfaces_[i].pictures());
       extended = extension_.apply(eye, cameras, pictures_, inverse_, style_, workers_, view);
@@ -127,15 +135,11 @@ class CpuRenderer : public Renderer {
     std::size_t remembered = 0;  // Pixels that show a remembered background.
   };
 
-  // Softens the silhouette edges between rows. The tiles have softened those between columns.
-  void soften_columns(std::span<const CameraView> cameras, MergedView& view) {
+  float silhouette_step() const {
     float coarsest = 0;
-    for (const CameraView& camera : cameras) coarsest = std::max(coarsest, inverse_step(camera.noise));
-    constexpr int kStrip = 128;
-    workers_.run((view.width + kStrip - 1) / kStrip, [&](int strip, int) {
-      soften_between_rows(inverse_, kSilhouetteSteps * coarsest, strip * kStrip,
-                          std::min((strip + 1) * kStrip, view.width), view);
-    });
+    for (const MergeCamera& camera : merge_cameras_)
+      coarsest = std::max(coarsest, inverse_step(camera.noise));
+    return kSilhouetteSteps * coarsest;
   }
 
   void make_surfaces(std::size_t cameras) {
@@ -160,7 +164,8 @@ class CpuRenderer : public Renderer {
     shape(inverse_, wanted.color && style_.show != UnseenStyle::Show::kBlack);
   }
 
-  void draw_tile(int number, Scratch& scratch, const ViewPose& eye, HostPixels wanted, MergedView& view) {
+  void draw_tile(int number, Scratch& scratch, const ViewPose& eye, const MergeSettings& settings,
+                 MergedView& view) {
     const int top = number * kTileRows;
     const int rows = std::min(kTileRows, view.height - top);
     scratch.cameras.clear();
@@ -178,38 +183,23 @@ class CpuRenderer : public Renderer {
     }
     const std::span<Tile> tiles(scratch.tiles.data(), scratch.cameras.size());
     if (tiles.empty()) {
-      show_nothing(top, rows, wanted, view);
+      show_nothing(number, top, rows, settings, view);
     } else {
       give_way(scratch.cameras, tiles);
       pixels_[number].remembered = count_remembered(scratch.cameras, tiles);
-      merge_tile(scratch.cameras, tiles, wanted, view, inverse_);
+      pixels_[number].shown = merge_tile(scratch.cameras, tiles, settings, view, inverse_, borders_[number]);
     }
-    mark_unseen(number, top, rows, wanted, view);
+    if (settings.wanted.depth) mark_origins(top, rows, view);
   }
 
-  // Finishes a tile: sets the background's colour and the origins, and counts the shown pixels.
-  void mark_unseen(int tile, int top, int rows, HostPixels wanted, MergedView& view) {
-    const Rgb8 color = style_.background;
-    const Ints background = all(color.r | color.g << 8 | color.b << 16);
-    const auto origin = [this](std::uint8_t camera) {
-      if (camera == kNoCamera) return Origin::kEmpty;
-      return merge_cameras_[camera].rank == Rank::kRemembered ? Origin::kRemembered : Origin::kSeen;
-    };
+  void mark_origins(int top, int rows, MergedView& view) const {
     for (int y = top; y < top + rows; ++y) {
-      if (wanted.depth) {
-        for (int x = 0; x < view.width; ++x) view.origin(x, y) = origin(view.camera(x, y));
+      for (int x = 0; x < view.width; ++x) {
+        const std::uint8_t camera = view.camera(x, y);
+        view.origin(x, y) = camera == kNoCamera                                ? Origin::kEmpty
+                            : merge_cameras_[camera].rank == Rank::kRemembered ? Origin::kRemembered
+                                                                               : Origin::kSeen;
       }
-      if (!wanted.color) continue;
-      Ints shown{};
-      for (int x = 0; x < view.width; x += kLanes) {
-        const int count = std::min(kLanes, view.width - x);
-        const auto pixels = load_first<Ints>(&view.color(x, y), count);
-        const Ints is_shown = pixels < 0;  // Alpha is 255.
-        shown -= is_shown;
-        const Ints finished = is_shown ? pixels : background;
-        std::memcpy(static_cast<void*>(&view.color(x, y)), &finished, count * sizeof(Rgba8));
-      }
-      pixels_[tile].shown += static_cast<std::size_t>(sum(as_floats(shown)));
     }
   }
 
@@ -226,15 +216,21 @@ class CpuRenderer : public Renderer {
             share(pixels - sum.shown - extended)};
   }
 
-  void show_nothing(int top, int rows, HostPixels wanted, MergedView& view) {
+  void show_nothing(int tile, int top, int rows, const MergeSettings& settings, MergedView& view) {
+    const Rgb8 background = settings.background;
     for (int y = top; y < top + rows; ++y) {
-      if (inverse_.width() > 0) std::fill(inverse_.row(y).begin(), inverse_.row(y).end(), 0.0F);
-      if (wanted.color) std::fill(view.color.row(y).begin(), view.color.row(y).end(), Rgba8{0, 0, 0, 0});
-      if (wanted.depth) {
-        std::fill(view.depth_m.row(y).begin(), view.depth_m.row(y).end(), 0.0F);
-        std::fill(view.camera.row(y).begin(), view.camera.row(y).end(), kNoCamera);
-        std::fill(view.quality.row(y).begin(), view.quality.row(y).end(), 0.0F);
-      }
+      const auto fill_row = [y](auto& image, auto value) {
+        if (image.width() > 0) std::fill(image.row(y).begin(), image.row(y).end(), value);
+      };
+      fill_row(inverse_, 0.0F);
+      fill_row(view.color, Rgba8{background.r, background.g, background.b, 0});
+      fill_row(view.depth_m, 0.0F);
+      fill_row(view.camera, kNoCamera);
+      fill_row(view.quality, 0.0F);
+    }
+    for (BorderRow* const row : {&borders_[tile].first, &borders_[tile].last}) {
+      row->nearest.assign(view.width, 0.0F);
+      row->color.resize(view.width);
     }
   }
 
@@ -276,6 +272,7 @@ class CpuRenderer : public Renderer {
   std::vector<CameraPictures> pictures_;
   InverseDepthView inverse_;    // Inverse depths of the nearest fragments; used if surfaces are extended.
   std::vector<Pixels> pixels_;  // By tile.
+  std::vector<TileBorders> borders_;  // By tile.
 };
 
 }  // namespace

@@ -51,7 +51,7 @@ Vector load(const Scalar* from) {
 template <class Vector, class Scalar>
 void store(Scalar* to, const Vector& v) {
   static_assert(sizeof(Scalar) * kLanes == sizeof(Vector));
-  std::memcpy(to, &v, sizeof v);
+  std::memcpy(static_cast<void*>(to), &v, sizeof v);
 }
 
 /// Loads the first `count` lanes, and at most all. The others are 0.
@@ -61,6 +61,13 @@ Vector load_first(const Scalar* from, int count) {
   Vector v{};
   std::memcpy(&v, from, count * sizeof *from);
   return v;
+}
+
+/// Stores the first `count` lanes, and at most all.
+template <class Vector, class Scalar>
+void store_first(Scalar* to, const Vector& v, int count) {
+  if (count >= kLanes) return store(to, v);
+  std::memcpy(static_cast<void*>(to), &v, count * sizeof *to);
 }
 
 /// Loads lanes 0 to 3 from `from`, and lanes 4 to 7 from `from + second_half`.

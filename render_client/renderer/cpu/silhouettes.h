@@ -4,7 +4,8 @@
 // Silhouettes). Thread: different tiles may be processed at the same time.
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -15,33 +16,43 @@
 namespace copresence::renderer {
 
 /// The silhouette edges of a tile: one byte per row and group of kLanes pixels. The bit of a pixel
-/// is set if an edge lies between the pixel and its right neighbour.
+/// is set if an edge lies between the pixel and its neighbour to the right, or below.
 using SilhouetteBits = Image<std::uint8_t>;
 
+/// The pixels of a tile's first or last row, before its edges between rows are softened.
+struct BorderRow {
+  std::vector<float> nearest;  ///< Inverse depths of the nearest fragments, or 0 without any.
+  std::vector<Rgba8> color;
+};
+
+struct TileBorders {
+  BorderRow first, last;
+};
+
 /// Returns the edge bits of a group of pixels. `here` and `next` are the inverse depths of the
-/// nearest fragments of its pixels and of their right neighbours. A value of at most `empty` means
-/// that there is no fragment. At an edge, the two inverse depths differ by more than `apart`.
+/// nearest fragments of its pixels and of their neighbours. A value of at most `empty` means that
+/// there is no fragment. At an edge, the two inverse depths differ by more than `apart`.
 inline std::uint8_t find_silhouettes(const Floats& here, const Floats& next, float empty, float apart) {
   const Floats difference = here - next;
   return static_cast<std::uint8_t>(
       bits(((difference > apart) | (difference < -apart)) & (here > empty) & (next > empty)));
 }
 
-/// Mixes the colours of two neighbours. `left_before` is the colour that the left pixel had before
-/// it was mixed with its own left neighbour.
-inline void soften(Rgba8& left, Rgba8& right, const Rgba8& left_before) {
-  const Rgba8 right_before = right;
-  const auto mix = [](std::uint8_t& own, std::uint8_t from, std::uint8_t other) {
-    own = static_cast<std::uint8_t>(std::clamp(own + (other - from) / kSilhouetteDivisor, 0, 255));
+/// Mixes the colours of two neighbours. The last two arguments are their colours before they were
+/// mixed with other neighbours in the same direction.
+inline void soften(Rgba8& one, Rgba8& other, const Rgba8& one_before, const Rgba8& other_before) {
+  const auto mix = [](std::uint8_t& own, std::uint8_t from, std::uint8_t to) {
+    own = static_cast<std::uint8_t>(std::clamp(own + (to - from) / kSilhouetteDivisor, 0, 255));
   };
   for (const auto channel : {&Rgba8::r, &Rgba8::g, &Rgba8::b}) {
-    mix(left.*channel, left_before.*channel, right_before.*channel);
-    mix(right.*channel, right_before.*channel, left_before.*channel);
+    mix(one.*channel, one_before.*channel, other_before.*channel);
+    mix(other.*channel, other_before.*channel, one_before.*channel);
   }
 }
 
-/// Softens the rows of `view` from `top` on. Bits beyond the last column are ignored.
-inline void soften_silhouettes(const SilhouetteBits& silhouettes, int top, MergedView& view) {
+/// Softens the edges between the columns of `view`, from the row `top` on. Bits beyond the last
+/// column are ignored.
+inline void soften_between_columns(const SilhouetteBits& silhouettes, int top, MergedView& view) {
   for (int row = 0; row < silhouettes.height(); ++row) {
     Rgba8* const pixels = view.color.row(top + row).data();
     const std::uint8_t* const groups = silhouettes.row(row).data();
@@ -49,46 +60,54 @@ inline void soften_silhouettes(const SilhouetteBits& silhouettes, int top, Merge
     int changed_x = -1;
     Rgba8 changed{};
     for (int group = 0; group < silhouettes.width(); ++group) {
-      unsigned here = groups[group];
-      for (int at = group * kLanes; here != 0 && at + 1 < view.width; ++at, here >>= 1) {
-        if (!(here & 1U)) continue;
-        const Rgba8 left_before = at == changed_x ? changed : pixels[at];
-        changed = pixels[at + 1];
-        changed_x = at + 1;
-        soften(pixels[at], pixels[at + 1], left_before);
+      for (unsigned edges = groups[group]; edges != 0; edges &= edges - 1) {
+        const int x = group * kLanes + std::countr_zero(edges);
+        if (x + 1 >= view.width) break;
+        const Rgba8 before = x == changed_x ? changed : pixels[x];
+        changed = pixels[x + 1];
+        changed_x = x + 1;
+        soften(pixels[x], pixels[x + 1], before, changed);
       }
     }
   }
 }
 
-/// Softens the edges between the rows of `view` in its columns [left, right). `inverse` has the
-/// inverse depths of the nearest fragments, 0 without any. At an edge, two inverse depths differ by
-/// more than `apart`. Different columns may be softened at the same time.
-inline void soften_between_rows(const Image<float>& inverse, float apart, int left, int right,
-                                MergedView& view) {
-  // For each column, the colour before mixing of the pixel in the row `changed_row`.
-  std::vector<Rgba8> before(static_cast<std::size_t>(right - left));
-  std::vector<int> changed_row(before.size(), -1);
-  for (int y = 0; y + 1 < view.height; ++y) {
-    const float* const here = inverse.row(y).data();
-    const float* const below = inverse.row(y + 1).data();
-    const auto soften_at = [&](int x) {
-      const int column = x - left;
-      Rgba8& upper = view.color(x, y);
-      const Rgba8 upper_before = changed_row[column] == y ? before[column] : upper;
-      before[column] = view.color(x, y + 1);
-      changed_row[column] = y + 1;
-      soften(upper, view.color(x, y + 1), upper_before);
-    };
-    int x = left;
-    for (; x + kLanes <= right; x += kLanes) {
-      unsigned edges = find_silhouettes(load<Floats>(here + x), load<Floats>(below + x), 0, apart);
-      for (int at = x; edges != 0; ++at, edges >>= 1) {
-        if (edges & 1U) soften_at(at);
+/// Softens the edges between the rows of a tile of `view` that begins at the row `top`. Bits beyond
+/// the last column are ignored. The last row of bits is not used.
+inline void soften_between_rows(const SilhouetteBits& silhouettes, int top, MergedView& view) {
+  // For each column, the last row that was mixed with the row above, and its colour before mixing.
+  std::vector<int> changed_row(static_cast<std::size_t>(view.width), -1);
+  std::vector<Rgba8> changed(changed_row.size());
+  for (int row = 0; row + 1 < silhouettes.height(); ++row) {
+    Rgba8* const upper = view.color.row(top + row).data();
+    Rgba8* const lower = view.color.row(top + row + 1).data();
+    const std::uint8_t* const groups = silhouettes.row(row).data();
+    for (int group = 0; group < silhouettes.width(); ++group) {
+      for (unsigned edges = groups[group]; edges != 0; edges &= edges - 1) {
+        const int x = group * kLanes + std::countr_zero(edges);
+        if (x >= view.width) break;
+        const Rgba8 before = changed_row[x] == row ? changed[x] : upper[x];
+        changed[x] = lower[x];
+        changed_row[x] = row + 1;
+        soften(upper[x], lower[x], before, changed[x]);
       }
     }
-    for (; x < right; ++x) {
-      if (here[x] > 0 && below[x] > 0 && std::abs(here[x] - below[x]) > apart) soften_at(x);
+  }
+}
+
+/// Softens the edges between the last row of a tile and the first row of the next tile, which is
+/// the row `y` of `view`.
+inline void soften_between_tiles(const BorderRow& above, const BorderRow& below, int y, float apart,
+                                 MergedView& view) {
+  Rgba8* const upper = view.color.row(y - 1).data();
+  Rgba8* const lower = view.color.row(y).data();
+  for (int left = 0; left < view.width; left += kLanes) {
+    const int count = std::min(kLanes, view.width - left);
+    unsigned edges = find_silhouettes(load_first<Floats>(&above.nearest[left], count),
+                                      load_first<Floats>(&below.nearest[left], count), 0, apart);
+    for (; edges != 0; edges &= edges - 1) {
+      const int x = left + std::countr_zero(edges);
+      soften(upper[x], lower[x], above.color[x], below.color[x]);
     }
   }
 }

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
-#include <cstring>
 
 #include "render_client/renderer/cpu/lanes.h"
-#include "render_client/renderer/cpu/silhouettes.h"
 #include "render_client/renderer/cpu/texture_sampling.h"
 #include "render_client/renderer/merge_rules.h"
 
@@ -45,20 +44,27 @@ struct Span {
 template <std::size_t kCount>
 class SpanMerge {
  public:
-  SpanMerge(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, MergedView& view,
-            Image<float>& inverse)
+  SpanMerge(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, const MergeSettings& settings,
+            MergedView& view, Image<float>& inverse, TileBorders& borders)
       : cameras_(cameras),
         tiles_(tiles),
+        wanted_(settings.wanted),
+        background_(all(settings.background.r | settings.background.g << 8 | settings.background.b << 16)),
+        apart_(settings.silhouette_step),
         empty_(tiles[0].empty()),
         view_(view),
         inverse_(inverse),
-        apart_(silhouette_step(cameras)),
-        silhouettes_((view.width + kLanes - 1) / kLanes, tiles[0].rows()) {
+        borders_(borders),
+        between_columns_((view.width + kLanes - 1) / kLanes, tiles[0].rows()),
+        between_rows_(between_columns_.width(), between_columns_.height()) {
     for (std::size_t i = 0; i < count(); ++i) noise_per_square_[i] = uncertainty_per_square(cameras[i].noise);
+    for (BorderRow* const row : {&borders.first, &borders.last})
+      row->nearest.resize(static_cast<std::size_t>(between_columns_.width()) * kLanes);
   }
 
   // Merges `groups` groups of eight pixels from (x, y) on. The last one may reach beyond the view.
-  void run(int x, int y, int groups, HostPixels wanted) {
+  // Requires that the rows of a span follow one another.
+  void run(int x, int y, int groups) {
     y_ = y;
     for (std::size_t i = 0; i < count(); ++i) {
       depths_[i] = tiles_[i].depths(y) + x;
@@ -66,31 +72,34 @@ class SpanMerge {
       depth_of_row_[i] = cameras_[i].depth[1] * static_cast<float>(y) + cameras_[i].depth[2];
     }
     survey(x, groups);
-    if (wanted.color) keep_silhouettes(x, groups);
+    if (wanted_.color) keep_silhouettes(x, groups);
     for (std::size_t i = 0; i < count(); ++i) sample(i, groups);
-    Rgba8* const pixels = wanted.color ? view_.color.row(y).data() + x : nullptr;
+    Rgba8* const pixels = wanted_.color ? view_.color.row(y).data() + x : nullptr;
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
       Ints best = load<Ints>(&span_.first[at]);
       const Ints colors = span_.is_contested[g] ? mixture(at, best) : first_colors(at);
       const int count = std::min(kLanes, view_.width - (x + at));
-      if (wanted.color) write_colors(pixels + at, count, colors, load<Ints>(&span_.shown[at]));
-      if (wanted.depth) write_depths(x, at, count, best);
+      if (wanted_.color) write_colors(pixels + at, count, colors, load<Ints>(&span_.shown[at]));
+      if (wanted_.depth) write_depths(x, at, count, best);
       if (inverse_.width() > 0) write_inverse(x + at, count, at);
     }
   }
 
-  /// The silhouette edges of all merged spans.
-  const SilhouetteBits& silhouettes() const { return silhouettes_; }
+  // Softens the silhouette edges of all merged spans.
+  void soften() {
+    const int top = tiles_[0].top(), bottom = top + tiles_[0].rows() - 1;
+    soften_between_columns(between_columns_, top, view_);
+    borders_.first.color.assign(view_.color.row(top).begin(), view_.color.row(top).end());
+    borders_.last.color.assign(view_.color.row(bottom).begin(), view_.color.row(bottom).end());
+    soften_between_rows(between_rows_, top, view_);
+  }
+
+  // The number of pixels that show a fragment.
+  std::size_t shown() const { return shown_; }
 
  private:
   std::size_t count() const { return kCount ? kCount : cameras_.size(); }
-
-  static float silhouette_step(std::span<const MergeCamera> cameras) {
-    float coarsest = 0;
-    for (const MergeCamera& source : cameras) coarsest = std::max(coarsest, inverse_step(source.noise));
-    return kSilhouetteSteps * coarsest;
-  }
 
   // Computes the weights of all cameras' fragments.
   void survey(int x, int groups) {
@@ -128,10 +137,29 @@ class SpanMerge {
     span_.nearest[end] = depths_[0][end];
     for (std::size_t i = 1; i < count(); ++i)
       span_.nearest[end] = std::max(span_.nearest[end], depths_[i][end]);
-    std::uint8_t* const silhouettes = silhouettes_.row(y_ - tiles_[0].top()).data() + x / kLanes;
+    const int row = y_ - tiles_[0].top();
+    std::uint8_t* const between_columns = between_columns_.row(row).data() + x / kLanes;
     for (int g = 0; g < groups; ++g) {
       const float* const nearest = &span_.nearest[g * kLanes];
-      silhouettes[g] = find_silhouettes(load<Floats>(nearest), load<Floats>(nearest + 1), empty_, apart_);
+      between_columns[g] = find_silhouettes(load<Floats>(nearest), load<Floats>(nearest + 1), empty_, apart_);
+    }
+    if (row > 0) {
+      std::uint8_t* const between_rows = between_rows_.row(row - 1).data() + x / kLanes;
+      for (int g = 0; g < groups; ++g) {
+        const int at = g * kLanes;
+        between_rows[g] =
+            find_silhouettes(load<Floats>(&above_[at]), load<Floats>(&span_.nearest[at]), empty_, apart_);
+      }
+    }
+    std::copy_n(span_.nearest.begin(), kSpan, above_.begin());
+    if (row == 0) keep_border(x, groups, borders_.first);
+    if (row == tiles_[0].rows() - 1) keep_border(x, groups, borders_.last);
+  }
+
+  void keep_border(int x, int groups, BorderRow& border) const {
+    for (int at = 0; at < groups * kLanes; at += kLanes) {
+      const auto nearest = load<Floats>(&span_.nearest[at]);
+      store(&border.nearest[x + at], nearest > empty_ ? nearest : Floats{});
     }
   }
 
@@ -253,15 +281,16 @@ class SpanMerge {
            (reinterpret_cast<Ints>(ga) & static_cast<std::int32_t>(0xFF00FF00U));
   }
 
-  static void write_colors(Rgba8* to, int count, const Ints& colors, const Ints& shown) {
-    const Ints pixels = (colors | static_cast<std::int32_t>(0xFF000000U)) & shown;
-    static_assert(sizeof(Rgba8) * kLanes == sizeof pixels);
-    std::memcpy(static_cast<void*>(to), &pixels, count == kLanes ? sizeof pixels : count * sizeof *to);
+  void write_colors(Rgba8* to, int count, const Ints& colors, const Ints& shown) {
+    static_assert(sizeof(Rgba8) * kLanes == sizeof colors);
+    const Ints pixels = shown ? colors | static_cast<std::int32_t>(0xFF000000U) : background_;
+    store_first(to, pixels, count);
+    shown_ += static_cast<std::size_t>(std::popcount(bits(shown) & ((1U << count) - 1)));
   }
 
   void write_inverse(int x, int count, int at) const {
     const Floats w = load<Ints>(&span_.shown[at]) != 0 ? load<Floats>(&span_.nearest[at]) : Floats{};
-    std::memcpy(inverse_.row(y_).data() + x, &w, static_cast<std::size_t>(count) * sizeof(float));
+    store_first(inverse_.row(y_).data() + x, w, count);
   }
 
   // Writes depth, camera and quality of `count` pixels from x + at on.
@@ -286,6 +315,9 @@ class SpanMerge {
 
   std::span<const MergeCamera> cameras_;
   std::span<const Tile> tiles_;
+  HostPixels wanted_;
+  Ints background_;
+  float apart_;  // Minimum difference in inverse depth at a silhouette edge, 1/m.
   float empty_;
   int y_ = 0;
   const float* depths_[kMostViews];  // Pointers to the first elements of the span.
@@ -294,9 +326,11 @@ class SpanMerge {
   float noise_per_square_[kMostViews];  // The uncertainty_per_square() of each camera.
   MergedView& view_;
   Image<float>& inverse_;
-  float apart_;  // Minimum difference in inverse depth at a silhouette edge, 1/m.
-  SilhouetteBits silhouettes_;
+  TileBorders& borders_;
+  SilhouetteBits between_columns_, between_rows_;
+  std::size_t shown_ = 0;
   Span span_;
+  alignas(32) std::array<float, kSpan> above_;  // Span::nearest of the row above.
 };
 
 }  // namespace
@@ -322,29 +356,32 @@ MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const Ca
 namespace {
 
 template <std::size_t kCount>
-void merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
-                 MergedView& view, Image<float>& inverse) {
-  SpanMerge<kCount> merge(cameras, tiles, view, inverse);
+std::size_t merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> tiles,
+                        const MergeSettings& settings, MergedView& view, Image<float>& inverse,
+                        TileBorders& borders) {
+  SpanMerge<kCount> merge(cameras, tiles, settings, view, inverse, borders);
   // A tile is merged in columns of spans, since rows of a column read nearly the same texels.
   for (int x = 0; x < view.width; x += kSpan) {
     const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
-    for (int y = tiles[0].top(); y < tiles[0].top() + tiles[0].rows(); ++y) merge.run(x, y, groups, wanted);
+    for (int y = tiles[0].top(); y < tiles[0].top() + tiles[0].rows(); ++y) merge.run(x, y, groups);
   }
-  if (wanted.color) soften_silhouettes(merge.silhouettes(), tiles[0].top(), view);
+  if (settings.wanted.color) merge.soften();
+  return merge.shown();
 }
 
 }  // namespace
 
-void merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
-                MergedView& view, Image<float>& inverse) {
+std::size_t merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles,
+                       const MergeSettings& settings, MergedView& view, Image<float>& inverse,
+                       TileBorders& borders) {
   assert(!cameras.empty() && cameras.size() <= kMostViews && cameras.size() == tiles.size());
   switch (cameras.size()) {
     case 1:
-      return merge_spans<1>(cameras, tiles, wanted, view, inverse);
+      return merge_spans<1>(cameras, tiles, settings, view, inverse, borders);
     case 2:
-      return merge_spans<2>(cameras, tiles, wanted, view, inverse);
+      return merge_spans<2>(cameras, tiles, settings, view, inverse, borders);
     default:
-      return merge_spans<0>(cameras, tiles, wanted, view, inverse);
+      return merge_spans<0>(cameras, tiles, settings, view, inverse, borders);
   }
 }
 

@@ -4,9 +4,11 @@
 // camera's texture is sampled only at pixels where the camera's fragment has a weight above 0.
 // Thread: different tiles may be merged at the same time.
 
+#include <cstddef>
 #include <span>
 
 #include "render_client/renderer/cpu/camera_texture.h"
+#include "render_client/renderer/cpu/silhouettes.h"
 #include "render_client/renderer/cpu/tile.h"
 #include "render_client/renderer/merge_rules.h"
 #include "render_client/renderer/renderer.h"
@@ -30,11 +32,20 @@ struct MergeCamera {
 MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const CameraTexture& texture,
                          float brightness);
 
+struct MergeSettings {
+  HostPixels wanted;
+  Rgb8 background;  ///< Colour of pixels without a fragment. Their alpha is 0.
+  /// Minimum difference between inverse depths at a silhouette edge, 1/m.
+  float silhouette_step = 0;
+};
+
 /// Merges a tile. tiles[i] belongs to cameras[i]. `inverse` gets the inverse depths of the nearest
 /// fragments along the eye's axis, 1/m, or 0 where there is no fragment. It may be empty if they
-/// are not needed. Requires tiles of the same rows. Requires that `inverse` and the wanted images
-/// of `view` have the view's size.
-void merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, HostPixels wanted,
-                MergedView& view, Image<float>& inverse);
+/// are not needed. If colours are wanted, `borders` gets the tile's first and last row, and the
+/// function returns the number of pixels that show a fragment, else 0. Requires tiles of the same
+/// rows. Requires that `inverse` and the wanted images of `view` have the view's size.
+std::size_t merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles,
+                       const MergeSettings& settings, MergedView& view, Image<float>& inverse,
+                       TileBorders& borders);
 
 }  // namespace copresence::renderer

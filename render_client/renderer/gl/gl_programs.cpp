@@ -209,7 +209,7 @@ Result<void> MergeLayers::run(std::span<const Camera> cameras, const ViewUniform
 
 Result<void> SoftenSilhouettes::run(std::span<const MergeLayers::Camera> cameras,
                                     const Eigen::Vector2f& w_near_far, const gl::Texture& fragments,
-                                    const gl::Texture& depths, bool along_columns, const gl::Texture& merged,
+                                    const gl::Texture& depths, const gl::Texture& merged,
                                     const gl::Texture& scratch, const gl::Texture& softened) {
   auto compiled = programs_.find(cameras.size());
   if (compiled == programs_.end()) {
@@ -233,8 +233,8 @@ Result<void> SoftenSilhouettes::run(std::span<const MergeLayers::Camera> cameras
     compiled->second.dispatch_over(to.width(), to.height());
     context_->barrier(gl::Reader::kFetch);
   };
-  soften({1, 0}, merged, along_columns ? scratch : softened);
-  if (along_columns) soften({0, 1}, scratch, softened);
+  soften({1, 0}, merged, scratch);
+  soften({0, 1}, scratch, softened);
   return {};
 }
 

@@ -160,8 +160,8 @@ class SoftenSilhouettes {
   explicit SoftenSilhouettes(gl::Context& context) : context_(&context) {}
 
   Result<void> run(std::span<const MergeLayers::Camera> cameras, const Eigen::Vector2f& w_near_far,
-                   const gl::Texture& fragments, const gl::Texture& depths, bool along_columns,
-                   const gl::Texture& merged, const gl::Texture& scratch, const gl::Texture& softened);
+                   const gl::Texture& fragments, const gl::Texture& depths, const gl::Texture& merged,
+                   const gl::Texture& scratch, const gl::Texture& softened);
 
  private:
   gl::Context* context_;

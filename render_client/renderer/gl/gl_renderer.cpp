@@ -204,9 +204,8 @@ class GlRenderer final : public Renderer {
       return merged;
     }
     context_.barrier(Reader::kFetch);
-    auto softened =
-        soften_.run(merge_cameras_, uniforms.w_near_far, layers_->fragments, layers_->depths,
-                    style_.show != UnseenStyle::Show::kBlack, target.merged, target.scratch, target.color);
+    auto softened = soften_.run(merge_cameras_, uniforms.w_near_far, layers_->fragments, layers_->depths,
+                                target.merged, target.scratch, target.color);
     context_.barrier(Reader::kFetch | Reader::kFramebuffer | Reader::kHost);
     return softened;
   }

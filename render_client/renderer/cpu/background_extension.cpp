@@ -30,6 +30,20 @@ bool is_same_surface(float w, float other) {
   return std::abs(w - other) <= kSameSurface;
 }
 
+// Calls `task` for each block of the list. A short list takes less time than waking the workers.
+template <class Task>
+void for_each(const std::vector<std::int32_t>& blocks, Executor& workers, const Task& task) {
+  constexpr std::size_t kShort = 1024, kChunk = 256;
+  if (blocks.size() <= kShort) {
+    for (const std::int32_t block : blocks) task(block);
+    return;
+  }
+  workers.run(static_cast<int>((blocks.size() + kChunk - 1) / kChunk), [&](int chunk, int) {
+    const std::size_t first = static_cast<std::size_t>(chunk) * kChunk;
+    for (std::size_t i = first; i < std::min(first + kChunk, blocks.size()); ++i) task(blocks[i]);
+  });
+}
+
 }  // namespace
 
 std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const CameraView> cameras,
@@ -39,35 +53,35 @@ std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const Came
   width_ = (view.width + kExtensionBlock - 1) / kExtensionBlock;
   height_ = (view.height + kExtensionBlock - 1) / kExtensionBlock;
   const std::size_t count = static_cast<std::size_t>(width_) * height_;
-  list_pictures(eye, cameras);
-  colors_.begin(eye, cameras, pictures);
   blocks_.resize(count);
   estimates_.resize(count);
   smoothed_.resize(count);
-  workers.run(height_, [&](int y, int) {
-    for (int x = 0; x < width_; ++x) blocks_[index(x, y)] = find_farthest(seen, x, y);
-  });
-  mark_near_gaps();
-  workers.run(height_, [&](int y, int) {
-    for (int x = 0; x < width_; ++x) {
-      if (is_near_gap_[index(x, y)]) average_farthest(seen, view.color, x, y, blocks_[index(x, y)]);
-    }
-  });
+  find_gaps(seen, workers);
+  if (gaps_.empty()) return 0;
+  list_pictures(eye, cameras);
+  colors_.begin(eye, cameras, pictures);
+  const std::vector<std::int32_t> near = near_gaps();
+  for_each(near, workers, [&](std::int32_t block) { average_farthest(seen, view.color, block); });
   workers.run(static_cast<int>(kDirections.size()), [&](int direction, int) {
     find_sources(kDirections[direction][0], kDirections[direction][1], sources_[direction]);
   });
-  workers.run(height_, [&](int y, int) {
-    for (int x = 0; x < width_; ++x) estimates_[index(x, y)] = estimate(index(x, y));
+  for_each(near, workers, [&](std::int32_t block) {
+    estimates_[block] = smoothed_[block] = is_gap_[block] ? estimate(block) : blocks_[block];
   });
   for (int round = 0; round < kSmoothingRounds; ++round) {
-    workers.run(height_, [&](int y, int) { smooth_row(y, estimates_, smoothed_); });
+    for_each(gaps_, workers, [&](std::int32_t block) { smoothed_[block] = smoothed(block); });
     estimates_.swap(smoothed_);
   }
-  workers.run(height_, [&](int y, int) {
-    for (int x = 0; x < width_; ++x) {
-      Block& block = estimates_[index(x, y)];
-      if (block.is_gap) block.opacity = block.w > 0 ? opacity_at(eye, x, y, block.w) : 0;
+  for_each(gaps_, workers, [&](std::int32_t at) {
+    Block& block = estimates_[at];
+    if (block.w == 0) {
+      block.opacity = 0;
+      return;
     }
+    const int x = at % width_, y = at / width_;
+    block.opacity = opacity_at(eye, x, y, block.w);
+    block.may_be_pictured =
+        colors_.may_show(x * kExtensionBlock, y * kExtensionBlock, kExtensionBlock, block.w);
   });
   filled_.assign(height_, 0);
   workers.run(height_, [&](int y, int) {
@@ -77,9 +91,19 @@ std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const Came
   return std::accumulate(filled_.begin(), filled_.end(), std::size_t{0});
 }
 
+void BackgroundExtension::find_gaps(const InverseDepthView& seen, Executor& workers) {
+  is_gap_.resize(blocks_.size());
+  workers.run(height_, [&](int y, int) {
+    for (int x = 0; x < width_; ++x) find_farthest(seen, x, y);
+  });
+  gaps_.clear();
+  for (std::size_t at = 0; at < is_gap_.size(); ++at) {
+    if (is_gap_[at]) gaps_.push_back(static_cast<std::int32_t>(at));
+  }
+}
+
 // Finds out whether the block is a gap, and the smallest inverse depth of its pixels.
-BackgroundExtension::Block BackgroundExtension::find_farthest(const InverseDepthView& seen, int block_x,
-                                                              int block_y) {
+void BackgroundExtension::find_farthest(const InverseDepthView& seen, int block_x, int block_y) {
   const int left = block_x * kExtensionBlock, columns = std::min(kExtensionBlock, seen.width() - left);
   const int top = block_y * kExtensionBlock, bottom = std::min(top + kExtensionBlock, seen.height());
   const Ints inside = ramp() < static_cast<float>(columns);
@@ -91,37 +115,40 @@ BackgroundExtension::Block BackgroundExtension::find_farthest(const InverseDepth
     empty |= inside & ~is_seen;
     least = is_seen ? smaller(least, w) : least;
   }
-  Block block;
-  block.is_gap = bits(empty) != 0;
+  const std::size_t at = index(block_x, block_y);
+  is_gap_[at] = bits(empty) != 0 ? 1 : 0;
   float farthest = kAboveAnyInverse;
   for (int lane = 0; lane < kLanes; ++lane) farthest = std::min(farthest, least[lane]);
-  if (farthest < kAboveAnyInverse) block.w = farthest;
-  return block;
+  blocks_[at] = Block{.w = farthest < kAboveAnyInverse ? farthest : 0};
 }
 
-// Marks the blocks whose surface and colour may be asked for: gaps, and the blocks around them.
-void BackgroundExtension::mark_near_gaps() {
+// Lists the blocks whose surface and colour may be asked for: gaps, and the blocks around them.
+std::vector<std::int32_t> BackgroundExtension::near_gaps() const {
   constexpr int kAround = 4;  // A source looks at the three blocks behind the one beside the gap.
-  Image<std::uint8_t> rows(width_, height_), near(width_, height_);
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
-      if (!blocks_[index(x, y)].is_gap) continue;
-      const int first = std::max(0, x - kAround), last = std::min(width_ - 1, x + kAround);
-      std::fill_n(&rows(first, y), last - first + 1, std::uint8_t{1});
-    }
+  std::vector<std::uint8_t> beside(is_gap_.size()), near(width_);
+  for (const std::int32_t at : gaps_) {
+    const int x = at % width_, first = std::max(0, x - kAround), last = std::min(width_ - 1, x + kAround);
+    std::fill_n(beside.begin() + (at - x + first), last - first + 1, std::uint8_t{1});
   }
+  std::vector<std::int32_t> blocks;
   for (int y = 0; y < height_; ++y) {
+    std::fill(near.begin(), near.end(), std::uint8_t{0});
     for (int row = std::max(0, y - kAround); row <= std::min(height_ - 1, y + kAround); ++row) {
-      for (int x = 0; x < width_; ++x) near(x, y) |= rows(x, row);
+      for (int x = 0; x < width_; ++x) near[x] |= beside[index(x, row)];
+    }
+    for (int x = 0; x < width_; ++x) {
+      if (near[x]) blocks.push_back(static_cast<std::int32_t>(index(x, y)));
     }
   }
-  is_near_gap_.assign(near.pixels().begin(), near.pixels().end());
+  return blocks;
 }
 
 // Replaces the smallest inverse depth of a block by the mean of its farthest surface.
 void BackgroundExtension::average_farthest(const InverseDepthView& seen, const Image<Rgba8>& color,
-                                           int block_x, int block_y, Block& block) {
+                                           std::int32_t at) {
+  Block& block = blocks_[at];
   if (block.w == 0) return;
+  const int block_x = at % width_, block_y = at / width_;
   const int left = block_x * kExtensionBlock, columns = std::min(kExtensionBlock, seen.width() - left);
   const int top = block_y * kExtensionBlock, bottom = std::min(top + kExtensionBlock, seen.height());
   const float nearest = block.w + kOwnSurface;
@@ -151,9 +178,9 @@ void BackgroundExtension::find_sources(int dx, int dy, std::vector<Source>& sour
   for (int y = step_y > 0 ? 0 : height_ - 1; y >= 0 && y < height_; y += step_y) {
     for (int x = step_x > 0 ? 0 : width_ - 1; x >= 0 && x < width_; x += step_x) {
       Source source;
-      if (!blocks_[index(x, y)].is_gap) {
+      if (!is_gap_[index(x, y)]) {
         // Only a gap asks for sources.
-        if (!contains(x + dx, y + dy) || !blocks_[index(x + dx, y + dy)].is_gap) continue;
+        if (!contains(x + dx, y + dy) || !is_gap_[index(x + dx, y + dy)]) continue;
         source = source_at(x, y, dx, dy);
       } else if (contains(x - dx, y - dy)) {
         source = sources[index(x - dx, y - dy)];
@@ -169,8 +196,8 @@ BackgroundExtension::Source BackgroundExtension::source_at(int x, int y, int dx,
   const auto surface = [&](int behind) -> const Block* {
     const int at_x = x - behind * dx, at_y = y - behind * dy;
     if (!contains(at_x, at_y)) return nullptr;
-    const Block& block = blocks_[index(at_x, at_y)];
-    return block.is_gap ? nullptr : &block;
+    const std::size_t at = index(at_x, at_y);
+    return is_gap_[at] ? nullptr : &blocks_[at];
   };
   const Block& edge = blocks_[index(x, y)];
   Source source{static_cast<std::int32_t>(index(x, y)), 0, 0};
@@ -189,7 +216,6 @@ BackgroundExtension::Source BackgroundExtension::source_at(int x, int y, int dx,
 
 BackgroundExtension::Block BackgroundExtension::estimate(std::size_t at) const {
   const Block& own = blocks_[at];
-  if (!own.is_gap) return own;
   struct Candidate {
     float w, r, g, b, weight;
   };
@@ -229,7 +255,6 @@ BackgroundExtension::Block BackgroundExtension::estimate(std::size_t at) const {
     }
   }
   Block result;
-  result.is_gap = true;
   if (count == 0) return result;
   float farthest = candidates[0].w;
   for (std::size_t i = 1; i < count; ++i) farthest = std::min(farthest, candidates[i].w);
@@ -242,22 +267,22 @@ BackgroundExtension::Block BackgroundExtension::estimate(std::size_t at) const {
   return result;
 }
 
-void BackgroundExtension::smooth_row(int y, const std::vector<Block>& from, std::vector<Block>& to) const {
-  for (int x = 0; x < width_; ++x) {
-    const Block& own = from[index(x, y)];
-    Block& result = to[index(x, y)];
-    result = own;
-    if (!own.is_gap || own.w == 0) continue;
-    Mean mean;
-    mean.add(own, 2);
-    for (int i = 0; i < 4; ++i) {
-      const int beside_x = x + kDirections[i][0], beside_y = y + kDirections[i][1];
-      if (!contains(beside_x, beside_y)) continue;
-      const Block& beside = from[index(beside_x, beside_y)];
-      if (beside.w > 0 && is_same_surface(beside.w, own.w)) mean.add(beside, 1);
-    }
-    mean.store(result);
+// Returns the estimate of a gap, averaged with its neighbours on the same surface.
+BackgroundExtension::Block BackgroundExtension::smoothed(std::int32_t at) const {
+  const int x = at % width_, y = at / width_;
+  const Block& own = estimates_[at];
+  if (own.w == 0) return own;
+  Mean mean;
+  mean.add(own, 2);
+  for (int i = 0; i < 4; ++i) {
+    const int beside_x = x + kDirections[i][0], beside_y = y + kDirections[i][1];
+    if (!contains(beside_x, beside_y)) continue;
+    const Block& beside = estimates_[index(beside_x, beside_y)];
+    if (beside.w > 0 && is_same_surface(beside.w, own.w)) mean.add(beside, 1);
   }
+  Block result;
+  mean.store(result);
+  return result;
 }
 
 void BackgroundExtension::list_pictures(const ViewPose& eye, std::span<const CameraView> cameras) {
@@ -301,6 +326,9 @@ std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, c
   std::size_t filled = 0;
   // Fills eight pixels at a time, from the middle of a block to the middle of the next block.
   for (int left = -1; left < width_; ++left) {
+    const std::size_t block = index(std::max(left, 0), y / kExtensionBlock);
+    const std::size_t next = index(std::min(left + 1, width_ - 1), y / kExtensionBlock);
+    if (!is_gap_[block] && !is_gap_[next]) continue;
     const int x = left * kExtensionBlock + kExtensionBlock / 2;
     const int first = std::max(x, 0), columns = std::min(x + kLanes, view.width) - first;
     if (columns <= 0) continue;
@@ -311,7 +339,9 @@ std::size_t BackgroundExtension::fill_row(int y, const InverseDepthView& seen, c
     const float before =
         (static_cast<float>(first) + 0.5F) / kExtensionBlock - 0.5F - static_cast<float>(pair);
     const Floats right = smaller(larger(all(before) + ramp() / kExtensionBlock, Floats{}), all(1.0F));
-    filled += fill_pixels(first, y, columns, empty, right, surfaces_between(pair, top, down), style, view);
+    const bool may_be_pictured = estimates_[block].may_be_pictured || estimates_[next].may_be_pictured;
+    filled += fill_pixels(first, y, columns, empty, right, surfaces_between(pair, top, down), may_be_pictured,
+                          style, view);
   }
   return filled;
 }
@@ -340,7 +370,8 @@ BackgroundExtension::Surfaces BackgroundExtension::surfaces_between(int left, in
 // Returns the number of pixels filled.
 std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const Ints& empty,
                                              const Floats& right, const Surfaces& surfaces,
-                                             const UnseenStyle& style, MergedView& view) const {
+                                             bool may_be_pictured, const UnseenStyle& style,
+                                             MergedView& view) const {
   const Floats one = 1 - right + kLeastShare, other = right + kLeastShare;
   const auto between = [&](float a, float b) { return one * a + other * b; };
   const auto& [left_side, right_side] = surfaces.sides;
@@ -365,8 +396,8 @@ std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const In
   const auto color_at = [&](int lane) { return colors_.find(x + lane, y, w[lane]); };
   // Most gaps are hidden from all cameras. If no camera sees the first, middle and last of eight
   // pixels, the other pixels are not examined.
-  const bool is_hidden =
-      bits(fills) == (1U << kLanes) - 1 && !color_at(0) && !color_at(kLanes / 2) && !color_at(kLanes - 1);
+  const bool is_hidden = !may_be_pictured || (bits(fills) == (1U << kLanes) - 1 && !color_at(0) &&
+                                              !color_at(kLanes / 2) && !color_at(kLanes - 1));
   for (unsigned lanes = bits(fills); lanes != 0; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
     if (const auto color = is_hidden ? std::nullopt : color_at(lane)) {

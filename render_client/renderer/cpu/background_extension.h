@@ -36,7 +36,7 @@ class BackgroundExtension {
     float w = 0;  // 0 without a surface.
     float r = 0, g = 0, b = 0;
     float opacity = 1;
-    bool is_gap = false;
+    bool may_be_pictured = false;  ///< Whether a camera's picture may show an extended surface here.
   };
   struct Source {
     std::int32_t block = -1;    // Index of the block; -1 without a source.
@@ -73,14 +73,14 @@ class BackgroundExtension {
     std::array<float, 2> opacities{0, 0};  // Summed with the weights of `sides`.
   };
 
-  static Block find_farthest(const InverseDepthView& seen, int block_x, int block_y);
-  void mark_near_gaps();
-  static void average_farthest(const InverseDepthView& seen, const Image<Rgba8>& color, int block_x,
-                               int block_y, Block& block);
+  void find_gaps(const InverseDepthView& seen, Executor& workers);
+  void find_farthest(const InverseDepthView& seen, int block_x, int block_y);
+  std::vector<std::int32_t> near_gaps() const;
+  void average_farthest(const InverseDepthView& seen, const Image<Rgba8>& color, std::int32_t block);
   void find_sources(int dx, int dy, std::vector<Source>& sources) const;
   Source source_at(int x, int y, int dx, int dy) const;
   Block estimate(std::size_t block) const;
-  void smooth_row(int y, const std::vector<Block>& from, std::vector<Block>& to) const;
+  Block smoothed(std::int32_t block) const;
   /// A camera's picture. It serves to test whether a point of the view lies in the picture.
   struct Picture {
     Eigen::Matrix3f rotation;  // Camera from eye.
@@ -91,14 +91,17 @@ class BackgroundExtension {
   float opacity_at(const ViewPose& eye, int x, int y, float w) const;
   Surfaces surfaces_between(int left, int top, float down) const;
   std::size_t fill_pixels(int x, int y, int columns, const Ints& empty, const Floats& right,
-                          const Surfaces& surfaces, const UnseenStyle& style, MergedView& view) const;
+                          const Surfaces& surfaces, bool may_be_pictured, const UnseenStyle& style,
+                          MergedView& view) const;
   std::size_t fill_row(int y, const InverseDepthView& seen, const UnseenStyle& style, MergedView& view) const;
 
   int width_ = 0, height_ = 0;  // In blocks.
   std::vector<Picture> pictures_;
   PictureColors colors_;
-  std::vector<Block> blocks_, estimates_, smoothed_;
-  std::vector<std::uint8_t> is_near_gap_;  // By block.
+  std::vector<Block> blocks_;
+  std::vector<Block> estimates_, smoothed_;  // Valid for gaps and the blocks around them.
+  std::vector<std::uint8_t> is_gap_;         // By block.
+  std::vector<std::int32_t> gaps_;           // Indices of the blocks that are gaps.
   std::array<std::vector<Source>, 8> sources_;
   std::vector<std::size_t> filled_;  // Number of filled pixels by row of blocks.
 };

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstdint>
 
 #include "render_client/renderer/extension_rules.h"
 
 namespace copresence::renderer {
 namespace {
+
+constexpr float kLeastRay = 0.2F;  // Of a ray's z in may_show().
 
 bool is_hidden(const InverseDepth& inverse, float nearest_visible, int x, int y) {
   return inverse.w(std::clamp(x, 0, inverse.width - 1), std::clamp(y, 0, inverse.height - 1)) >
@@ -46,21 +49,41 @@ void PictureColors::begin(const ViewPose& eye, std::span<const CameraView> camer
     if (!(camera.opacity > 0) || camera.is_remembered || !camera.frame->color) continue;
     const Rigid3 camera_from_eye = camera.world_from_camera.inverse() * eye.world_from_eye;
     const CameraModel& model = camera.model;
-    cameras_.push_back({.pictures = pictures[i],
-                        .model = model,
-                        .is_distorted = model.is_distorted(),
-                        .focal = Eigen::Vector2d(model.fx, model.fy).cast<float>(),
-                        .center = Eigen::Vector2d(model.cx, model.cy).cast<float>(),
-                        .last = Eigen::Vector2i(model.width - 1, model.height - 1).cast<float>(),
-                        .rays = (camera_from_eye.rotation * ray_from_pixel).cast<float>(),
-                        .origin = camera_from_eye.translation.cast<float>(),
-                        .opacity = camera.opacity});
+    cameras_.push_back(
+        {.pictures = pictures[i],
+         .model = model,
+         .is_distorted = model.is_distorted(),
+         .focal = Eigen::Vector2d(model.fx, model.fy).cast<float>(),
+         .center = Eigen::Vector2d(model.cx, model.cy).cast<float>(),
+         .last = Eigen::Vector2i(model.width - 1, model.height - 1).cast<float>(),
+         .rays = (camera_from_eye.rotation * ray_from_pixel).cast<float>(),
+         .origin = camera_from_eye.translation.cast<float>(),
+         .pixels_per_pixel = static_cast<float>(std::max(model.fx / view.fx, model.fy / view.fy)),
+         .opacity = camera.opacity});
   }
 }
 
 Eigen::Vector2f PictureColors::Camera::pixel(const Eigen::Vector3f& ray) const {
   if (is_distorted) return project(model, ray.cast<double>()).cast<float>();
   return (ray.head<2>() * (1 / ray.z())).cwiseProduct(focal) + center;
+}
+
+bool PictureColors::may_show(int left, int top, int size, float w) const {
+  const float half = 0.5F * static_cast<float>(size - 1);
+  const Eigen::Vector3f center(static_cast<float>(left) + half, static_cast<float>(top) + half, 1);
+  for (const Camera& camera : cameras_) {
+    const Eigen::Vector3f ray = camera.rays * center + w * camera.origin;
+    // Close to the camera's plane, and with distortion, a square has no simple outline.
+    if (camera.is_distorted || std::abs(ray.z()) < kLeastRay) return true;
+    if (ray.z() < 0) continue;
+    const Eigen::Vector2f pixel = camera.pixel(ray);
+    const float margin = 2 * static_cast<float>(size) * (1 + camera.pixels_per_pixel / ray.z());
+    if (pixel.x() >= -margin && pixel.y() >= -margin && pixel.x() <= camera.last.x() + margin &&
+        pixel.y() <= camera.last.y() + margin) {
+      return true;
+    }
+  }
+  return false;
 }
 
 std::optional<PictureColors::Color> PictureColors::find(int x, int y, float w) const {

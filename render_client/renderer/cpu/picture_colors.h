@@ -37,6 +37,10 @@ class PictureColors {
   /// `w` > 0 is the surface's inverse depth along the eye's axis, 1/m.
   std::optional<Color> find(int x, int y, float w) const;
 
+  /// Returns false if find() finds nothing in the square of `size` pixels at (left, top) and around
+  /// it, for surfaces near `w`. It is a quick test with a margin.
+  bool may_show(int left, int top, int size, float w) const;
+
  private:
   struct Camera {
     CameraPictures pictures;
@@ -47,6 +51,8 @@ class PictureColors {
     // point is rays * (x, y, 1) + w * origin, up to a factor.
     Eigen::Matrix3f rays;
     Eigen::Vector3f origin;
+    // A pixel of the view covers this many pixels of the camera if both have the same distance.
+    float pixels_per_pixel;
     float opacity;
 
     // Returns the position of `ray` in the camera's picture. Requires ray.z() > 0.

@@ -384,31 +384,26 @@ std::size_t BackgroundExtension::fill_pixels(int x, int y, int columns, const In
     return truncated(brightness * between(a, b) + (1 - opacity) * static_cast<float>(behind) + 0.5F);
   };
   const Rgb8 back = style.background;
-  const Ints surface =
-      blend(left_side.r, right_side.r, back.r) | blend(left_side.g, right_side.g, back.g) << 8 |
-      blend(left_side.b, right_side.b, back.b) << 16 | static_cast<std::int32_t>(0xFF000000U);
+  const auto packed = [](const Ints& r, const Ints& g, const Ints& b) {
+    return r | g << 8 | b << 16 | static_cast<std::int32_t>(0xFF000000U);
+  };
+  Ints surface = packed(blend(left_side.r, right_side.r, back.r), blend(left_side.g, right_side.g, back.g),
+                        blend(left_side.b, right_side.b, back.b));
+  const Floats w = larger(between(left_side.w, right_side.w) * scale, all(kSmallestW));
+  if (may_be_pictured) {
+    const PictureColors::Colors seen = colors_.find(x, y, w, fills);
+    const auto dimmed = [&](const Floats& value) { return truncated(style.brightness() * value + 0.5F); };
+    surface = seen.found ? packed(dimmed(seen.r), dimmed(seen.g), dimmed(seen.b)) : surface;
+  }
   const Ints background = all(back.r | back.g << 8 | back.b << 16);
   const auto shown = load_first<Ints>(&view.color(x, y), columns);
-  const Ints pixels = fills ? surface : empty ? background : shown;
-  store_first(&view.color(x, y), pixels, columns);
-  const bool has_depth = view.depth_m.width() == view.width;
-  const Floats w = larger(between(left_side.w, right_side.w) * scale, all(kSmallestW));
-  const auto color_at = [&](int lane) { return colors_.find(x + lane, y, w[lane]); };
-  // Most gaps are hidden from all cameras. If no camera sees the first, middle and last of eight
-  // pixels, the other pixels are not examined.
-  const bool is_hidden = !may_be_pictured || (bits(fills) == (1U << kLanes) - 1 && !color_at(0) &&
-                                              !color_at(kLanes / 2) && !color_at(kLanes - 1));
-  for (unsigned lanes = bits(fills); lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
-    if (const auto color = is_hidden ? std::nullopt : color_at(lane)) {
-      const auto dimmed = [&](float value) {
-        return static_cast<std::uint8_t>(style.brightness() * value + 0.5F);
-      };
-      view.color(x + lane, y) = {dimmed(color->r), dimmed(color->g), dimmed(color->b), 255};
+  store_first(&view.color(x, y), fills ? surface : empty ? background : shown, columns);
+  if (view.depth_m.width() == view.width) {
+    for (unsigned lanes = bits(fills); lanes != 0; lanes &= lanes - 1) {
+      const int lane = std::countr_zero(lanes);
+      view.depth_m(x + lane, y) = 1 / w[lane];
+      view.origin(x + lane, y) = Origin::kExtended;
     }
-    if (!has_depth) continue;
-    view.depth_m(x + lane, y) = 1 / w[lane];
-    view.origin(x + lane, y) = Origin::kExtended;
   }
   return static_cast<std::size_t>(std::popcount(bits(fills)));
 }

@@ -1,6 +1,7 @@
 #include "render_client/renderer/cpu/picture_colors.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
@@ -12,27 +13,49 @@ namespace {
 
 constexpr float kLeastRay = 0.2F;  // Of a ray's z in may_show().
 
-bool is_hidden(const InverseDepth& inverse, float nearest_visible, int x, int y) {
-  return inverse.w(std::clamp(x, 0, inverse.width - 1), std::clamp(y, 0, inverse.height - 1)) >
-         nearest_visible;
+Ints clamped(const Ints& value, int most) {
+  return smaller(larger(value, Ints{}), all(most));
 }
 
-// Moves a position away from pixels with an inverse depth above `nearest_visible`. The pixels
-// beside them may have some of their colour. Returns nothing if all pixels around are nearer.
-std::optional<Eigen::Vector2f> away_from_edges(const InverseDepth& inverse, float nearest_visible,
-                                               const Eigen::Vector2f& at) {
-  const int x = static_cast<int>(at.x() + 0.5F), y = static_cast<int>(at.y() + 0.5F);
-  const bool is_left = is_hidden(inverse, nearest_visible, x - kMixedColors, y);
-  const bool is_right = is_hidden(inverse, nearest_visible, x + kMixedColors, y);
-  const bool is_above = is_hidden(inverse, nearest_visible, x, y - kMixedColors);
-  const bool is_below = is_hidden(inverse, nearest_visible, x, y + kMixedColors);
-  if (is_left && is_right && is_above && is_below) return std::nullopt;
-  const auto moved = [](float from, int direction, int size) {
-    return std::clamp(from + static_cast<float>(kMixedColors * direction), 0.0F,
-                      static_cast<float>(size - 1));
+// The inverse depths of a camera at eight positions.
+class InverseSampler {
+ public:
+  explicit InverseSampler(const InverseDepth& inverse)
+      : w_(inverse.w.data()),
+        stride_(inverse.w.width()),
+        last_x_(inverse.width - 1),
+        last_y_(inverse.height - 1) {}
+
+  // Requires positions in the image or at most one pixel to the right of it or below.
+  Floats at(const Ints& x, const Ints& y) const {
+    const Ints index = y * stride_ + x;
+    Floats result{};
+    for (int lane = 0; lane < kLanes; ++lane) result[lane] = w_[index[lane]];
+    return result;
+  }
+  Floats nearest(const Ints& x, const Ints& y) const { return at(clamped(x, last_x_), clamped(y, last_y_)); }
+
+ private:
+  const float* w_;
+  int stride_, last_x_, last_y_;
+};
+
+// Moves positions away from pixels with an inverse depth above `nearest_visible`. The pixels beside
+// them may have some of their colour. Returns the lanes in which not all pixels around are nearer.
+Ints move_from_edges(const InverseSampler& inverse, const Floats& nearest_visible,
+                     const Eigen::Vector2f& last, Floats& x, Floats& y) {
+  const Ints column = truncated(x + 0.5F), row = truncated(y + 0.5F);
+  const Ints is_left = inverse.nearest(column - kMixedColors, row) > nearest_visible;
+  const Ints is_right = inverse.nearest(column + kMixedColors, row) > nearest_visible;
+  const Ints is_above = inverse.nearest(column, row - kMixedColors) > nearest_visible;
+  const Ints is_below = inverse.nearest(column, row + kMixedColors) > nearest_visible;
+  // A true lane is -1.
+  const auto moved = [](const Floats& from, const Ints& direction, float most) {
+    return smaller(larger(from + as_floats(direction * kMixedColors), Floats{}), all(most));
   };
-  return Eigen::Vector2f(moved(at.x(), is_left - is_right, inverse.width),
-                         moved(at.y(), is_above - is_below, inverse.height));
+  x = moved(x, is_right - is_left, last.x());
+  y = moved(y, is_below - is_above, last.y());
+  return ~(is_left & is_right & is_above & is_below);
 }
 
 }  // namespace
@@ -86,40 +109,63 @@ bool PictureColors::may_show(int left, int top, int size, float w) const {
   return false;
 }
 
-std::optional<PictureColors::Color> PictureColors::find(int x, int y, float w) const {
-  const Eigen::Vector3f pixel(static_cast<float>(x), static_cast<float>(y), 1);
+PictureColors::Colors PictureColors::find(int x, int y, const Floats& w, const Ints& wanted) const {
+  const Floats column = ramp() + static_cast<float>(x);
+  const auto row = static_cast<float>(y);
+  Colors colors{};
+  Ints open = wanted;
   for (const Camera& camera : cameras_) {
-    const Eigen::Vector3f ray = camera.rays * pixel + w * camera.origin;
-    if (!(ray.z() > 0)) continue;
-    const Eigen::Vector2f pixel_in_camera = camera.pixel(ray);
-    if (!(pixel_in_camera.x() >= 0 && pixel_in_camera.y() >= 0 && pixel_in_camera.x() <= camera.last.x() &&
-          pixel_in_camera.y() <= camera.last.y())) {
-      continue;
+    const auto coordinate = [&](int i) {
+      return camera.rays(i, 0) * column + (camera.rays(i, 1) * row + camera.rays(i, 2)) +
+             w * camera.origin[i];
+    };
+    const Floats ray_x = coordinate(0), ray_y = coordinate(1), ray_z = coordinate(2);
+    Ints sees = open & (ray_z > 0);
+    if (bits(sees) == 0) continue;
+    const Floats per_z = 1 / (sees ? ray_z : all(1.0F));
+    Floats u = ray_x * per_z * camera.focal.x() + camera.center.x();
+    Floats v = ray_y * per_z * camera.focal.y() + camera.center.y();
+    if (camera.is_distorted) {
+      for (unsigned lanes = bits(sees); lanes != 0; lanes &= lanes - 1) {
+        const int lane = std::countr_zero(lanes);
+        const Eigen::Vector2f pixel = camera.pixel({ray_x[lane], ray_y[lane], ray_z[lane]});
+        u[lane] = pixel.x();
+        v[lane] = pixel.y();
+      }
     }
-    const float nearest_visible = w / ray.z() + kOwnSurface;
-    const auto at = away_from_edges(*camera.pictures.inverse, nearest_visible, pixel_in_camera);
-    if (!at) continue;
-    const int left = static_cast<int>(at->x()), top = static_cast<int>(at->y());
-    const float right_share = at->x() - static_cast<float>(left);
-    const float lower_share = at->y() - static_cast<float>(top);
-    Color sum{0, 0, 0};
-    float shares = 0;
+    sees &= (u >= 0) & (v >= 0) & (u <= camera.last.x()) & (v <= camera.last.y());
+    if (bits(sees) == 0) continue;
+    u = sees ? u : Floats{};
+    v = sees ? v : Floats{};
+    const InverseSampler inverse(*camera.pictures.inverse);
+    const Floats nearest_visible = w * per_z + kOwnSurface;
+    sees &= move_from_edges(inverse, nearest_visible, camera.last, u, v);
+    if (bits(sees) == 0) continue;
+    const Ints left = truncated(u), top = truncated(v);
+    const Floats right_share = u - as_floats(left), lower_share = v - as_floats(top);
+    const CameraTexture& texture = *camera.pictures.texture;
+    Floats r{}, g{}, b{}, shares{};
     for (int i = 0; i < 4; ++i) {
-      const int u = left + (i & 1), v = top + (i >> 1);
-      if (camera.pictures.inverse->w(u, v) > nearest_visible) continue;
-      const float share =
+      const Ints at_x = left + (i & 1), at_y = top + (i >> 1);
+      const Floats corner =
           ((i & 1) != 0 ? right_share : 1 - right_share) * ((i >> 1) != 0 ? lower_share : 1 - lower_share);
-      const std::uint32_t texel = (*camera.pictures.texture)(u, v);
-      sum.r += share * static_cast<float>(texel & 0xFF);
-      sum.g += share * static_cast<float>(texel >> 8 & 0xFF);
-      sum.b += share * static_cast<float>(texel >> 16 & 0xFF);
+      const Floats share = inverse.at(at_x, at_y) <= nearest_visible ? corner : Floats{};
+      const Ints texels = gather(texture.data(), at_y * texture.width() + at_x);
+      r += share * as_floats(texels & 0xFF);
+      g += share * as_floats(texels >> 8 & 0xFF);
+      b += share * as_floats(texels >> 16 & 0xFF);
       shares += share;
     }
-    if (shares < kLeastVisibleShare) continue;
-    const float scale = camera.opacity / shares;
-    return Color{sum.r * scale, sum.g * scale, sum.b * scale};
+    sees &= shares >= kLeastVisibleShare;
+    const Floats scale = camera.opacity / larger(shares, all(kLeastVisibleShare));
+    colors.r = sees ? r * scale : colors.r;
+    colors.g = sees ? g * scale : colors.g;
+    colors.b = sees ? b * scale : colors.b;
+    colors.found |= sees;
+    open &= ~sees;
+    if (bits(open) == 0) break;
   }
-  return std::nullopt;
+  return colors;
 }
 
 }  // namespace copresence::renderer

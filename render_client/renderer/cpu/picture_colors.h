@@ -7,11 +7,11 @@
 // Thread: one thread calls begin(). Then any number of threads may call find().
 
 #include <Eigen/Core>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "render_client/renderer/cpu/camera_texture.h"
+#include "render_client/renderer/cpu/lanes.h"
 #include "render_client/renderer/cpu/planar_blocks.h"
 #include "render_client/renderer/renderer.h"
 
@@ -25,17 +25,20 @@ struct CameraPictures {
 
 class PictureColors {
  public:
-  struct Color {
-    float r, g, b;  ///< From 0 to 255.
+  /// Eight colours, from 0 to 255. They are 0 where `found` is not set.
+  struct Colors {
+    Ints found;
+    Floats r, g, b;
   };
 
   /// Prepares a view. `pictures[i]` belongs to `cameras[i]` and must outlive the last find().
   void begin(const ViewPose& eye, std::span<const CameraView> cameras,
              std::span<const CameraPictures> pictures);
 
-  /// Returns the colour of a surface at the view's pixel (x, y), or nothing if no camera sees it.
-  /// `w` > 0 is the surface's inverse depth along the eye's axis, 1/m.
-  std::optional<Color> find(int x, int y, float w) const;
+  /// Returns the colours of surfaces at eight pixels of the view from (x, y) on, as far as they are
+  /// `wanted` and a camera sees them. `w` are the surfaces' inverse depths along the eye's axis,
+  /// 1/m. They are above 0 in the wanted lanes.
+  Colors find(int x, int y, const Floats& w, const Ints& wanted) const;
 
   /// Returns false if find() finds nothing in the square of `size` pixels at (left, top) and around
   /// it, for surfaces near `w`. It is a quick test with a margin.

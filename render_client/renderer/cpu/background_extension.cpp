@@ -30,59 +30,46 @@ bool is_same_surface(float w, float other) {
   return std::abs(w - other) <= kSameSurface;
 }
 
-// Calls `task` for each block of the list. A short list takes less time than waking the workers.
-template <class Task>
-void for_each(const std::vector<std::int32_t>& blocks, Executor& workers, const Task& task) {
-  constexpr std::size_t kShort = 1024, kChunk = 256;
-  if (blocks.size() <= kShort) {
-    for (const std::int32_t block : blocks) task(block);
-    return;
-  }
-  workers.run(static_cast<int>((blocks.size() + kChunk - 1) / kChunk), [&](int chunk, int) {
-    const std::size_t first = static_cast<std::size_t>(chunk) * kChunk;
-    for (std::size_t i = first; i < std::min(first + kChunk, blocks.size()); ++i) task(blocks[i]);
-  });
+}  // namespace
+
+void BackgroundExtension::begin(int width, int height) {
+  width_ = (width + kExtensionBlock - 1) / kExtensionBlock;
+  height_ = (height + kExtensionBlock - 1) / kExtensionBlock;
+  const std::size_t count = static_cast<std::size_t>(width_) * height_;
+  blocks_.resize(count);
+  is_gap_.resize(count);
+  estimates_.resize(count);
+  smoothed_.resize(count);
 }
 
-}  // namespace
+void BackgroundExtension::survey(const InverseDepthView& seen, int top, int rows) {
+  assert(top % kExtensionBlock == 0);
+  for (int y = top / kExtensionBlock; y * kExtensionBlock < top + rows; ++y) {
+    for (int x = 0; x < width_; ++x) find_farthest(seen, x, y);
+  }
+}
 
 std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const CameraView> cameras,
                                        std::span<const CameraPictures> pictures, const InverseDepthView& seen,
                                        const UnseenStyle& style, Executor& workers, MergedView& view) {
   assert(seen.width() == view.width && seen.height() == view.height && view.color.width() == view.width);
-  width_ = (view.width + kExtensionBlock - 1) / kExtensionBlock;
-  height_ = (view.height + kExtensionBlock - 1) / kExtensionBlock;
-  const std::size_t count = static_cast<std::size_t>(width_) * height_;
-  blocks_.resize(count);
-  estimates_.resize(count);
-  smoothed_.resize(count);
-  find_gaps(seen, workers);
+  list_gaps();
   if (gaps_.empty()) return 0;
   list_pictures(eye, cameras);
   colors_.begin(eye, cameras, pictures);
+  // These steps take about a millisecond. Waiting for the workers after each step takes longer on a
+  // busy machine.
   const std::vector<std::int32_t> near = near_gaps();
-  for_each(near, workers, [&](std::int32_t block) { average_farthest(seen, view.color, block); });
-  workers.run(static_cast<int>(kDirections.size()), [&](int direction, int) {
-    find_sources(kDirections[direction][0], kDirections[direction][1], sources_[direction]);
-  });
-  for_each(near, workers, [&](std::int32_t block) {
+  for (const std::int32_t block : near) average_farthest(seen, view.color, block);
+  for (std::size_t i = 0; i < kDirections.size(); ++i)
+    find_sources(kDirections[i][0], kDirections[i][1], sources_[i]);
+  for (const std::int32_t block : near)
     estimates_[block] = smoothed_[block] = is_gap_[block] ? estimate(block) : blocks_[block];
-  });
   for (int round = 0; round < kSmoothingRounds; ++round) {
-    for_each(gaps_, workers, [&](std::int32_t block) { smoothed_[block] = smoothed(block); });
+    for (const std::int32_t block : gaps_) smoothed_[block] = smoothed(block);
     estimates_.swap(smoothed_);
   }
-  for_each(gaps_, workers, [&](std::int32_t at) {
-    Block& block = estimates_[at];
-    if (block.w == 0) {
-      block.opacity = 0;
-      return;
-    }
-    const int x = at % width_, y = at / width_;
-    block.opacity = opacity_at(eye, x, y, block.w);
-    block.may_be_pictured =
-        colors_.may_show(x * kExtensionBlock, y * kExtensionBlock, kExtensionBlock, block.w);
-  });
+  for (const std::int32_t block : gaps_) find_visibility(eye, block);
   filled_.assign(height_, 0);
   workers.run(height_, [&](int y, int) {
     for (int row = y * kExtensionBlock; row < std::min((y + 1) * kExtensionBlock, view.height); ++row)
@@ -91,11 +78,7 @@ std::size_t BackgroundExtension::apply(const ViewPose& eye, std::span<const Came
   return std::accumulate(filled_.begin(), filled_.end(), std::size_t{0});
 }
 
-void BackgroundExtension::find_gaps(const InverseDepthView& seen, Executor& workers) {
-  is_gap_.resize(blocks_.size());
-  workers.run(height_, [&](int y, int) {
-    for (int x = 0; x < width_; ++x) find_farthest(seen, x, y);
-  });
+void BackgroundExtension::list_gaps() {
   gaps_.clear();
   for (std::size_t at = 0; at < is_gap_.size(); ++at) {
     if (is_gap_[at]) gaps_.push_back(static_cast<std::int32_t>(at));
@@ -296,6 +279,18 @@ void BackgroundExtension::list_pictures(const ViewPose& eye, std::span<const Cam
                          float(model.width - 1), float(model.height - 1),
                          1 / (kFadeShare * float(model.width))});
   }
+}
+
+void BackgroundExtension::find_visibility(const ViewPose& eye, std::int32_t at) {
+  Block& block = estimates_[at];
+  if (block.w == 0) {
+    block.opacity = 0;
+    return;
+  }
+  const int x = at % width_, y = at / width_;
+  block.opacity = opacity_at(eye, x, y, block.w);
+  block.may_be_pictured =
+      colors_.may_show(x * kExtensionBlock, y * kExtensionBlock, kExtensionBlock, block.w);
 }
 
 float BackgroundExtension::opacity_at(const ViewPose& eye, int x, int y, float w) const {

@@ -1,8 +1,8 @@
 #pragma once
 
 // Extends the farther surfaces into the parts of a view that no camera has seen
-// (extension_rules.h). Thread: one thread at a time. The result does not depend on the number of
-// workers.
+// (extension_rules.h). Thread: one thread at a time, except for survey(). The result does not depend
+// on the number of workers.
 
 #include <Eigen/Core>
 #include <array>
@@ -24,9 +24,18 @@ using InverseDepthView = Image<float>;
 
 class BackgroundExtension {
  public:
+  /// Prepares a view of this size in pixels.
+  void begin(int width, int height);
+
+  /// Looks for gaps in the rows [top, top + rows) of the view. Requires that `top` is a multiple of
+  /// kExtensionBlock, and so is `rows` unless they end at the view's last row. Different threads may
+  /// survey different rows.
+  void survey(const InverseDepthView& seen, int top, int rows);
+
   /// Fills colour, depth and origin of the empty pixels of `view`. Returns the number of pixels
-  /// filled. Requires that `seen` and the colour have the view's size. Depth and origin are skipped
-  /// if their images are empty. `pictures[i]` belongs to `cameras[i]`.
+  /// filled. Requires that all rows have been surveyed, and that `seen` and the colour have the
+  /// view's size. Depth and origin are skipped if their images are empty. `pictures[i]` belongs to
+  /// `cameras[i]`.
   std::size_t apply(const ViewPose& eye, std::span<const CameraView> cameras,
                     std::span<const CameraPictures> pictures, const InverseDepthView& seen,
                     const UnseenStyle& style, Executor& workers, MergedView& view);
@@ -73,7 +82,7 @@ class BackgroundExtension {
     std::array<float, 2> opacities{0, 0};  // Summed with the weights of `sides`.
   };
 
-  void find_gaps(const InverseDepthView& seen, Executor& workers);
+  void list_gaps();
   void find_farthest(const InverseDepthView& seen, int block_x, int block_y);
   std::vector<std::int32_t> near_gaps() const;
   void average_farthest(const InverseDepthView& seen, const Image<Rgba8>& color, std::int32_t block);
@@ -88,6 +97,7 @@ class BackgroundExtension {
     float fx, fy, cx, cy, right, bottom, per_fade;
   };
   void list_pictures(const ViewPose& eye, std::span<const CameraView> cameras);
+  void find_visibility(const ViewPose& eye, std::int32_t block);
   float opacity_at(const ViewPose& eye, int x, int y, float w) const;
   Surfaces surfaces_between(int left, int top, float down) const;
   std::size_t fill_pixels(int x, int y, int columns, const Ints& empty, const Floats& right,

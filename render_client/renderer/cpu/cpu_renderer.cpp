@@ -12,11 +12,13 @@
 #include "render_client/renderer/cpu/lanes.h"
 #include "render_client/renderer/cpu/silhouettes.h"
 #include "render_client/renderer/cpu/tile_merge.h"
+#include "render_client/renderer/extension_rules.h"
 
 namespace copresence::renderer {
 namespace {
 
 constexpr int kTileRows = 16;
+static_assert(kTileRows % kExtensionBlock == 0, "a tile has whole blocks");
 
 // The surface of a camera's frame and its projection into the view.
 class ProjectedSurface {
@@ -104,6 +106,7 @@ class CpuRenderer : public Renderer {
     const int tiles = (view.height + kTileRows - 1) / kTileRows;
     pixels_.assign(tiles, {});
     borders_.resize(tiles);
+    if (inverse_.width() > 0) extension_.begin(view.width, view.height);
     workers_.run(tiles,
                  [&](int tile, int worker) { draw_tile(tile, scratch_[worker], eye, settings, view); });
     if (wanted.color) {
@@ -190,6 +193,7 @@ class CpuRenderer : public Renderer {
       pixels_[number].shown = merge_tile(scratch.cameras, tiles, settings, view, inverse_, borders_[number]);
     }
     if (settings.wanted.depth) mark_origins(top, rows, view);
+    if (inverse_.width() > 0) extension_.survey(inverse_, top, rows);
   }
 
   void mark_origins(int top, int rows, MergedView& view) const {

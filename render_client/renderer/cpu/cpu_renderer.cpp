@@ -255,8 +255,13 @@ class CpuRenderer : public Renderer {
     if (remembered.empty()) return 0;
     std::size_t pixels = 0;
     const Tile& first = *remembered[0];
+    int left = first.left(), right = first.right();
+    for (const Tile* tile : remembered) {
+      left = std::min(left, tile->left());
+      right = std::max(right, tile->right());
+    }
     for (int y = first.top(); y < first.top() + first.rows(); ++y) {
-      for (int x = 0; x < first.width(); x += kLanes) {
+      for (int x = left / kLanes * kLanes; x < right; x += kLanes) {
         Ints shown{};
         for (const Tile* tile : remembered) shown |= load<Floats>(tile->depths(y) + x) > tile->empty();
         shown &= ramp() < static_cast<float>(first.width() - x);

@@ -89,20 +89,35 @@ float area(const ViewVertex& a, const ViewVertex& b, const ViewVertex& c) {
 }  // namespace
 
 void Tile::begin(int width, int top, int rows, float far_m, int camera_width, int camera_height) {
+  const int row = (width + 2 * kLanes - 1) / kLanes * kLanes;
+  const std::size_t size = static_cast<std::size_t>(row) * (rows + 1);
+  const float empty = 1.0F / far_m;
+  if (row == row_ && size == w_.size() && empty == empty_) {
+    // Most of a tile is often empty already, and a layer's tile fills much of the cache.
+    if (left_ < right_) {
+      for (float* at = w_.data(); at < w_.data() + size; at += row) std::fill(at + left_, at + right_, empty);
+    }
+  } else {
+    w_.assign(size, empty);
+    texel_.resize(size);
+  }
   width_ = width;
   top_ = top;
   rows_ = rows;
-  row_ = (width + 2 * kLanes - 1) / kLanes * kLanes;
-  empty_ = 1.0F / far_m;
+  row_ = row;
+  left_ = width;
+  right_ = 0;
+  empty_ = empty;
   last_u_ = static_cast<float>(kTexelSteps * (camera_width - 1));
   last_v_ = static_cast<float>(kTexelSteps * (camera_height - 1));
-  w_.assign(static_cast<std::size_t>(row_) * (rows + 1), empty_);
-  texel_.resize(w_.size());
 }
 
 void Tile::give_way_to(const Tile& other) {
-  for (std::size_t i = 0; i < w_.size(); ++i) {
-    if (other.w_[i] > empty_) w_[i] = empty_;
+  const int left = std::max(left_, other.left_), right = std::min(right_, other.right_);
+  for (int y = top_; y < top_ + rows_; ++y) {
+    float* __restrict const own = w_.data() + offset(y);
+    const float* __restrict const before = other.depths(y);
+    for (int x = left; x < right; ++x) own[x] = before[x] > empty_ ? empty_ : own[x];
   }
 }
 
@@ -141,6 +156,8 @@ void Tile::keep(const Floats& inside, const AttributePlane& plane, const Row& ro
 
 template <int kEdges>
 void Tile::fill(const Box& box, const Polygon<kEdges>& polygon, const AttributePlane& plane) {
+  left_ = std::min(left_, box.left);
+  right_ = std::max(right_, box.right + 1);
   float* depths = w_.data() + offset(box.top) + box.left;
   std::uint32_t* texels = texel_.data() + offset(box.top) + box.left;
   const auto left = static_cast<float>(box.left);

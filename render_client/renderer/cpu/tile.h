@@ -37,6 +37,9 @@ class Tile {
   int width() const { return width_; }
   int top() const { return top_; }
   int rows() const { return rows_; }
+  /// Only the columns [left(), right()) may have fragments.
+  int left() const { return left_; }
+  int right() const { return right_; }
 
   /// Inverse depths of row y of the view, padded to whole groups of kLanes. A value of at most
   /// empty() means that there is no fragment.
@@ -64,6 +67,7 @@ class Tile {
 
   int width_ = 0, top_ = 0, rows_ = 0;
   int row_ = 0;  // Elements per row, with room for a group of kLanes that begins at the last pixel.
+  int left_ = 0, right_ = 0;
   float empty_ = 0;
   float last_u_ = 0, last_v_ = 0;
   std::vector<float> w_;

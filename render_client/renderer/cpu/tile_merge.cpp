@@ -40,13 +40,11 @@ struct Span {
   std::array<bool, kGroups> is_contested;
 };
 
-// Merges spans. kCount is the number of cameras if it is known at compile time, else 0.
-template <std::size_t kCount>
 class SpanMerge {
  public:
   SpanMerge(std::span<const MergeCamera> cameras, std::span<const Tile> tiles, const MergeSettings& settings,
             MergedView& view, Image<float>& inverse, TileBorders& borders)
-      : cameras_(cameras),
+      : all_cameras_(cameras),
         tiles_(tiles),
         wanted_(settings.wanted),
         background_(all(settings.background.r | settings.background.g << 8 | settings.background.b << 16)),
@@ -57,32 +55,26 @@ class SpanMerge {
         borders_(borders),
         between_columns_((view.width + kLanes - 1) / kLanes, tiles[0].rows()),
         between_rows_(between_columns_.width(), between_columns_.height()) {
-    for (std::size_t i = 0; i < count(); ++i) noise_per_square_[i] = uncertainty_per_square(cameras[i].noise);
     for (BorderRow* const row : {&borders.first, &borders.last})
       row->nearest.resize(static_cast<std::size_t>(between_columns_.width()) * kLanes);
   }
 
-  // Merges `groups` groups of eight pixels from (x, y) on. The last one may reach beyond the view.
-  // Requires that the rows of a span follow one another.
-  void run(int x, int y, int groups) {
-    y_ = y;
-    for (std::size_t i = 0; i < count(); ++i) {
-      depths_[i] = tiles_[i].depths(y) + x;
-      texels_[i] = tiles_[i].texels(y) + x;
-      depth_of_row_[i] = cameras_[i].depth[1] * static_cast<float>(y) + cameras_[i].depth[2];
-    }
-    survey(x, groups);
-    if (wanted_.color) keep_silhouettes(x, groups);
-    for (std::size_t i = 0; i < count(); ++i) sample(i, groups);
-    Rgba8* const pixels = wanted_.color ? view_.color.row(y).data() + x : nullptr;
-    for (int g = 0; g < groups; ++g) {
-      const int at = g * kLanes;
-      Ints best = load<Ints>(&span_.first[at]);
-      const Ints colors = span_.is_contested[g] ? mixture(at, best) : first_colors(at);
-      const int count = std::min(kLanes, view_.width - (x + at));
-      if (wanted_.color) write_colors(pixels + at, count, colors, load<Ints>(&span_.shown[at]));
-      if (wanted_.depth) write_depths(x, at, count, best);
-      if (inverse_.width() > 0) write_inverse(x + at, count, at);
+  // Merges the columns [x, x + kSpan) of the tile, as far as they belong to the view.
+  void merge_columns(int x) {
+    const int groups = (std::min(kSpan, view_.width - x) + kLanes - 1) / kLanes;
+    select_cameras(x, groups);
+    const int top = tiles_[0].top();
+    for (int y = top; y < top + tiles_[0].rows(); ++y) {
+      switch (cameras_) {
+        case 1:
+          run<1>(x, y, groups);
+          break;
+        case 2:
+          run<2>(x, y, groups);
+          break;
+        default:
+          run<0>(x, y, groups);
+      }
     }
   }
 
@@ -99,16 +91,74 @@ class SpanMerge {
   std::size_t shown() const { return shown_; }
 
  private:
-  std::size_t count() const { return kCount ? kCount : cameras_.size(); }
+  // The functions with this parameter work on the selected cameras. Their number is kCount, or
+  // cameras_ if kCount is 0.
+  template <std::size_t kCount>
+  std::size_t count() const {
+    return kCount ? kCount : cameras_;
+  }
+
+  // Selects the cameras that have a fragment in these columns, and at least one camera.
+  void select_cameras(int x, int groups) {
+    cameras_ = 0;
+    for (std::size_t i = 0; i < tiles_.size(); ++i) {
+      if (has_fragments(tiles_[i], x, groups)) select(i);
+    }
+    if (cameras_ == 0) select(0);
+  }
+
+  void select(std::size_t i) {
+    selected_[cameras_] = &all_cameras_[i];
+    tile_[cameras_] = &tiles_[i];
+    noise_per_square_[cameras_] = uncertainty_per_square(all_cameras_[i].noise);
+    ++cameras_;
+  }
+
+  static bool has_fragments(const Tile& tile, int x, int groups) {
+    if (tile.right() <= x || tile.left() >= x + groups * kLanes) return false;
+    for (int y = tile.top(); y < tile.top() + tile.rows(); ++y) {
+      const float* const depths = tile.depths(y) + x;
+      Ints found{};
+      for (int g = 0; g < groups; ++g) found |= load<Floats>(depths + g * kLanes) > tile.empty();
+      if (bits(found)) return true;
+    }
+    return false;
+  }
+
+  // Merges `groups` groups of eight pixels from (x, y) on. The last one may reach beyond the view.
+  // Requires that the rows of a span follow one another.
+  template <std::size_t kCount>
+  void run(int x, int y, int groups) {
+    y_ = y;
+    for (std::size_t i = 0; i < count<kCount>(); ++i) {
+      depths_[i] = tile_[i]->depths(y) + x;
+      texels_[i] = tile_[i]->texels(y) + x;
+      depth_of_row_[i] = selected_[i]->depth[1] * static_cast<float>(y) + selected_[i]->depth[2];
+    }
+    survey<kCount>(x, groups);
+    if (wanted_.color) keep_silhouettes<kCount>(x, groups);
+    for (std::size_t i = 0; i < count<kCount>(); ++i) sample(i, groups);
+    Rgba8* const pixels = wanted_.color ? view_.color.row(y).data() + x : nullptr;
+    for (int g = 0; g < groups; ++g) {
+      const int at = g * kLanes;
+      Ints best = load<Ints>(&span_.first[at]);
+      const Ints colors = span_.is_contested[g] ? mixture<kCount>(at, best) : first_colors<kCount>(at);
+      const int count = std::min(kLanes, view_.width - (x + at));
+      if (wanted_.color) write_colors(pixels + at, count, colors, load<Ints>(&span_.shown[at]));
+      if (wanted_.depth) write_depths(x, at, count, best);
+      if (inverse_.width() > 0) write_inverse(x + at, count, at);
+    }
+  }
 
   // Computes the weights of all cameras' fragments.
+  template <std::size_t kCount>
   void survey(int x, int groups) {
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
       Floats w[kMostViews];
       Floats nearest = w[0] = load<Floats>(depths_[0] + at);
       Ints first{}, overlap{}, shown = nearest > empty_;
-      for (std::size_t i = 1; i < count(); ++i) {
+      for (std::size_t i = 1; i < count<kCount>(); ++i) {
         w[i] = load<Floats>(depths_[i] + at);
         const Ints there = w[i] > empty_;
         overlap |= shown & there;
@@ -120,10 +170,10 @@ class SpanMerge {
       store(&span_.first[at], first);
       store(&span_.shown[at], shown);
       if (bits(overlap)) {
-        span_.is_contested[g] = compute_weights(x, at, w);
+        span_.is_contested[g] = compute_weights<kCount>(x, at, w);
       } else {
         span_.is_contested[g] = false;
-        for (std::size_t i = 0; i < count(); ++i) {
+        for (std::size_t i = 0; i < count<kCount>(); ++i) {
           const Ints is_first = shown & (first == static_cast<std::int32_t>(i));
           store(&span_.cameras[i].weight_per_incidence[at], is_first ? all(1.0F) : Floats{});
         }
@@ -131,11 +181,12 @@ class SpanMerge {
     }
   }
 
+  template <std::size_t kCount>
   void keep_silhouettes(int x, int groups) {
     // A tile's rows have a spare group of pixels beyond the view.
     const int end = groups * kLanes;
     span_.nearest[end] = depths_[0][end];
-    for (std::size_t i = 1; i < count(); ++i)
+    for (std::size_t i = 1; i < count<kCount>(); ++i)
       span_.nearest[end] = std::max(span_.nearest[end], depths_[i][end]);
     const int row = y_ - tiles_[0].top();
     std::uint8_t* const between_columns = between_columns_.row(row).data() + x / kLanes;
@@ -164,7 +215,7 @@ class SpanMerge {
   }
 
   Floats camera_depth(std::size_t i, int x, const Floats& z) const {
-    const Eigen::Vector4f& d = cameras_[i].depth;
+    const Eigen::Vector4f& d = selected_[i]->depth;
     const Floats pixel_x = ramp() + static_cast<float>(x);
     return z * (d[0] * pixel_x + depth_of_row_[i]) + d[3];
   }
@@ -172,20 +223,21 @@ class SpanMerge {
   // Computes the weights of every camera's fragments at eight pixels: blend_weight() of
   // merge_rules.h up to a common factor and without its factor cos(theta). Returns whether a
   // fragment other than the nearest contributes.
+  template <std::size_t kCount>
   bool compute_weights(int x, int at, const Floats (&w)[kMostViews]) {
     Floats z[kMostViews], noise[kMostViews], uncertainty[kMostViews];
     Floats nearest = w[0], nearest_z{}, nearest_uncertainty{};
-    for (std::size_t i = 0; i < count(); ++i) {
+    for (std::size_t i = 0; i < count<kCount>(); ++i) {
       z[i] = 1.0F / w[i];
       const Floats camera_z = camera_depth(i, x + at, z[i]);
       noise[i] = noise_per_square_[i] * (camera_z * camera_z);
-      uncertainty[i] = noise[i] + cameras_[i].calibration_error_m;
+      uncertainty[i] = noise[i] + selected_[i]->calibration_error_m;
       nearest_z = i == 0 ? z[i] : smaller(z[i], nearest_z);
       nearest_uncertainty = i == 0 || w[i] > nearest ? uncertainty[i] : nearest_uncertainty;
       nearest = larger(w[i], nearest);
     }
     Ints rivals{}, counting{};
-    for (std::size_t i = 0; i < count(); ++i) {
+    for (std::size_t i = 0; i < count<kCount>(); ++i) {
       const Floats range = uncertainty[i] + nearest_uncertainty;
       // Distance from the fragment to the end of the uncertainty range.
       const Floats room = range - (z[i] - nearest_z);
@@ -201,7 +253,7 @@ class SpanMerge {
   // Samples a camera's texture where its fragments contribute.
   void sample(std::size_t i, int groups) {
     CameraSpan& camera = span_.cameras[i];
-    const TextureSampler texture(*cameras_[i].texture);
+    const TextureSampler texture(*selected_[i]->texture);
     const std::uint32_t* const texels = texels_[i];
     for (int g = 0; g < groups; ++g) {
       const int at = g * kLanes;
@@ -210,7 +262,7 @@ class SpanMerge {
       // The other lanes read the first texel, which is always valid.
       const Ints colors = texture.at(counts & load<Ints>(texels + at));
       store(&camera.colors[at],
-            cameras_[i].opacity_256 == 256 ? colors : faded(colors, cameras_[i].opacity_256));
+            selected_[i]->opacity_256 == 256 ? colors : faded(colors, selected_[i]->opacity_256));
     }
   }
 
@@ -225,9 +277,10 @@ class SpanMerge {
   }
 
   // Returns the colours of a group in which only one camera contributes to each pixel.
+  template <std::size_t kCount>
   Ints first_colors(int at) const {
     Ints colors{};
-    for (std::size_t i = 0; i < count(); ++i) {
+    for (std::size_t i = 0; i < count<kCount>(); ++i) {
       const CameraSpan& camera = span_.cameras[i];
       colors |= (load<Floats>(&camera.weight_per_incidence[at]) > 0) & load<Ints>(&camera.colors[at]);
     }
@@ -242,6 +295,7 @@ class SpanMerge {
 
   // Mixes the colours of all cameras by blend_share() of merge_rules.h. Sets `best` to the camera
   // with the greatest weight.
+  template <std::size_t kCount>
   Ints mixture(int at, Ints& best) const {
     const auto weight_of = [&](std::size_t i, const Ints& colors) {
       return alpha(colors) * load<Floats>(&span_.cameras[i].weight_per_incidence[at]);
@@ -250,7 +304,7 @@ class SpanMerge {
     Ints best_colors = load<Ints>(&span_.cameras[0].colors[at]), other_colors[kMostViews];
     Floats best_weight = weight_of(0, best_colors), other_weight[kMostViews];
     best = Ints{};
-    for (std::size_t i = 1; i < count(); ++i) {
+    for (std::size_t i = 1; i < count<kCount>(); ++i) {
       const Ints colors = load<Ints>(&span_.cameras[i].colors[at]);
       const Floats weight = weight_of(i, colors);
       const Ints is_better = weight > best_weight;
@@ -262,7 +316,7 @@ class SpanMerge {
     }
     const Floats least_weight = kTieRatio * best_weight;
     Floats sum = (best_weight - least_weight) + kNothing;
-    for (std::size_t i = 1; i < count(); ++i) {
+    for (std::size_t i = 1; i < count<kCount>(); ++i) {
       other_weight[i] = larger(other_weight[i] - least_weight, Floats{});
       sum += other_weight[i];
     }
@@ -271,7 +325,7 @@ class SpanMerge {
     const Floats per_sum = 256.0F / sum;
     const Words best_rb = red_blue(best_colors), best_ga = green_alpha(best_colors);
     Words rb = (best_rb << 8) + kHalf, ga = (best_ga << 8) + kHalf;
-    for (std::size_t i = 1; i < count(); ++i) {
+    for (std::size_t i = 1; i < count<kCount>(); ++i) {
       const Ints in_256ths = truncated(other_weight[i] * per_sum);
       const auto share = reinterpret_cast<Words>(in_256ths | in_256ths << 16);
       rb += (red_blue(other_colors[i]) - best_rb) * share;
@@ -298,7 +352,7 @@ class SpanMerge {
     for (int lane = 0; lane < count; ++lane) {
       const int here = x + at + lane, camera = best[lane];
       const bool shown = span_.shown[at + lane] != 0;
-      view_.camera(here, y_) = shown ? static_cast<std::uint8_t>(cameras_[camera].index) : kNoCamera;
+      view_.camera(here, y_) = shown ? static_cast<std::uint8_t>(selected_[camera]->index) : kNoCamera;
       if (!shown) {
         view_.depth_m(here, y_) = view_.quality(here, y_) = 0;
         continue;
@@ -307,19 +361,23 @@ class SpanMerge {
       const float camera_z = camera_depth(camera, here, all(z))[0];
       view_.depth_m(here, y_) = z;
       view_.quality(here, y_) =
-          precision(cameras_[camera].noise) *
+          precision(selected_[camera]->noise) *
           (kPerAlpha * static_cast<float>(span_.cameras[camera].colors[at + lane] >> 24) /
            (camera_z * camera_z));
     }
   }
 
-  std::span<const MergeCamera> cameras_;
+  std::span<const MergeCamera> all_cameras_;
   std::span<const Tile> tiles_;
   HostPixels wanted_;
   Ints background_;
   float apart_;  // Minimum difference in inverse depth at a silhouette edge, 1/m.
   float empty_;
   int y_ = 0;
+  // The selected cameras.
+  std::size_t cameras_ = 0;
+  const MergeCamera* selected_[kMostViews];
+  const Tile* tile_[kMostViews];
   const float* depths_[kMostViews];  // Pointers to the first elements of the span.
   const std::uint32_t* texels_[kMostViews];
   float depth_of_row_[kMostViews];      // The term b y + c of MergeCamera::depth.
@@ -353,36 +411,15 @@ MergeCamera merge_camera(const CameraView& camera, const ViewPose& eye, const Ca
   return source;
 }
 
-namespace {
-
-template <std::size_t kCount>
-std::size_t merge_spans(std::span<const MergeCamera> cameras, std::span<const Tile> tiles,
-                        const MergeSettings& settings, MergedView& view, Image<float>& inverse,
-                        TileBorders& borders) {
-  SpanMerge<kCount> merge(cameras, tiles, settings, view, inverse, borders);
-  // A tile is merged in columns of spans, since rows of a column read nearly the same texels.
-  for (int x = 0; x < view.width; x += kSpan) {
-    const int groups = (std::min(kSpan, view.width - x) + kLanes - 1) / kLanes;
-    for (int y = tiles[0].top(); y < tiles[0].top() + tiles[0].rows(); ++y) merge.run(x, y, groups);
-  }
-  if (settings.wanted.color) merge.soften();
-  return merge.shown();
-}
-
-}  // namespace
-
 std::size_t merge_tile(std::span<const MergeCamera> cameras, std::span<const Tile> tiles,
                        const MergeSettings& settings, MergedView& view, Image<float>& inverse,
                        TileBorders& borders) {
   assert(!cameras.empty() && cameras.size() <= kMostViews && cameras.size() == tiles.size());
-  switch (cameras.size()) {
-    case 1:
-      return merge_spans<1>(cameras, tiles, settings, view, inverse, borders);
-    case 2:
-      return merge_spans<2>(cameras, tiles, settings, view, inverse, borders);
-    default:
-      return merge_spans<0>(cameras, tiles, settings, view, inverse, borders);
-  }
+  SpanMerge merge(cameras, tiles, settings, view, inverse, borders);
+  // A tile is merged in columns of spans, since rows of a column read nearly the same texels.
+  for (int x = 0; x < view.width; x += kSpan) merge.merge_columns(x);
+  if (settings.wanted.color) merge.soften();
+  return merge.shown();
 }
 
 }  // namespace copresence::renderer

@@ -60,6 +60,26 @@ Ints move_from_edges(const InverseSampler& inverse, const Floats& nearest_visibl
 
 }  // namespace
 
+Image<float> PictureColors::farthest_cells(const InverseDepth& inverse) {
+  static_assert(kCell == 2 * kLanes, "a row of a cell is two vectors");
+  Image<float> cells((inverse.width + kCell - 1) / kCell, (inverse.height + kCell - 1) / kCell);
+  for (int cell_y = 0; cell_y < cells.height(); ++cell_y) {
+    const int top = cell_y * kCell, bottom = std::min(top + kCell, inverse.height);
+    for (int cell_x = 0; cell_x < cells.width(); ++cell_x) {
+      // The last cell may end inside the padding, which repeats the last pixel, or before it.
+      const int left = std::min(cell_x * kCell, inverse.w.width() - kCell);
+      Floats least = load<Floats>(&inverse.w(left, top));
+      for (int y = top; y < bottom; ++y) {
+        const float* const row = &inverse.w(left, y);
+        least = smaller(least, smaller(load<Floats>(row), load<Floats>(row + kLanes)));
+      }
+      float& cell = cells(cell_x, cell_y) = least[0];
+      for (int lane = 1; lane < kLanes; ++lane) cell = std::min(cell, least[lane]);
+    }
+  }
+  return cells;
+}
+
 void PictureColors::begin(const ViewPose& eye, std::span<const CameraView> cameras,
                           std::span<const CameraPictures> pictures) {
   assert(cameras.size() == pictures.size());
@@ -82,6 +102,7 @@ void PictureColors::begin(const ViewPose& eye, std::span<const CameraView> camer
          .rays = (camera_from_eye.rotation * ray_from_pixel).cast<float>(),
          .origin = camera_from_eye.translation.cast<float>(),
          .pixels_per_pixel = static_cast<float>(std::max(model.fx / view.fx, model.fy / view.fy)),
+         .farthest = farthest_cells(*pictures[i].inverse),
          .opacity = camera.opacity});
   }
 }
@@ -91,7 +112,25 @@ Eigen::Vector2f PictureColors::Camera::pixel(const Eigen::Vector3f& ray) const {
   return (ray.head<2>() * (1 / ray.z())).cwiseProduct(focal) + center;
 }
 
+bool PictureColors::Camera::has_farther(const Eigen::Vector2f& at, float radius,
+                                        float nearest_visible) const {
+  if (at.x() < -radius || at.y() < -radius || at.x() > last.x() + radius || at.y() > last.y() + radius)
+    return false;
+  const auto cell = [](float position, int count) {
+    return std::clamp(static_cast<int>(position) / kCell, 0, count - 1);
+  };
+  const int left = cell(at.x() - radius, farthest.width()), right = cell(at.x() + radius, farthest.width());
+  const int top = cell(at.y() - radius, farthest.height()), bottom = cell(at.y() + radius, farthest.height());
+  for (int y = top; y <= bottom; ++y) {
+    for (int x = left; x <= right; ++x) {
+      if (farthest(x, y) <= nearest_visible) return true;
+    }
+  }
+  return false;
+}
+
 bool PictureColors::may_show(int left, int top, int size, float w) const {
+  constexpr float kMostChangeInBlock = kMostSlope / 2;  // Of w, from the middle to the border.
   const float half = 0.5F * static_cast<float>(size - 1);
   const Eigen::Vector3f center(static_cast<float>(left) + half, static_cast<float>(top) + half, 1);
   for (const Camera& camera : cameras_) {
@@ -99,12 +138,11 @@ bool PictureColors::may_show(int left, int top, int size, float w) const {
     // Close to the camera's plane, and with distortion, a square has no simple outline.
     if (camera.is_distorted || std::abs(ray.z()) < kLeastRay) return true;
     if (ray.z() < 0) continue;
-    const Eigen::Vector2f pixel = camera.pixel(ray);
-    const float margin = 2 * static_cast<float>(size) * (1 + camera.pixels_per_pixel / ray.z());
-    if (pixel.x() >= -margin && pixel.y() >= -margin && pixel.x() <= camera.last.x() + margin &&
-        pixel.y() <= camera.last.y() + margin) {
-      return true;
-    }
+    const float shift = kMostChangeInBlock * camera.origin.norm() * camera.focal.maxCoeff();
+    const float diagonal = 0.71F * static_cast<float>(size) * camera.pixels_per_pixel;
+    const float radius = (shift + diagonal) / ray.z() + static_cast<float>(kMixedColors + 2);
+    const float nearest_visible = (w + kMostChangeInBlock) / (0.9F * ray.z()) + kOwnSurface;
+    if (camera.has_farther(camera.pixel(ray), radius, nearest_visible)) return true;
   }
   return false;
 }

@@ -40,11 +40,15 @@ class PictureColors {
   /// 1/m. They are above 0 in the wanted lanes.
   Colors find(int x, int y, const Floats& w, const Ints& wanted) const;
 
-  /// Returns false if find() finds nothing in the square of `size` pixels at (left, top) and around
-  /// it, for surfaces near `w`. It is a quick test with a margin.
+  /// Returns false if find() finds nothing in the square of `size` pixels at (left, top), for
+  /// surfaces near `w`. This quick test looks at whole cells of the cameras' pictures. It allows for
+  /// the steepest surfaces that are extended.
   bool may_show(int left, int top, int size, float w) const;
 
  private:
+  static constexpr int kCell = 16;
+  static Image<float> farthest_cells(const InverseDepth& inverse);
+
   struct Camera {
     CameraPictures pictures;
     CameraModel model;
@@ -56,10 +60,16 @@ class PictureColors {
     Eigen::Vector3f origin;
     // A pixel of the view covers this many pixels of the camera if both have the same distance.
     float pixels_per_pixel;
+    // The smallest inverse depths of squares of kCell pixels a side. The value is 0 if a square has a
+    // pixel without depth.
+    Image<float> farthest;
     float opacity;
 
     // Returns the position of `ray` in the camera's picture. Requires ray.z() > 0.
     Eigen::Vector2f pixel(const Eigen::Vector3f& ray) const;
+    // Returns whether a pixel of the picture within `radius` of `at` has at most the inverse depth
+    // `nearest_visible`.
+    bool has_farther(const Eigen::Vector2f& at, float radius, float nearest_visible) const;
   };
 
   std::vector<Camera> cameras_;

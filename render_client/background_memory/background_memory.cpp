@@ -256,14 +256,17 @@ void BackgroundMemory::draw_covered(const RgbdFrame& newest) {
   // Pixels beside the drawn ones have plausible colours, because a renderer interpolates.
   if (has_color_) frame->color = newest.color.value_or(color_);
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (drawn_(x / kBlock, y / kBlock) == 0) continue;
-      if (has_color_ && color_quality_(x, y) != kNoColor) (*frame->color)(x, y) = color_(x, y);
-      // A pixel that now shows something farther refutes the remembered surface.
-      if (depth_(x, y) == 0 || times_seen_(x, y) > 0 || (has_color_ && color_quality_(x, y) == kNoColor))
-        continue;
-      frame->depth(x, y) = depth_(x, y);
-      frame->state(x, y) = DepthState::kMeasured;
+    const std::span<const std::uint8_t> is_drawn = drawn_.row(y / kBlock);
+    for (int block = 0; block < drawn_.width(); ++block) {
+      if (is_drawn[block] == 0) continue;
+      for (int x = block * kBlock; x < std::min((block + 1) * kBlock, width); ++x) {
+        const bool has_color = color_quality_(x, y) != kNoColor;
+        if (has_color_ && has_color) (*frame->color)(x, y) = color_(x, y);
+        // A pixel that now shows something farther refutes the remembered surface.
+        if (depth_(x, y) == 0 || times_seen_(x, y) > 0 || (has_color_ && !has_color)) continue;
+        frame->depth(x, y) = depth_(x, y);
+        frame->state(x, y) = DepthState::kMeasured;
+      }
     }
   }
   covered_ = std::move(frame);

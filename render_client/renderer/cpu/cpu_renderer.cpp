@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "render_client/renderer/cpu/background_extension.h"
@@ -18,6 +19,7 @@ namespace copresence::renderer {
 namespace {
 
 constexpr int kTileRows = 16;
+constexpr int kGapColumns = 32;
 static_assert(kTileRows % kExtensionBlock == 0, "a tile has whole blocks");
 
 // The surface of a camera's frame and its projection into the view.
@@ -131,6 +133,7 @@ class CpuRenderer : public Renderer {
   struct Scratch {
     std::vector<MergeCamera> cameras;
     std::vector<Tile> tiles;
+    std::vector<std::uint8_t> gaps;  // By kGapColumns columns.
   };
   // Counts the pixels of a tile.
   struct Pixels {
@@ -172,16 +175,24 @@ class CpuRenderer : public Renderer {
     const int top = number * kTileRows;
     const int rows = std::min(kTileRows, view.height - top);
     scratch.cameras.clear();
-    for (const MergeCamera& camera : merge_cameras_) {
-      const ProjectedSurface& surface = surfaces_[camera.index];
-      if (surface.tiles.empty() || surface.tiles[number].empty()) continue;
-      Tile& tile = scratch.tiles[scratch.cameras.size()];
-      scratch.cameras.push_back(camera);
-      tile.begin(view.width, top, rows, static_cast<float>(eye.far_m), surface.texture().width() - 1,
-                 surface.texture().height() - 1);
-      for (const std::uint32_t p : surface.tiles[number]) {
-        draw_patch(surface.mesh(), surface.mesh().patches[p], surface.extents[p], surface.vertices,
-                   surface.matrix, static_cast<float>(eye.near_m), tile);
+    for (const Rank rank : {Rank::kLive, Rank::kStale, Rank::kRemembered}) {
+      // A camera gives way to those of a lower rank. So it is drawn only where they leave gaps.
+      const std::size_t before = scratch.cameras.size();
+      bool has_gaps = false;
+      for (const MergeCamera& camera : merge_cameras_) {
+        const ProjectedSurface& surface = surfaces_[camera.index];
+        if (camera.rank != rank || surface.tiles.empty() || surface.tiles[number].empty()) continue;
+        if (before > 0 && !std::exchange(has_gaps, true))
+          find_gaps({scratch.tiles.data(), before}, scratch.gaps);
+        Tile& tile = scratch.tiles[scratch.cameras.size()];
+        scratch.cameras.push_back(camera);
+        tile.begin(view.width, top, rows, static_cast<float>(eye.far_m), surface.texture().width() - 1,
+                   surface.texture().height() - 1);
+        for (const std::uint32_t p : surface.tiles[number]) {
+          if (before > 0 && !reaches_gap(surface.extents[p], scratch.gaps)) continue;
+          draw_patch(surface.mesh(), surface.mesh().patches[p], surface.extents[p], surface.vertices,
+                     surface.matrix, static_cast<float>(eye.near_m), tile);
+        }
       }
     }
     const std::span<Tile> tiles(scratch.tiles.data(), scratch.cameras.size());
@@ -236,6 +247,31 @@ class CpuRenderer : public Renderer {
       row->nearest.assign(view.width, 0.0F);
       row->color.resize(view.width);
     }
+  }
+
+  // Finds the columns of kGapColumns pixels in which a pixel has no fragment in any of the tiles.
+  static void find_gaps(std::span<const Tile> tiles, std::vector<std::uint8_t>& gaps) {
+    const Tile& first = tiles[0];
+    gaps.assign((first.width() + kGapColumns - 1) / kGapColumns, 0);
+    for (int y = first.top(); y < first.top() + first.rows(); ++y) {
+      for (int x = 0; x < first.width(); x += kLanes) {
+        Ints empty = ramp() < static_cast<float>(first.width() - x);
+        for (const Tile& tile : tiles) empty &= load<Floats>(tile.depths(y) + x) <= tile.empty();
+        if (bits(empty)) gaps[x / kGapColumns] = 1;
+      }
+    }
+  }
+
+  static bool reaches_gap(const PatchExtent& extent, std::span<const std::uint8_t> gaps) {
+    if (!extent.in_front) return true;
+    const auto column = [&](float x) {
+      const auto last = static_cast<float>(gaps.size() - 1);
+      return static_cast<std::size_t>(std::clamp(x / kGapColumns, 0.0F, last));
+    };
+    // The margin of one pixel allows for the tolerance of the rasteriser.
+    const std::size_t left = column(extent.left - 1), right = column(extent.right + 1);
+    return std::any_of(gaps.begin() + left, gaps.begin() + right + 1,
+                       [](std::uint8_t gap) { return gap != 0; });
   }
 
   static void give_way(std::span<const MergeCamera> cameras, std::span<Tile> tiles) {

@@ -5,6 +5,9 @@ endif()
 if((BUILD_TESTING OR COPRESENCE_BENCHMARKS) AND NOT COPRESENCE_TOOLS)
   message(FATAL_ERROR "BUILD_TESTING and COPRESENCE_BENCHMARKS need COPRESENCE_TOOLS, which is off.")
 endif()
+if(BUILD_TESTING AND NOT COPRESENCE_GATEWAY)
+  message(FATAL_ERROR "BUILD_TESTING needs COPRESENCE_GATEWAY, which is off.")
+endif()
 
 # Both programs.
 find_package(PkgConfig REQUIRED)
@@ -33,6 +36,17 @@ target_compile_definitions(copresence_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEP
 target_link_libraries(copresence_asio INTERFACE Threads::Threads)
 if(COPRESENCE_SANITIZE MATCHES thread)  # The thread sanitizer does not understand fences.
   target_compile_definitions(copresence_asio INTERFACE ASIO_DISABLE_FENCED_BLOCK)
+endif()
+
+if(COPRESENCE_GATEWAY)
+  find_package(Boost 1.74 REQUIRED CONFIG)              # Boost::headers; Beast and its Asio need no library
+  find_package(OpenSSL 3 REQUIRED COMPONENTS SSL)       # OpenSSL::SSL
+  add_library(copresence_beast INTERFACE)
+  target_link_libraries(copresence_beast INTERFACE Boost::headers OpenSSL::SSL Threads::Threads)
+  target_compile_definitions(copresence_beast INTERFACE BOOST_ASIO_NO_DEPRECATED BOOST_ERROR_CODE_HEADER_ONLY)
+  if(COPRESENCE_SANITIZE MATCHES thread)  # As for Asio above.
+    target_compile_definitions(copresence_beast INTERFACE BOOST_ASIO_DISABLE_FENCED_BLOCK)
+  endif()
 endif()
 
 if(COPRESENCE_SIMULATION)

@@ -13,8 +13,8 @@ namespace copresence::client {
 namespace {
 
 using std::chrono::steady_clock;
-using Severity = stream::LimitedLog::Severity;
-using Topic = stream::LimitedLog::Topic;
+using Severity = wire::LimitedLog::Severity;
+using Topic = wire::LimitedLog::Topic;
 
 constexpr std::chrono::milliseconds kConnectTimeout{2000};
 

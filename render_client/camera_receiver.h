@@ -19,7 +19,7 @@
 #include "render_client/decoding/frame_decoding.h"
 #include "render_client/statistics/statistics.h"
 #include "render_client/stream/camera_states.h"
-#include "render_client/stream/limited_log.h"
+#include "common/wire/limited_log.h"
 #include "render_client/stream/reconnecting_source.h"
 
 namespace copresence::client {
@@ -45,7 +45,7 @@ class CameraReceiver {
   const scene::Scene* scene_;
   flow::Mailboxes<CameraFrame>& mailboxes_;
   statistics::CameraStatistics& statistics_;
-  stream::LimitedLog log_;
+  wire::LimitedLog log_;
   stream::ReconnectingSource source_;
 
   // Description and setup of the current connection.

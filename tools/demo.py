@@ -169,8 +169,7 @@ def show_in_browser(options):
     web_port = WEB_PORT if is_free(WEB_PORT) else any_free_port()
     connect = [word for port in ports for word in ("--connect", f"127.0.0.1:{port}")]
     programs = start_servers(options, ports)
-    programs.append(Server("gateway", [options.bin / "web_gateway", *connect, "--listen", f"127.0.0.1:{web_port}",
-                                       "--open"]))
+    programs.append(Server("gateway", [options.bin / "web_gateway", *connect, "--listen", f"127.0.0.1:{web_port}"]))
     print(f"\nOpen http://127.0.0.1:{web_port}/ in a browser on this machine. Ctrl+C ends the demo.\n", flush=True)
     try:
         while True:

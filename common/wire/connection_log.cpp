@@ -28,6 +28,8 @@ const char* in_words(Ending why) {
       return "found the server full";
     case Ending::kOtherVersion:
       return "had another protocol version";
+    case Ending::kNoToken:
+      return "had no valid token";
     case Ending::kServerEnds:
       return "were open when the server stopped";
   }

@@ -26,6 +26,7 @@ enum class Ending {
   kMadeRoom,      ///< The server closed it to make room for another connection.
   kNoPlace,       ///< The server has its maximum number of clients.
   kOtherVersion,  ///< The peer has another protocol version.
+  kNoToken,       ///< The peer has no valid token of the web gateway.
   kServerEnds,
 };
 

@@ -24,6 +24,13 @@ int option(int descriptor, int name) {
   return ::getsockopt(descriptor, SOL_SOCKET, name, &value, &size) == 0 ? value : -1;
 }
 
+tcp::endpoint endpoint_of(int descriptor) {
+  tcp::endpoint endpoint;
+  socklen_t size = static_cast<socklen_t>(endpoint.capacity());
+  if (::getsockname(descriptor, endpoint.data(), &size) == 0) endpoint.resize(size);
+  return endpoint;
+}
+
 }  // namespace
 
 Result<ListeningSocket> ListeningSocket::adopt(int descriptor) {
@@ -49,12 +56,13 @@ ListeningSocket::~ListeningSocket() {
 }
 
 std::string ListeningSocket::address() const {
-  tcp::endpoint endpoint;
-  socklen_t size = static_cast<socklen_t>(endpoint.capacity());
-  if (::getsockname(descriptor_, endpoint.data(), &size) != 0) return "?";
-  endpoint.resize(size);
+  const tcp::endpoint endpoint = endpoint_of(descriptor_);
   const std::string host = endpoint.address().to_string();
   return fmt::format(fmt::runtime(endpoint.address().is_v6() ? "[{}]:{}" : "{}:{}"), host, endpoint.port());
+}
+
+bool ListeningSocket::is_loopback() const {
+  return endpoint_of(descriptor_).address().is_loopback();
 }
 
 Result<ListeningSocket> listen(const std::string& host_port, bool insecure) {

@@ -22,6 +22,7 @@ class ListeningSocket {
 
   int descriptor() const { return descriptor_; }  ///< Close-on-exec and non-blocking.
   std::string address() const;  ///< HOST:PORT with the real port, also if port 0 was requested.
+  bool is_loopback() const;     ///< True if only this machine can connect.
 
  private:
   explicit ListeningSocket(int descriptor) : descriptor_(descriptor) {}

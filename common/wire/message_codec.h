@@ -1,6 +1,6 @@
 #pragma once
 
-// Encodes messages to bytes and decodes them. Private to this module.
+// Encodes messages to bytes and decodes them. The web gateway and the page use it, too.
 //
 // The peer is not trusted. Decoding checks every length before it allocates memory, and every
 // enumerator, number and text. A decoded message needs no further checks. All decode functions fail

@@ -13,8 +13,8 @@ namespace copresence::stream {
 namespace {
 
 using std::chrono::steady_clock;
-using Topic = LimitedLog::Topic;
-using Severity = LimitedLog::Severity;
+using Topic = wire::LimitedLog::Topic;
+using Severity = wire::LimitedLog::Severity;
 
 /// While no frames arrive, the log's held-back lines are written at this interval.
 constexpr std::chrono::milliseconds kCatchUpEvery{1000};
@@ -22,7 +22,7 @@ constexpr std::chrono::milliseconds kCatchUpEvery{1000};
 }  // namespace
 
 ReconnectingSource::ReconnectingSource(std::string address, std::size_t slot, CameraStates& states,
-                                       LimitedLog& log, Connect connect, Begin begin)
+                                       wire::LimitedLog& log, Connect connect, Begin begin)
     : address_(std::move(address)),
       slot_(slot),
       states_(states),

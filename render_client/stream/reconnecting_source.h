@@ -12,7 +12,7 @@
 #include "render_client/stream/availability.h"
 #include "render_client/stream/camera_states.h"
 #include "render_client/stream/frame_source.h"
-#include "render_client/stream/limited_log.h"
+#include "common/wire/limited_log.h"
 
 namespace copresence::stream {
 
@@ -25,7 +25,7 @@ class ReconnectingSource final : public FrameSource {
 
   /// `address` names the camera in the log. `slot` is its number in `states`. The referenced
   /// objects must outlive this object.
-  ReconnectingSource(std::string address, std::size_t slot, CameraStates& states, LimitedLog& log,
+  ReconnectingSource(std::string address, std::size_t slot, CameraStates& states, wire::LimitedLog& log,
                      Connect connect, Begin begin);
 
   /// Waits for the next frame of any connection. Connects again after a pause of at most half a
@@ -53,14 +53,14 @@ class ReconnectingSource final : public FrameSource {
   void status_changed(const std::string& status);
   void publish();
   void log_failure(const Error& why, bool was_connected);
-  void say(LimitedLog::Topic topic, LimitedLog::Severity severity, std::string_view text);
+  void say(wire::LimitedLog::Topic topic, wire::LimitedLog::Severity severity, std::string_view text);
   /// Adds the address to an error that does not contain it.
   Error with_address(const Error& error) const;
 
   std::string address_;
   std::size_t slot_;
   CameraStates& states_;
-  LimitedLog& log_;
+  wire::LimitedLog& log_;
   Connect connect_;
   Begin begin_;
   std::function<void(const std::string&)> on_status_;

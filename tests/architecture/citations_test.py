@@ -7,7 +7,8 @@ import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
-FOLDERS = ("common", "capture_server", "render_client", "tools", "shaders", "tests", "benchmarks", "docs")
+FOLDERS = ("common", "capture_server", "render_client", "web_gateway", "tools", "shaders", "tests", "benchmarks",
+           "docs")
 SOURCES = {".h", ".cpp", ".comp", ".vert", ".frag"}
 BIBLIOGRAPHY, THESIS = ROOT / "docs/bibliography.md", ROOT / "docs/internals/thesis.md"
 

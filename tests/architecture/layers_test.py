@@ -62,9 +62,13 @@ MODULES = {
                                 "render_client/color_matching", "render_client/decoding", "render_client/renderer"},
     "render_client/statistics": EDGE_TYPES | {"render_client/renderer", "common/flow", "common/wire",
                                               "render_client/stream", "render_client/viewpoint"},
+    "web_gateway/forwarding": EDGE_TYPES | {"common/wire"},
+    "web_gateway/page": EDGE_TYPES,
+    "web_gateway/web": EDGE_TYPES | {"common/wire", "web_gateway/forwarding", "web_gateway/page"},
 }
 # The programs put the modules together: pipeline, settings, main.
-PROGRAMS = {"capture_server": ("common", "capture_server"), "render_client": ("common", "render_client")}
+PROGRAMS = {"capture_server": ("common", "capture_server"), "render_client": ("common", "render_client"),
+            "web_gateway": ("common", "web_gateway")}
 EVERYTHING = ("tests", "benchmarks", "tools")
 
 # Foreign header -> modules that may include it. Tests, benchmarks and tools are free.
@@ -82,9 +86,10 @@ HOMES = {
     r"turbojpeg": {"capture_server/recording"},
     r"png\.h": {"render_client/display"},
     r"zlib\.h": {"common/bitstream"},
-    r"CLI/": {"common/command_line", "capture_server", "render_client"},
-    r"spdlog": {"capture_server", "capture_server/recorder", "render_client"},
-    r"nlohmann": {"capture_server/recording", "render_client/statistics"},
+    r"boost/": {"web_gateway/web"},
+    r"CLI/": {"common/command_line", "capture_server", "render_client", "web_gateway"},
+    r"spdlog": {"capture_server", "capture_server/recorder", "render_client", "web_gateway"},
+    r"nlohmann": {"capture_server/recording", "render_client/statistics", "web_gateway/forwarding"},
 }
 
 
@@ -104,16 +109,23 @@ LIBRARY_HOMES = {
     "PkgConfig::TURBOJPEG": {"capture_server/recording"},
     "PNG::PNG": {"render_client/display"},
     "ZLIB::ZLIB": {"common/bitstream"},
-    "spdlog::spdlog": {"capture_server", "capture_server/recorder", "render_client"},
-    "nlohmann_json::nlohmann_json": {"capture_server/recording", "render_client/statistics"},
+    "copresence_beast": {"web_gateway/web"},
+    "spdlog::spdlog": {"capture_server", "capture_server/recorder", "render_client", "web_gateway"},
+    "nlohmann_json::nlohmann_json": {"capture_server/recording", "render_client/statistics",
+                                     "web_gateway/forwarding"},
 }
 # Program -> folders of modules and foreign libraries that it must not link, not even through others.
 NOT_IN_PROGRAM = {
     "capture_server": ({"simulation", "common/window", "render_client"}, {"embree", "glfw", "copresence_opencv"}),
     "render_client": ({"simulation", "capture_server"},
                       {"embree", "copresence_opencv", "PkgConfig::OPENNI2", "PkgConfig::FREENECT"}),
+    # It decodes nothing.
+    "web_gateway": ({"simulation", "capture_server", "render_client", "common/video", "common/depth", "common/color",
+                     "common/gl", "common/window"},
+                    {"embree", "copresence_opencv", "glfw", "PkgConfig::FFMPEG", "PkgConfig::EPOXY",
+                     "PkgConfig::OPENNI2", "PkgConfig::FREENECT"}),
 }
-PROJECT_FOLDERS = r"(common|simulation|capture_server|render_client|web|tests|benchmarks|tools)/"
+PROJECT_FOLDERS = r"(common|simulation|capture_server|render_client|web_gateway|web|tests|benchmarks|tools)/"
 
 
 @dataclasses.dataclass
@@ -183,7 +195,7 @@ def link_faults(targets):
 def private_header_faults(targets):
     homes = {header: pathlib.Path(module_of(target.folder / "file") or target.folder)
              for target in targets.values() for header in target.private_headers}
-    for top in ("common", "simulation", "capture_server", "render_client", *EVERYTHING):
+    for top in ("common", "simulation", "capture_server", "render_client", "web_gateway", *EVERYTHING):
         for source in (path for path in (ROOT / top).rglob("*") if path.suffix in (".h", ".cpp")):
             path = source.relative_to(ROOT)
             mirrored = path.relative_to(path.parts[0]) if path.parts[0] in ("tests", "benchmarks") else path
@@ -219,7 +231,8 @@ def include_faults(path):
 
 
 def main():
-    sources = [path.relative_to(ROOT) for top in ("common", "simulation", "capture_server", "render_client", "web")
+    sources = [path.relative_to(ROOT)
+               for top in ("common", "simulation", "capture_server", "render_client", "web_gateway", "web")
                for path in (ROOT / top).rglob("*") if path.suffix in (".h", ".cpp")]
     faults = [fault for path in sources for fault in include_faults(path)]
     if len(sys.argv) > 2:

@@ -10,7 +10,7 @@ import sys
 
 ROOT = pathlib.Path(sys.argv[1])
 FOLDERS = (".ci", "benchmarks", "capture_server", "cmake", "common", "data", "docs", "packaging", "render_client",
-           "simulation", "tests", "tools", "web")
+           "simulation", "tests", "tools", "web", "web_gateway")
 SHELL = {"run", "debian13"}
 
 

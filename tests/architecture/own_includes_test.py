@@ -11,7 +11,8 @@ import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1]).resolve()
-FOLDERS = ("common", "simulation", "capture_server", "render_client", "tools", "tests", "benchmarks")
+FOLDERS = ("common", "simulation", "capture_server", "render_client", "web_gateway", "tools", "tests",
+           "benchmarks")
 
 # Header of a library -> the names that it declares.
 DECLARES = {

@@ -8,7 +8,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
-FOLDERS = "common|capture_server|render_client|tools|tests|benchmarks|shaders|docs|data|packaging|cmake|web"
+FOLDERS = ("common|capture_server|render_client|web_gateway|tools|tests|benchmarks|shaders|docs|data|packaging|cmake|"
+           "web")
 PATH = re.compile(rf"(?:{FOLDERS})/[\w./-]+")
 TEST = re.compile(r"[A-Z]\w+\.[A-Z]\w+")
 DEFINITION = re.compile(r"\b(?:TEST|TEST_F|TEST_P|RC_GTEST_PROP|NAME)\s*\(?\s*(\w+)(?:,\s*|\.)(\w+)")

@@ -68,7 +68,8 @@ def program_of(command):
 
 
 def is_server(command):
-    return program_of(command) == "capture_server" and not re.search(r"--(list|help|version)\b", command)
+    return (program_of(command) in ("capture_server", "web_gateway") and
+            not re.search(r"--(list|help|version|make-token)\b", command))
 
 
 def command_for_test(command):
@@ -163,7 +164,8 @@ class PageRun:
 
 # ---- code in sentences
 
-PROGRAMS = ("capture_server", "render_client", "calibrate", "record", "depth_bench", "simulate_kinect")
+PROGRAMS = ("capture_server", "render_client", "web_gateway", "calibrate", "record", "depth_bench",
+            "simulate_kinect")
 VERBS = {"calibrate": ("intrinsics", "markers", "refine", "check"), "record": ("info", "repair", "cut", "from-images")}
 
 

@@ -8,7 +8,7 @@ import subprocess
 import time
 
 DEFAULT_ADDRESS = "127.0.0.1:7001"
-LISTENS = re.compile(r" on (\S+:\d+)\s*$", re.MULTILINE)
+LISTENS = re.compile(r" on (\S+:\d+)/?\s*$", re.MULTILINE)
 
 
 class CommandFault(Exception):
@@ -16,7 +16,7 @@ class CommandFault(Exception):
 
 
 class Server:
-    """A running capture_server."""
+    """A running capture_server or web_gateway."""
 
     def __init__(self, command, pid, log):
         self.command, self.pid, self.log = command, pid, log
@@ -71,7 +71,8 @@ class Terminal:
     def serve(self, command, limit_s):
         """Starts a server and waits until it accepts viewers or ends. Returns the fault, or None."""
         listen = re.search(r"--listen[ =](\S+)", command)
-        address = listen[1] if listen else None if "--scene" in command or "--config" in command else DEFAULT_ADDRESS
+        elsewhere = any(flag in command for flag in ("--scene", "--config", "--connect"))
+        address = listen[1] if listen else None if elsewhere else DEFAULT_ADDRESS
         for server in [s for s in self.servers if address and s.address() == address]:
             self.stop(server)
         log = self.new_log()

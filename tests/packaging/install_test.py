@@ -11,7 +11,8 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-PROGRAMS = ("calibrate", "capture_server", "depth_bench", "record", "render_client", "simulate_kinect", "view_bench")
+PROGRAMS = ("calibrate", "capture_server", "depth_bench", "record", "render_client", "simulate_kinect", "view_bench",
+            "web_gateway")
 UDEV_RULE = "lib/udev/rules.d/70-copresence-cameras.rules"
 
 

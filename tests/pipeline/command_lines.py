@@ -12,9 +12,9 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-PROGRAMS = [["capture_server"], ["render_client"], ["depth_bench"], ["view_bench"], ["simulate_kinect"],
-            ["record", "cut"], ["record", "repair"], ["record", "from-images"], ["calibrate", "intrinsics"],
-            ["calibrate", "markers"], ["calibrate", "refine"], ["calibrate", "check"]]
+PROGRAMS = [["capture_server"], ["render_client"], ["web_gateway"], ["depth_bench"], ["view_bench"],
+            ["simulate_kinect"], ["record", "cut"], ["record", "repair"], ["record", "from-images"],
+            ["calibrate", "intrinsics"], ["calibrate", "markers"], ["calibrate", "refine"], ["calibrate", "check"]]
 NUMBERS = ["foo", "", "nan", "1;2", "-1e99", "1e99", "9" * 40, "0x", "--5"]
 WORDS = [""]
 # Those of type TEXT that take a few words, or a text of one form only.

@@ -10,7 +10,7 @@
 #include "common/wire/frame_client.h"
 #include "common/wire/host_port.h"
 #include "render_client/decoding/frame_decoding.h"
-#include "render_client/stream/limited_log.h"
+#include "common/wire/limited_log.h"
 
 namespace copresence::calibrate {
 namespace {
@@ -28,7 +28,7 @@ class StreamSource : public sensor::FrameSource {
     client_.on_camera_status([this, address](const std::string& notice) {
       notice_ = notice;
       if (notice.empty()) return;
-      log_.say(stream::LimitedLog::Topic::kNotice, stream::LimitedLog::Severity::kWarning,
+      log_.say(wire::LimitedLog::Topic::kNotice, wire::LimitedLog::Severity::kWarning,
                fmt::format("{}: {}", address, notice), std::chrono::steady_clock::now());
     });
     const StreamDescription& stream = client_.description();
@@ -75,8 +75,8 @@ class StreamSource : public sensor::FrameSource {
   StreamSource& operator=(const StreamSource&) = delete;
 
   wire::FrameClient client_;
-  stream::LimitedLog log_{
-      [](stream::LimitedLog::Severity, const std::string& line) { fmt::print(stderr, "{}\n", line); }};
+  wire::LimitedLog log_{
+      [](wire::LimitedLog::Severity, const std::string& line) { fmt::print(stderr, "{}\n", line); }};
   std::string notice_;  // The server's message about a camera that sends nothing; may be empty.
   decoding::FrameDecoding decoding_;
   sensor::SensorDescription description_;

@@ -1,4 +1,4 @@
-#include "render_client/stream/limited_log.h"
+#include "common/wire/limited_log.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "common/text/excerpt.h"
 
-namespace copresence::stream {
+namespace copresence::wire {
 namespace {
 
 std::string bounded(std::string_view text) {
@@ -62,4 +62,4 @@ void LimitedLog::release(Held& held) {
   held.last_said = held.latest;
 }
 
-}  // namespace copresence::stream
+}  // namespace copresence::wire

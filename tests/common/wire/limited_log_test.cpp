@@ -1,11 +1,11 @@
-#include "render_client/stream/limited_log.h"
+#include "common/wire/limited_log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/text/excerpt.h"
 
-namespace copresence::stream {
+namespace copresence::wire {
 namespace {
 
 using std::chrono::milliseconds;
@@ -78,4 +78,4 @@ TEST_F(LimitedLogTest, BoundsAndCleansEveryLine) {
 }
 
 }  // namespace
-}  // namespace copresence::stream
+}  // namespace copresence::wire

@@ -11,7 +11,7 @@
 
 #include "common/frame/rgbd_frame.h"
 
-namespace copresence::stream {
+namespace copresence::wire {
 
 /// For each topic, kAtOnce lines are written at once, and then one line per kBetween. A line that
 /// repeats the last line always waits for kBetween. Other lines are held back. Later, the latest
@@ -54,4 +54,4 @@ class LimitedLog {
   std::array<Held, 5> topics_;  // Indexed by Topic.
 };
 
-}  // namespace copresence::stream
+}  // namespace copresence::wire

@@ -21,6 +21,7 @@ find_package(CLI11 REQUIRED)                            # CLI11::CLI11
 find_package(nlohmann_json REQUIRED)                    # nlohmann_json::nlohmann_json
 find_package(tomlplusplus REQUIRED)                     # tomlplusplus::tomlplusplus
 find_package(glfw3 REQUIRED)                            # glfw
+find_package(OpenSSL 3 REQUIRED COMPONENTS SSL)          # OpenSSL::SSL
 find_package(PNG REQUIRED)                              # PNG::PNG
 find_package(ZLIB REQUIRED)                             # ZLIB::ZLIB
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
@@ -40,7 +41,6 @@ endif()
 
 if(COPRESENCE_GATEWAY)
   find_package(Boost 1.74 REQUIRED CONFIG)              # Boost::headers; Beast and its Asio need no library
-  find_package(OpenSSL 3 REQUIRED COMPONENTS SSL)       # OpenSSL::SSL
   add_library(copresence_beast INTERFACE)
   target_link_libraries(copresence_beast INTERFACE Boost::headers OpenSSL::SSL Threads::Threads)
   target_compile_definitions(copresence_beast INTERFACE BOOST_ASIO_NO_DEPRECATED BOOST_ERROR_CODE_HEADER_ONLY)

@@ -20,7 +20,7 @@ namespace {
 // Largest distance of a camera from the origin along each axis, in metres, as in a stream.
 constexpr double kFarthestM = 10'000;
 // Limits in bytes. A name has the same limit as capture_server's --name.
-constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 1024;
+constexpr std::size_t kMostOfAName = 64, kMostOfAnAddress = 300, kMostOfASource = 1024, kMostOfAPath = 1024;
 
 // Reads the tables of one file. Only the first error is kept.
 class Reader {
@@ -215,7 +215,7 @@ void read_clip(Reader& reader, const toml::table& table, Scene& scene) {
 }
 
 Scene read_scene(Reader& reader, const toml::table& root, const std::filesystem::path& folder) {
-  reader.only_keys(root, {"up", "camera", "clip"});
+  reader.only_keys(root, {"up", "key", "camera", "clip"});
   Scene scene;
   if (const auto up = reader.numbers<3>(root, "up")) {
     scene.up = Eigen::Map<const Eigen::Vector3d>(up->data());
@@ -223,6 +223,8 @@ Scene read_scene(Reader& reader, const toml::table& root, const std::filesystem:
     if (longest < 1e-9) reader.wrong(*root.get("up"), "\"up\" must not be zero");
     scene.up = (scene.up / longest).normalized();  // The squares of large numbers would overflow.
   }
+  scene.key = reader.text(root, "key", kMostOfAPath);
+  if (!scene.key.empty()) scene.key = (folder / scene.key).lexically_normal().string();
   if (const toml::node* node = root.get("camera")) {
     const toml::array* cameras = node->as_array();
     if (!cameras || !cameras->is_array_of_tables()) {

@@ -42,6 +42,9 @@ struct Box {
 
 struct Scene {
   Eigen::Vector3d up{0, -1, 0};  ///< Up direction of the world, a unit vector.
+  /// Path of the key file that the room's servers and clients share, or empty. A relative path in
+  /// the file is relative to the file's folder.
+  std::string key;
   std::vector<Camera> cameras;
   std::optional<Box> clip;  ///< The part of the world to show.
 

@@ -72,11 +72,7 @@ std::string color_camera(const ColorCamera& color) {
 }
 
 std::string source_text(const std::string& source, const fs::path& folder) {
-  if (!is_path(source) || fs::path(source).is_absolute()) return quoted(source);
-  std::error_code ignored;
-  const fs::path here = fs::current_path(ignored);
-  const fs::path from = (here / folder).lexically_normal();
-  return quoted((here / source).lexically_normal().lexically_proximate(from).string());
+  return is_path(source) ? path_text(source, folder) : quoted(source);
 }
 
 }  // namespace
@@ -114,6 +110,14 @@ std::vector<Entry> entries(const Camera& camera, const fs::path& folder) {
 
 std::array<std::pair<std::string, std::string>, 2> entries(const Box& clip) {
   return {{{"min", toml_text(clip.min)}, {"max", toml_text(clip.max)}}};
+}
+
+std::string path_text(const std::string& path, const fs::path& folder) {
+  if (fs::path(path).is_absolute()) return quoted(path);
+  std::error_code ignored;
+  const fs::path here = fs::current_path(ignored);
+  const fs::path from = (here / folder).lexically_normal();
+  return quoted((here / path).lexically_normal().lexically_proximate(from).string());
 }
 
 std::string toml_text(const Eigen::Vector3d& v) {

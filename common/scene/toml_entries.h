@@ -27,6 +27,10 @@ using Entry = std::pair<std::string, std::optional<std::string>>;
 /// `folder`.
 std::vector<Entry> entries(const Camera& camera, const std::filesystem::path& folder);
 
+/// Returns a path as TOML text. A relative path in `path` is relative to the working directory, one
+/// in the text is relative to `folder`.
+std::string path_text(const std::string& path, const std::filesystem::path& folder);
+
 /// Returns `min` and `max` of the table [clip].
 std::array<std::pair<std::string, std::string>, 2> entries(const Box& clip);
 

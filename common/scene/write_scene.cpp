@@ -143,16 +143,26 @@ bool is_same_up(const Scene& a, const Scene& b) {
   return a.up.isApprox(b.up, 1e-12);
 }
 
-void rewrite_up(EditedText& text, const toml::table& root, const Scene& before, const Scene& after) {
-  if (is_same_up(before, after)) return;
-  if (const toml::node* up = root.get("up")) return text.replace(*up, toml_text(after.up));
+// Changes a key of the whole file. A new key becomes the file's first one.
+void rewrite_root(EditedText& text, const toml::table& root, std::string_view name,
+                  const std::string& value) {
+  if (const toml::node* node = root.get(name)) return text.replace(*node, value);
   std::uint32_t first = root.get("camera")->source().begin.line;
-  for (const auto& [key, value] : root) first = std::min(first, key.source().begin.line);
-  text.insert_after(text.first_of_comment_above(first) - 1, "up = " + toml_text(after.up));
+  for (const auto& [key, node] : root) first = std::min(first, key.source().begin.line);
+  text.insert_after(text.first_of_comment_above(first) - 1, fmt::format("{} = {}", name, value));
+}
+
+void rewrite_key(EditedText& text, const toml::table& root, const Scene& before, const Scene& after,
+                 const fs::path& folder) {
+  if (before.key == after.key) return;
+  if (!after.key.empty()) return rewrite_root(text, root, "key", path_text(after.key, folder));
+  const std::uint32_t line = root.get("key")->source().begin.line;
+  text.remove_lines(line, line);
 }
 
 bool say_the_same(const Scene& a, const Scene& b, const fs::path& folder) {
   if (a.cameras.size() != b.cameras.size() || !is_same_up(a, b)) return false;
+  if (path_text(a.key, folder) != path_text(b.key, folder)) return false;
   if (a.clip.has_value() != b.clip.has_value() || (a.clip && entries(*a.clip) != entries(*b.clip)))
     return false;
   return std::all_of(a.cameras.begin(), a.cameras.end(), [&](const Camera& camera) {
@@ -191,6 +201,7 @@ Result<void> check_readable(const std::string& text, const Scene& scene, const f
 std::string to_toml(const Scene& scene, const fs::path& path) {
   std::string text =
       fmt::format("# Metres; camera frames are x right, y down, z forward.\nup = {}\n", toml_text(scene.up));
+  if (!scene.key.empty()) text += fmt::format("key = {}\n", path_text(scene.key, path.parent_path()));
   for (const Camera& camera : scene.cameras) text += camera_block(camera, path.parent_path()) + "\n";
   if (scene.clip) text += clip_block(*scene.clip) + "\n";
   return text;
@@ -204,7 +215,8 @@ Result<std::string> rewrite(std::string_view text, const Scene& scene, const fs:
   const fs::path folder = path.parent_path();
 
   EditedText edited(text);
-  rewrite_up(edited, *root, *before, scene);
+  if (!is_same_up(*before, scene)) rewrite_root(edited, *root, "up", toml_text(scene.up));
+  rewrite_key(edited, *root, *before, scene, folder);
   for (const auto& entry : *root->get_as<toml::array>("camera")) {
     const toml::table& table = *entry.as_table();
     const Camera& from = *before->find(table["name"].ref<std::string>());

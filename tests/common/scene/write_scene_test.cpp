@@ -69,6 +69,7 @@ Rigid3 turned(double angle) {
 Scene full() {
   Scene scene = lab();
   scene.up = Eigen::Vector3d(0.1, -1, 0.2).normalized();
+  scene.key = "keys/room.key";
   Camera& left = scene.cameras[0];
   left.model.fx = 579.123456789012345;
   left.model.distortion = {0.1, -0.2, 1e-4, -2e-5, 0.3, 0.15, 0, 7e-9};
@@ -86,6 +87,7 @@ Scene full() {
 
 void expect_same(const Scene& a, const Scene& b) {
   EXPECT_TRUE(a.up.isApprox(b.up, 1e-15));
+  EXPECT_EQ(a.key, b.key);
   ASSERT_EQ(a.cameras.size(), b.cameras.size());
   for (const Camera& camera : a.cameras) {
     SCOPED_TRACE(camera.name);
@@ -220,6 +222,17 @@ TEST(WriteScene, NamesRecordingsRelativeToTheFileWhereverItLies) {
   EXPECT_THAT(*rewrite(kLab, scene, "scene.toml"), HasSubstr("source = \"room/takes/right.oni\""));
   scene.cameras[1].source = "/data/right.oni";
   EXPECT_THAT(to_toml(scene, "out/scene.toml"), HasSubstr("source = \"/data/right.oni\""));
+}
+
+TEST(WriteScene, AddsChangesAndRemovesTheKeyAndNothingElse) {
+  Scene scene = lab();
+  scene.key = "room/room.key";
+  const std::string with_key = rewritten(kLab, scene);
+  EXPECT_EQ(with_key, "key = \"room.key\"\n" + std::string(kLab));
+  scene.key = "/etc/copresence/room.key";
+  EXPECT_EQ(rewritten(with_key, scene), "key = \"/etc/copresence/room.key\"\n" + std::string(kLab));
+  scene.key.clear();
+  EXPECT_EQ(rewritten(with_key, scene), kLab);
 }
 
 TEST(WriteScene, RefusesToRewriteWhatIsNoSceneFile) {

@@ -142,9 +142,17 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
       ->check(number(0, kLatestStart));
   app.add_option("--frames", settings.frames, "end after N captured frames")
       ->check(whole_number<std::uint64_t>(1, 1'000'000'000));
+  auto* key =
+      app.add_option("--key", settings.key,
+                     "key file of the room: encrypts the stream, and admits only clients with the same "
+                     "key; needed to listen beyond this machine [the scene file's key]")
+          ->check(file_name());
   app.add_flag("--insecure", settings.insecure,
-               "allow --listen beyond this machine: anyone who reaches the port sees the room, unencrypted");
-  app.add_option("--scene", settings.scene, "scene file with this camera's pose and intrinsics, by --name")
+               "allow --listen beyond this machine without a key: anyone who reaches the port sees the room, "
+               "unencrypted")
+      ->excludes(key);
+  app.add_option("--scene", settings.scene,
+                 "scene file with the room's key and this camera's pose and intrinsics, by --name")
       ->check(file_name());
   app.add_option("--record", settings.record,
                  "also record the sensor's frames to this .oni file, lossless in depth; if it exists, "
@@ -152,7 +160,12 @@ void add_flags(CLI::App& app, ServerSettings& settings) {
       ->check(file_name());
   auto* list = app.add_flag("--list", settings.list, "list the devices that can be opened, and end")
                    ->configurable(false);
-  source->excludes(list);
+  auto* make_key = app.add_option("--make-key", settings.make_key,
+                                  "write a new random key to this file, readable by you only, and end; an "
+                                  "existing file is never overwritten")
+                       ->configurable(false)
+                       ->check(file_name());
+  source->excludes(list)->excludes(make_key);
   app.add_option("--config", settings.config,
                  "settings file with the flags as keys, FLAG = VALUE; the command line takes precedence; "
                  "SIGHUP reads it again, see docs/guide/quality_and_bandwidth.md")

@@ -9,6 +9,7 @@
 
 #include <csignal>
 #include <functional>
+#include <optional>
 
 #include "capture_server/capture_thread.h"
 #include "capture_server/diagnosis/device_listing.h"
@@ -20,6 +21,7 @@
 #include "capture_server/supervisor/supervisor.h"
 #include "common/flow/stop_on_signal.h"
 #include "common/flow/tune_allocator.h"
+#include "common/tls/room_key.h"
 
 namespace copresence::server {
 namespace {
@@ -64,7 +66,16 @@ void catch_up(RunningSettings& settings, const Heartbeat& heartbeat) {
   settings.read_again();
 }
 
-int stream(RunningSettings& settings, const wire::ListeningSocket& listening, Heartbeat& heartbeat) {
+/// Returns the room's key, or nothing if none is named.
+Result<std::optional<tls::RoomKey>> read_key(const ServerSettings& settings) {
+  if (settings.key.empty()) return std::optional<tls::RoomKey>();
+  const auto key = tls::read_key(settings.key);
+  if (!key) return fail(key.error());
+  return std::optional(*key);
+}
+
+int stream(RunningSettings& settings, const wire::ListeningSocket& listening, const tls::RoomKey* key,
+           Heartbeat& heartbeat) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("capture_server"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   const auto read_again = [&] {
@@ -83,7 +94,7 @@ int stream(RunningSettings& settings, const wire::ListeningSocket& listening, He
   CaptureThread capture;
   const ServerSettings now = settings.now();
   const auto ran =
-      run_pipeline(now, listening, settings.encoder_changes(), signals.token(), heartbeat, capture);
+      run_pipeline(now, listening, key, settings.encoder_changes(), signals.token(), heartbeat, capture);
   if (signals.token().stop_requested() && (ran || ran.error().code == ErrorCode::kEndOfStream))
     return kEndedBySignal;
   return ran ? 0 : say(ran.error());
@@ -99,11 +110,19 @@ int main(int argc, char** argv) {
   const auto settings = read_command_line(argc, argv);
   if (!settings) return settings.error();
   if (settings->list) return list_devices();
-  const auto listening = wire::listen(settings->listen, settings->insecure);
+  if (!settings->make_key.empty()) {
+    const auto made = tls::make_key(settings->make_key);
+    return made ? 0 : say(made.error());
+  }
+  const auto key = read_key(*settings);
+  if (!key) return say(key.error());
+  const bool may_be_reached = settings->insecure || *key;
+  const auto listening = wire::listen(
+      settings->listen, may_be_reached ? wire::Reach::kOtherMachines : wire::Reach::kThisMachine);
   if (!listening) return say(listening.error());
   const bool recording = sensor::is_recording(settings->source);
   RunningSettings running(argc, argv, *settings);
   return supervise(
       {.subject = settings->source, .passes_hangup = !settings->config.empty(), .plays_recording = recording},
-      [&](Heartbeat& heartbeat) { return stream(running, *listening, heartbeat); });
+      [&](Heartbeat& heartbeat) { return stream(running, *listening, *key ? &**key : nullptr, heartbeat); });
 }

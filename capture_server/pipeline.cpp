@@ -55,7 +55,7 @@ struct Parts {
 
 Result<Parts> open_parts(const ServerSettings& settings, const scene::Camera* camera,
                          const sensor::SensorDescription& sensor, const wire::ListeningSocket& listening,
-                         Heartbeat& heartbeat) {
+                         const tls::RoomKey* key, Heartbeat& heartbeat) {
   heartbeat.enter(Stage::kPreparing);
   auto encoding = [&] {
     const auto activity = heartbeat.doing("preparing to fill holes and to encode",
@@ -63,7 +63,7 @@ Result<Parts> open_parts(const ServerSettings& settings, const scene::Camera* ca
     return FrameEncoding::open(sensor, camera, settings);
   }();
   if (!encoding) return fail(encoding.error());
-  auto server = wire::FrameServer::open(listening, encoding->description(),
+  auto server = wire::FrameServer::open(listening, encoding->description(), key,
                                         [&settings](const std::string& sentence, bool is_warning) {
                                           spdlog::log(is_warning ? spdlog::level::warn : spdlog::level::info,
                                                       "{}: {}", settings.name, sentence);
@@ -76,9 +76,9 @@ Result<Parts> open_parts(const ServerSettings& settings, const scene::Camera* ca
   }();
   if (!recording) return fail(recording.error());
   const StreamDescription& stream = encoding->description();
-  spdlog::info("{}: {}x{} {}, depth {} at {}, on {}", settings.name, stream.model.width, stream.model.height,
-               stream.has_color ? "depth and colour" : "depth only", settings.codec,
-               depth_quality(settings.encoder), listening.address());
+  spdlog::info("{}: {}x{} {}, depth {} at {}{}, on {}", settings.name, stream.model.width,
+               stream.model.height, stream.has_color ? "depth and colour" : "depth only", settings.codec,
+               depth_quality(settings.encoder), key ? ", encrypted" : "", listening.address());
   return Parts{std::move(*recording), std::move(*encoding), std::move(*server)};
 }
 
@@ -131,8 +131,8 @@ Result<void> stream_frames(Parts& parts, sensor::FrameSource& source, const Serv
 }  // namespace
 
 Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningSocket& listening,
-                          flow::Mailbox<EncoderSettings>& encoder_changes, const std::stop_token& stop,
-                          Heartbeat& heartbeat, CaptureThread& capture) {
+                          const tls::RoomKey* key, flow::Mailbox<EncoderSettings>& encoder_changes,
+                          const std::stop_token& stop, Heartbeat& heartbeat, CaptureThread& capture) {
   const auto camera = [&] {
     const auto activity = heartbeat.doing(fmt::format("reading the scene file {}", settings.scene),
                                           "mend that file or start without --scene");
@@ -144,8 +144,8 @@ Result<void> run_pipeline(const ServerSettings& settings, const wire::ListeningS
   if (!source) return fail(source.error());
 
   Result<void> result;
-  auto parts =
-      open_parts(settings, *camera ? &**camera : nullptr, (*source)->description(), listening, heartbeat);
+  auto parts = open_parts(settings, *camera ? &**camera : nullptr, (*source)->description(), listening, key,
+                          heartbeat);
   if (parts) {
     result = stream_frames(*parts, **source, settings, begin, encoder_changes, stop, heartbeat, capture);
     if (parts->recording) {

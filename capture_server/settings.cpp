@@ -33,7 +33,7 @@ std::string key_of(const CLI::Option& option) {
 
 /// Returns a setting's value. A relative path of a file is resolved against `folder`.
 std::string from_folder(const std::filesystem::path& folder, const Setting& setting) {
-  const bool is_path = setting.key == "scene" || setting.key == "record" ||
+  const bool is_path = setting.key == "scene" || setting.key == "record" || setting.key == "key" ||
                        (setting.key == "source" && sensor::is_recording(setting.value));
   return is_path && !setting.value.empty() ? (folder / setting.value).string() : setting.value;
 }
@@ -78,20 +78,24 @@ tl::expected<const scene::Camera*, Reject> camera_in(const scene::Scene& scene, 
   return camera;
 }
 
-/// Takes source and listening address from the scene file, unless they are given elsewhere.
+/// Takes source, listening address and key from the scene file, unless they are given elsewhere.
 tl::expected<void, Reject> apply_scene(CLI::App& app, ServerSettings& settings) {
   CLI::Option& source = *app.get_option("--source");
   CLI::Option& listen = *app.get_option("--listen");
-  if (settings.scene.empty() || (is_given(source) && is_given(listen))) return {};
+  CLI::Option& key = *app.get_option("--key");
+  const bool needs_no_camera = is_given(source) && is_given(listen);
+  if (settings.scene.empty() || (needs_no_camera && (is_given(key) || settings.insecure))) return {};
   const auto scene = scene::load(settings.scene);
   if (!scene) return tl::unexpected(Reject{scene.error().what, 1});
-  const auto camera = camera_in(*scene, settings);
-  if (!camera) return tl::unexpected(camera.error());
   const auto take = [](CLI::Option& option, const std::string& value) {
     if (is_given(option) || value.empty()) return;
     option.add_result(value);
     option.run_callback();
   };
+  if (!settings.insecure) take(key, scene->key);
+  if (needs_no_camera) return {};
+  const auto camera = camera_in(*scene, settings);
+  if (!camera) return tl::unexpected(camera.error());
   if (*camera) {
     take(source, (*camera)->source);
     take(listen, (*camera)->address);
@@ -153,7 +157,7 @@ tl::expected<ServerSettings, Reject> read(CLI::App& app, int argc, const char* c
   ServerSettings settings;
   add_flags(app, settings);
   app.parse(argc, argv);
-  if (settings.list) return settings;
+  if (settings.list || !settings.make_key.empty()) return settings;
   if (!settings.config.empty()) {
     if (const auto applied = apply_file(app, settings.config); !applied) {
       return tl::unexpected(Reject{applied.error().what});

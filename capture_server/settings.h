@@ -28,10 +28,12 @@ struct ServerSettings : EncodingSettings {
   std::optional<double> start_at;
   std::optional<std::uint64_t> frames;  ///< The server ends after this many captured frames.
   bool insecure = false;
+  std::string key;     ///< Path of the room's key file, or empty.
   std::string scene;   ///< Path of the scene file, or empty.
   std::string record;  ///< Path of the .oni file to record to, or empty.
   std::string config;  ///< Path of the settings file, or empty.
   bool list = false;
+  std::string make_key;  ///< Path of the key file to make, or empty. Nothing else is done then.
 
   /// The text of every setting, given or default, by its flag's name without the dashes. The text
   /// is empty if the setting is not set. The map is used for messages about changed settings.
@@ -45,7 +47,8 @@ struct ServerSettings : EncodingSettings {
 void add_flags(CLI::App& app, ServerSettings& settings);
 
 /// Reads the command line, the file of --config and the scene file, in this order of priority. The
-/// scene file contributes only the source and the listening address. The keys in the file of
+/// scene file contributes the source, the listening
+/// address and the key. The keys in the file of
 /// --config are the flags' names (settings_file.h). Relative paths in that file are relative to its
 /// folder. Returns the settings. After --help, --version or a mistake, it prints the text or the
 /// reason and returns the exit code: 0, 1 or 2.

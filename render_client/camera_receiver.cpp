@@ -24,8 +24,9 @@ void write_line(Severity severity, const std::string& line) {
 
 }  // namespace
 
-CameraReceiver::CameraReceiver(const std::string& address, std::size_t slot, const scene::Scene* scene,
-                               bool remembers, flow::Mailboxes<CameraFrame>& mailboxes,
+CameraReceiver::CameraReceiver(const std::string& address, const tls::RoomKey* key, std::size_t slot,
+                               const scene::Scene* scene, bool remembers,
+                               flow::Mailboxes<CameraFrame>& mailboxes,
                                statistics::CameraStatistics& statistics, stream::CameraStates& states)
     : address_(address),
       slot_(slot),
@@ -35,8 +36,8 @@ CameraReceiver::CameraReceiver(const std::string& address, std::size_t slot, con
       log_(write_line),
       source_(
           address, slot, states, log_,
-          [address](const std::stop_token& stop) {
-            return stream::connect_live(address, kConnectTimeout, stop);
+          [address, key](const std::stop_token& stop) {
+            return stream::connect_live(address, kConnectTimeout, stop, key);
           },
           [this](const StreamDescription& description) { return begin(description); }) {
   if (remembers) background_.emplace();

@@ -13,6 +13,7 @@
 #include "common/frame/stream_description.h"
 #include "common/result.h"
 #include "common/scene/scene.h"
+#include "common/tls/room_key.h"
 #include "render_client/background_memory/background_memory.h"
 #include "render_client/camera_setup/camera_setup.h"
 #include "render_client/decoding/frame_conditioning.h"
@@ -26,12 +27,12 @@ namespace copresence::client {
 
 class CameraReceiver {
  public:
-  /// `address` is HOST:PORT. `slot` is the camera's number in `mailboxes` and `states`. `scene` may
-  /// be null. `remembers` tells whether the views show remembered backgrounds. All referenced
+  /// `address` is HOST:PORT. `key` is the room's key, or null for a server without one. `slot` is the
+  /// camera's number in `mailboxes` and `states`. `scene` may be null. `remembers` tells whether the views show remembered backgrounds. All referenced
   /// objects must outlive the receiver.
-  CameraReceiver(const std::string& address, std::size_t slot, const scene::Scene* scene, bool remembers,
-                 flow::Mailboxes<CameraFrame>& mailboxes, statistics::CameraStatistics& statistics,
-                 stream::CameraStates& states);
+  CameraReceiver(const std::string& address, const tls::RoomKey* key, std::size_t slot,
+                 const scene::Scene* scene, bool remembers, flow::Mailboxes<CameraFrame>& mailboxes,
+                 statistics::CameraStatistics& statistics, stream::CameraStates& states);
 
   /// Runs until a stop is requested or the server refuses this program's protocol version.
   void run(const std::stop_token& stop);

@@ -14,6 +14,7 @@
 #include "common/flow/thread_priority.h"
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
+#include "common/tls/room_key.h"
 #include "common/wire/host_port.h"
 #include "render_client/camera_receiver.h"
 #include "render_client/display/display.h"
@@ -60,6 +61,15 @@ Result<std::vector<std::string>> addresses(const ClientSettings& settings, const
   return out;
 }
 
+/// Reads the room's key. Empty if neither the command line nor the scene file names one.
+Result<std::optional<tls::RoomKey>> room_key(const ClientSettings& settings, const scene::Scene* scene) {
+  const std::string path = settings.key.empty() && scene ? scene->key : settings.key;
+  if (path.empty()) return std::optional<tls::RoomKey>();
+  const auto key = tls::read_key(path);
+  if (!key) return fail(key.error());
+  return std::optional(*key);
+}
+
 Result<std::unique_ptr<display::Display>> open_display(const ClientSettings& settings) {
   if (!settings.headless) return display::open_window(kTitle, settings.width, settings.height);
   using display::HeadlessGl;
@@ -79,11 +89,12 @@ Result<std::unique_ptr<renderer::Renderer>> make_renderer(const std::string& cho
 class Pipeline {
  public:
   Pipeline(const ClientSettings& settings, const scene::Scene* scene, std::vector<std::string> servers,
-           std::unique_ptr<display::Display> display, std::unique_ptr<renderer::Renderer> renderer,
-           viewpoint::Viewer viewer, std::stop_source stop)
+           std::optional<tls::RoomKey> key, std::unique_ptr<display::Display> display,
+           std::unique_ptr<renderer::Renderer> renderer, viewpoint::Viewer viewer, std::stop_source stop)
       : settings_(settings),
         scene_(scene),
         servers_(std::move(servers)),
+        key_(std::move(key)),
         display_(std::move(display)),
         renderer_(std::move(renderer)),
         viewer_(std::move(viewer)),
@@ -121,7 +132,8 @@ class Pipeline {
   void receive(std::size_t slot) {
     pthread_setname_np(pthread_self(), fmt::format("camera {}", slot).c_str());
     const bool remembers = settings_.unseen.show != renderer::UnseenStyle::Show::kBlack;
-    CameraReceiver(servers_[slot], slot, scene_, remembers, mailboxes_, statistics_[slot], states_)
+    CameraReceiver(servers_[slot], key_ ? &*key_ : nullptr, slot, scene_, remembers, mailboxes_,
+                   statistics_[slot], states_)
         .run(stop_.get_token());
   }
 
@@ -280,6 +292,7 @@ class Pipeline {
   const ClientSettings& settings_;
   const scene::Scene* scene_;
   std::vector<std::string> servers_;
+  std::optional<tls::RoomKey> key_;  // Empty if the servers have none.
   std::unique_ptr<display::Display> display_;
   std::unique_ptr<renderer::Renderer> renderer_;  // It may use the display's context.
   viewpoint::Viewer viewer_;
@@ -312,6 +325,8 @@ Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop)
   const scene::Scene* known = scene ? &*scene : nullptr;
   auto servers = addresses(settings, known);
   if (!servers) return fail(servers.error());
+  auto key = room_key(settings, known);
+  if (!key) return fail(key.error());
   auto viewer =
       viewpoint::Viewer::open(settings.view, {settings.width, settings.height, settings.fov_degrees},
                               scene ? scene->up : scene::Scene{}.up);
@@ -322,8 +337,8 @@ Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop)
   auto renderer = make_renderer(settings.renderer, (*display)->context(), workers);
   if (!renderer) return fail(renderer.error());
   (*renderer)->set_unseen(settings.unseen);
-  return Pipeline(settings, known, std::move(*servers), std::move(*display), std::move(*renderer),
-                  std::move(*viewer), std::move(stop))
+  return Pipeline(settings, known, std::move(*servers), std::move(*key), std::move(*display),
+                  std::move(*renderer), std::move(*viewer), std::move(stop))
       .run();
 }
 

@@ -66,6 +66,11 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
                  "scene file with the addresses (unless --connect gives them), poses, intrinsics and colours "
                  "of cameras")
       ->check(file_name());
+  app.add_option(
+         "--key", settings.key,
+         "key file of the room, for servers with the same key: encrypts the streams [the scene file's "
+         "key]")
+      ->check(file_name());
   app.add_flag("--headless", settings.headless, "no window");
   app.add_option("--renderer", settings.renderer, "auto (gl on a GPU, else cpu), gl or cpu")
       ->capture_default_str()

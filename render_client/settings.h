@@ -16,6 +16,7 @@ namespace copresence::client {
 struct ClientSettings {
   std::vector<std::string> servers;  ///< Addresses, HOST:PORT.
   std::string scene;                 ///< Path of the scene file, or empty.
+  std::string key;                   ///< Path of the room's key file, or empty.
   bool headless = false;
   std::string renderer = "auto";   ///< auto, gl or cpu.
   int width = 1280, height = 720;  ///< Size of the view; even numbers of pixels.

@@ -56,7 +56,7 @@ Result<std::vector<forwarding::RoomCamera>> list_cameras(const GatewaySettings& 
 
 /// Listens where other machines can connect only if the viewers need a token, or if everybody may watch.
 Result<wire::ListeningSocket> listen(const GatewaySettings& settings) {
-  auto socket = wire::listen(settings.listen, /*insecure=*/true);
+  auto socket = wire::listen(settings.listen, wire::Reach::kOtherMachines);
   if (socket && !socket->is_loopback() && settings.token.empty() && !settings.open) {
     return fail(ErrorCode::kInvalid,
                 fmt::format("{} can be reached from other machines: give --token FILE (web_gateway "

@@ -16,6 +16,12 @@ const char* in_words(Ending why) {
       return "hung up";
     case Ending::kNoHello:
       return "sent no hello";
+    case Ending::kNoKey:
+      return "came without the room's key";
+    case Ending::kWrongKey:
+      return "had another room key";
+    case Ending::kUnexpectedKey:
+      return "had a room key, which this server has not";
     case Ending::kNonsense:
       return "violated the protocol";
     case Ending::kSilent:

@@ -18,15 +18,18 @@
 namespace copresence::wire {
 
 enum class Ending {
-  kHungUp,        ///< The peer or the network closed it.
-  kNoHello,       ///< The peer sent no Hello in time.
-  kNonsense,      ///< The peer violated the protocol.
-  kSilent,        ///< No bytes were sent or received for too long.
-  kNoProgress,    ///< The peer acknowledged no frame in time.
-  kMadeRoom,      ///< The server closed it to make room for another connection.
-  kNoPlace,       ///< The server has its maximum number of clients.
-  kOtherVersion,  ///< The peer has another protocol version.
-  kNoToken,       ///< The peer has no valid token of the web gateway.
+  kHungUp,         ///< The peer or the network closed it.
+  kNoHello,        ///< The peer sent no Hello in time.
+  kNoKey,          ///< The peer came without the room's key.
+  kWrongKey,       ///< The peer has another room key.
+  kUnexpectedKey,  ///< The peer has a room key, and this server has none.
+  kNonsense,       ///< The peer violated the protocol.
+  kSilent,         ///< No bytes were sent or received for too long.
+  kNoProgress,     ///< The peer acknowledged no frame in time.
+  kMadeRoom,       ///< The server closed it to make room for another connection.
+  kNoPlace,        ///< The server has its maximum number of clients.
+  kOtherVersion,   ///< The peer has another protocol version.
+  kNoToken,        ///< The peer has no valid token of the web gateway.
   kServerEnds,
 };
 

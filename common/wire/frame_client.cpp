@@ -33,7 +33,9 @@ constexpr int kMostStatuses = 100;
 
 class FrameClient::Protocol {
  public:
-  explicit Protocol(std::string address) : address_(std::move(address)) {}
+  /// `encryption` is empty for a connection without encryption.
+  Protocol(std::string address, std::optional<tls::Context> encryption)
+      : address_(std::move(address)), encryption_(std::move(encryption)) {}
 
   Result<void> open(std::chrono::milliseconds timeout, const std::stop_token& stop) {
     const auto target = parse_host_port(address_);
@@ -113,10 +115,26 @@ class FrameClient::Protocol {
             "connection refused: start a capture_server there (without --loop it ends with its recording)");
       }
       if (error) return fail_with(ErrorCode::kNotFound, error.message());
-      hello_at_ = Clock::now();
-      send(encode(Hello{}));
-      read_message();
+      connection_.handshake([this](const asio::error_code& failed) { greet(failed); });
     });
+  }
+
+  void greet(const asio::error_code& error) {
+    if (failure_) return;
+    if (error == TransportError::kWrongKey) {
+      return fail_with(
+          ErrorCode::kRefused,
+          "the server has another room key: give --key FILE with a copy of the server's key file");
+    }
+    if (error == TransportError::kBroken) return fail_with(ErrorCode::kCorrupt, "a damaged TLS handshake");
+    if (error == TransportError::kPeerIsPlain) {
+      only_a_reject_ = true;  // Nothing else is believed without encryption.
+      return read_message();
+    }
+    if (error) return lost(error);
+    hello_at_ = Clock::now();
+    send(encode(Hello{}));
+    read_message();
   }
 
   void read_message() {
@@ -175,6 +193,12 @@ class FrameClient::Protocol {
   }
 
   void take(MessageType type) {
+    if (only_a_reject_) {
+      if (type != MessageType::kReject) return protocol_error();
+      return fail_with(
+          ErrorCode::kRefused,
+          "the server has no key: start the client without --key, or the server with --key FILE");
+    }
     switch (type) {
       case MessageType::kReject:
         return welcomed_ ? protocol_error() : take_reject();
@@ -209,8 +233,8 @@ class FrameClient::Protocol {
   void take_reject() {
     auto reject = decode_reject(body_);
     if (!reject) return fail_with(reject.error());
-    const bool final = reject->reason == RejectReason::kVersion;
-    fail_with(final ? ErrorCode::kRefused : ErrorCode::kUnavailable, std::move(reject->text));
+    fail_with(may_pass(reject->reason) ? ErrorCode::kUnavailable : ErrorCode::kRefused,
+              std::move(reject->text));
   }
 
   void take_welcome() {
@@ -287,13 +311,15 @@ class FrameClient::Protocol {
   }
 
   std::string address_;
+  std::optional<tls::Context> encryption_;
   std::function<void(const std::string&)> on_camera_status_;
   asio::io_context io_{1};
-  Connection connection_{io_};
+  Connection connection_{io_, encryption_ ? &*encryption_ : nullptr};
   asio::steady_timer timer_{io_};
   std::optional<Error> failure_;
 
   std::vector<tcp::endpoint> endpoints_;
+  bool only_a_reject_ = false;  // True if this end encrypts and the server does not.
   bool welcomed_ = false, same_clock_ = false;
   StreamDescription description_;
   ClockEstimate estimate_;
@@ -314,8 +340,14 @@ class FrameClient::Protocol {
 };
 
 Result<FrameClient> FrameClient::connect(const std::string& host_port, std::chrono::milliseconds timeout,
-                                         std::stop_token stop) {
-  auto protocol = std::make_unique<Protocol>(host_port);
+                                         std::stop_token stop, const tls::RoomKey* key) {
+  std::optional<tls::Context> encryption;
+  if (key) {
+    auto made = tls::Context::make(tls::Side::kClient, *key);
+    if (!made) return fail(made.error());
+    encryption = std::move(*made);
+  }
+  auto protocol = std::make_unique<Protocol>(host_port, std::move(encryption));
   if (const auto open = protocol->open(timeout, stop); !open) return fail(open.error());
   return FrameClient(std::move(protocol));
 }

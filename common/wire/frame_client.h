@@ -2,7 +2,8 @@
 
 // A connection to a capture_server: receives frames, sends acknowledgements and pings.
 //
-//   `kRefused`: the releases differ, so connecting again is useless.
+//   `kRefused`: connecting again is useless: the releases or the room keys differ, only one end has
+//     a key, or the server gives a reason that this release does not know.
 //   `kEndOfStream`: the server ended the stream; the text is its reason.
 //   `kNotFound`: no server answers at this address.
 //   `kUnavailable`: the server is full or closed the connection, or a stop was requested.
@@ -24,6 +25,7 @@
 #include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
+#include "common/tls/room_key.h"
 #include "common/wire/clock_offset.h"
 #include "common/wire/message.h"
 
@@ -39,9 +41,10 @@ struct ReceivedFrame {
 class FrameClient {
  public:
   /// Connects and exchanges the first messages within `timeout`. The lookup of the host name comes
-  /// first and has no time limit. A stop request returns kUnavailable at once.
+  /// first and has no time limit. A stop request returns kUnavailable at once. With a `key`, the
+  /// connection is encrypted, and the server must prove that it has the same key.
   static Result<FrameClient> connect(const std::string& host_port, std::chrono::milliseconds timeout,
-                                     std::stop_token stop);
+                                     std::stop_token stop, const tls::RoomKey* key = nullptr);
   FrameClient(FrameClient&&) noexcept;
   FrameClient& operator=(FrameClient&&) noexcept;
   ~FrameClient();

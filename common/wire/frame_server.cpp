@@ -31,8 +31,8 @@ Duration period_of(const StreamDescription& stream) {
 
 class FrameServer::Loop {
  public:
-  Loop(StreamDescription description, LogLine log_line)
-      : log_line_(std::move(log_line)), demand_(period_of(description)) {
+  Loop(StreamDescription description, std::optional<tls::Context> encryption, LogLine log_line)
+      : encryption_(std::move(encryption)), log_line_(std::move(log_line)), demand_(period_of(description)) {
     stream_.description = std::move(description);
     stream_.clock_id = monotonic_clock_id();
     stream_.on_change = [this] { publish(); };
@@ -218,7 +218,8 @@ class FrameServer::Loop {
 
   // Used by the wire thread only.
   asio::io_context io_{1};
-  Acceptor acceptor_{io_};
+  const std::optional<tls::Context> encryption_;
+  Acceptor acceptor_{io_, encryption_ ? &*encryption_ : nullptr};
   asio::steady_timer sweeper_{io_}, flush_{io_};
   Session::Stream stream_;
   std::vector<std::shared_ptr<Session>> sessions_;
@@ -237,9 +238,16 @@ class FrameServer::Loop {
 };
 
 Result<std::unique_ptr<FrameServer>> FrameServer::open(const ListeningSocket& socket,
-                                                       StreamDescription description, LogLine log_line) {
+                                                       StreamDescription description, const tls::RoomKey* key,
+                                                       LogLine log_line) {
   if (const auto good = check(description); !good) return fail(good.error());
-  auto loop = std::make_unique<Loop>(std::move(description), std::move(log_line));
+  std::optional<tls::Context> encryption;
+  if (key) {
+    auto made = tls::Context::make(tls::Side::kServer, *key);
+    if (!made) return fail(made.error());
+    encryption = std::move(*made);
+  }
+  auto loop = std::make_unique<Loop>(std::move(description), std::move(encryption), std::move(log_line));
   if (const auto listening = loop->listen(socket); !listening) return fail(listening.error());
   return std::unique_ptr<FrameServer>(new FrameServer(std::move(loop)));
 }

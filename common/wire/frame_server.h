@@ -17,6 +17,7 @@
 #include "common/frame/coded_frame.h"
 #include "common/frame/stream_description.h"
 #include "common/result.h"
+#include "common/tls/room_key.h"
 #include "common/wire/listening_socket.h"
 #include "common/wire/message.h"
 
@@ -35,10 +36,13 @@ class FrameServer {
   using LogLine = std::function<void(const std::string& sentence, bool is_warning)>;
 
   /// Serves the port through a duplicate file descriptor, so the caller may keep or close the
-  /// socket. Fails with kInvalid if the description does not pass wire::check(). Fails with
-  /// kUnavailable without free file descriptors.
+  /// socket. With a `key`, all connections are encrypted, and only clients with the same key are
+  /// admitted. Without it (null), nothing is encrypted. Fails with kInvalid if the description does
+  /// not pass wire::check(). Fails with kUnavailable without free file descriptors, and with
+  /// kUnsupported if the installed OpenSSL cannot encrypt.
   static Result<std::unique_ptr<FrameServer>> open(const ListeningSocket& socket,
-                                                   StreamDescription description, LogLine log_line = {});
+                                                   StreamDescription description, const tls::RoomKey* key,
+                                                   LogLine log_line = {});
   ~FrameServer();
 
   /// Serves clients until a stop request or end(). Calls `alive` four times a second. Call it once.

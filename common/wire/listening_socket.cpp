@@ -16,7 +16,9 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr int kWaiting = 64;  // Limit of connections that wait in the kernel to be accepted.
+// Limit of connections that wait in the kernel to be accepted. If it is reached, the kernel drops
+// connections, and a client tries again only after a second.
+constexpr int kWaiting = 512;
 
 int option(int descriptor, int name) {
   int value = 0;
@@ -65,7 +67,7 @@ bool ListeningSocket::is_loopback() const {
   return endpoint_of(descriptor_).address().is_loopback();
 }
 
-Result<ListeningSocket> listen(const std::string& host_port, bool insecure) {
+Result<ListeningSocket> listen(const std::string& host_port, Reach reach) {
   const auto address = parse_host_port(host_port);
   if (!address) return fail(address.error());
 
@@ -79,12 +81,13 @@ Result<ListeningSocket> listen(const std::string& host_port, bool insecure) {
                                                   address->host, error.message()));
   }
   const auto is_loopback = [](const auto& entry) { return entry.endpoint().address().is_loopback(); };
-  if (!insecure && !std::all_of(found.begin(), found.end(), is_loopback)) {
+  if (reach == Reach::kThisMachine && !std::all_of(found.begin(), found.end(), is_loopback)) {
     return fail(
         ErrorCode::kInvalid,
         fmt::format(
-            "{} can be reached from other machines, and the stream is not encrypted: listen on {}, or "
-            "add --insecure if everybody on that network may watch this stream",
+            "{} can be reached from other machines: encrypt the stream with --key FILE (capture_server "
+            "--make-key FILE makes one), listen on {}, or add --insecure if everybody on that network may "
+            "watch",
             host_port, kDefaultAddress));
   }
   tcp::acceptor acceptor(io);

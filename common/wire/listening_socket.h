@@ -29,10 +29,13 @@ class ListeningSocket {
   int descriptor_ = -1;  // A moved-from socket has -1.
 };
 
+/// Who may reach a listening socket. Other machines may only if the stream is encrypted, or if the
+/// user has allowed an unencrypted one.
+enum class Reach { kThisMachine, kOtherMachines };
+
 /// Listens on HOST:PORT. Port 0 selects a free port. Fails with kInvalid if the text is not an
-/// address. Since the stream is not encrypted, also fails with kInvalid if other machines can reach
-/// the address and `insecure` is false. Fails with kNotFound for an unknown host and kUnavailable
-/// for a port in use.
-Result<ListeningSocket> listen(const std::string& host_port, bool insecure);
+/// address, or if other machines can reach the address and `reach` is kThisMachine. Fails with
+/// kNotFound for an unknown host and kUnavailable for a port in use.
+Result<ListeningSocket> listen(const std::string& host_port, Reach reach);
 
 }  // namespace copresence::wire

@@ -57,9 +57,16 @@ struct Hello {
 };
 
 enum class RejectReason : std::uint8_t {
-  kVersion = 1,  ///< The version differs, so connecting again is useless.
-  kFull = 2,     ///< The server is full; connecting later may work.
+  kVersion = 1,        ///< The version differs.
+  kFull = 2,           ///< The server is full.
+  kKeyNeeded = 3,      ///< The client does not encrypt, and the server has a room key.
+  kKeyUnexpected = 4,  ///< The client encrypts, and the server has no room key.
 };
+
+/// True if connecting again later may help. A reason that this release does not know is final.
+constexpr bool may_pass(RejectReason reason) {
+  return reason == RejectReason::kFull;
+}
 
 struct Reject {
   RejectReason reason = RejectReason::kVersion;

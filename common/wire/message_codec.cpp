@@ -266,8 +266,7 @@ Result<Reject> decode_reject(std::span<const std::uint8_t> body) {
   ByteReader from(body);
   const auto reason = static_cast<RejectReason>(from.number<std::uint8_t>());
   Reject reject{reason, from.text()};
-  const bool known = reason == RejectReason::kVersion || reason == RejectReason::kFull;
-  if (!known || !from.complete() || reject.text.size() > kMaxTextBytes || !text::is_printable(reject.text)) {
+  if (!from.complete() || reject.text.size() > kMaxTextBytes || !text::is_printable(reject.text)) {
     return corrupt("a reject message that cannot be read");
   }
   return reject;

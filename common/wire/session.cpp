@@ -38,6 +38,29 @@ Session::Session(std::unique_ptr<Connection> connection, Stream& stream)
       overdue_at_(began_at_ + kHandshakeTime) {}
 
 void Session::start() {
+  connection_->handshake([self = shared_from_this()](const asio::error_code& error) { self->greet(error); });
+}
+
+void Session::greet(const asio::error_code& error) {
+  if (phase_ == Phase::kClosed) return;
+  if (error == TransportError::kPeerIsPlain) {
+    return reject(RejectReason::kKeyNeeded,
+                  "this server needs the room's key: give --key FILE with a copy of the server's key file",
+                  Ending::kNoKey);
+  }
+  if (error == TransportError::kPeerIsEncrypted) {
+    return reject(RejectReason::kKeyUnexpected,
+                  "this server has no key: start the client without --key, or the server with --key FILE",
+                  Ending::kUnexpectedKey);
+  }
+  if (error == TransportError::kWrongKey) return close(Ending::kWrongKey);
+  if (error == TransportError::kBroken) return close(Ending::kNonsense);
+  if (error) return close(Ending::kHungUp);
+  read_header();
+}
+
+void Session::reject(RejectReason reason, std::string text, Ending why) {
+  close_gracefully(encode(Reject{reason, std::move(text)}), why);
   read_header();
 }
 

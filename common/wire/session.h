@@ -76,6 +76,8 @@ class Session : public std::enable_shared_from_this<Session> {
     std::shared_ptr<const EncodedFrame> frame;  // If null, the message has only a head.
   };
 
+  void greet(const asio::error_code& error);
+  void reject(RejectReason reason, std::string text, Ending why);
   void read_header();
   void read_body(MessageHeader header);
   void discard();

@@ -16,7 +16,7 @@ enum class Availability {
   kAwaited,  ///< The camera is not connected or has sent no frame yet. Views wait for it.
   kShown,    ///< Frames arrive and can be decoded.
   kLeftOut,  ///< The server answers, but has sent no decodable frame for a while.
-  kRefused,  ///< The server has another protocol version or an unknown codec.
+  kRefused,  ///< Another protocol version, another room key, or an unknown codec.
 };
 
 inline bool is_left_out(Availability availability) {

@@ -12,6 +12,7 @@
 
 #include "common/frame/stream_description.h"
 #include "common/result.h"
+#include "common/tls/room_key.h"
 #include "common/wire/clock_offset.h"
 #include "common/wire/frame_client.h"
 
@@ -39,10 +40,10 @@ class FrameSource {
   virtual void on_status(std::function<void(const std::string&)> changed) = 0;
 };
 
-/// Connects to a capture_server at HOST:PORT within `timeout`. This function and the source fail as
-/// common/wire/frame_client.h describes.
+/// Connects to a capture_server at HOST:PORT within `timeout`, encrypted by `key` unless it is null.
+/// This function and the source fail as common/wire/frame_client.h describes.
 Result<std::unique_ptr<FrameSource>> connect_live(const std::string& host_port,
                                                   std::chrono::milliseconds timeout,
-                                                  const std::stop_token& stop);
+                                                  const std::stop_token& stop, const tls::RoomKey* key);
 
 }  // namespace copresence::stream

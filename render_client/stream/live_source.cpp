@@ -27,8 +27,8 @@ class LiveSource final : public FrameSource {
 
 Result<std::unique_ptr<FrameSource>> connect_live(const std::string& host_port,
                                                   std::chrono::milliseconds timeout,
-                                                  const std::stop_token& stop) {
-  auto client = wire::FrameClient::connect(host_port, timeout, stop);
+                                                  const std::stop_token& stop, const tls::RoomKey* key) {
+  auto client = wire::FrameClient::connect(host_port, timeout, stop, key);
   if (!client) return fail(client.error());
   return std::make_unique<LiveSource>(std::move(*client));
 }

@@ -8,6 +8,8 @@ import struct
 import threading
 import time
 
+import encrypted
+
 VERSION = 7
 MAGIC = b"COPRESNC"
 
@@ -16,7 +18,7 @@ HELLO, KEYFRAME_REQUEST, FRAME_ACK, PING = 1, 2, 3, 4
 # From the server.
 REJECT, WELCOME, FRAME, END_OF_STREAM, PONG, CAMERA_STATUS = 17, 18, 19, 20, 21, 22
 # Reasons of a reject.
-WRONG_VERSION, FULL = 1, 2
+WRONG_VERSION, FULL, KEY_NEEDED, KEY_UNEXPECTED = 1, 2, 3, 4
 
 KEYFRAME = 1  # flag of a frame
 HEAD = struct.Struct("<QQQQQIIIIIIQQIIQ")  # of a frame, 96 bytes
@@ -132,10 +134,11 @@ Arrival = collections.namedtuple("Arrival", "at sequence delay bytes keyframe wi
 
 class Viewer:
     """A well-behaved viewer on a thread of its own: it acknowledges each frame at once, pings once a second and
-    connects anew when it lost its connection. It notes every frame as an Arrival."""
+    connects anew when it lost its connection. It notes every frame as an Arrival. `key` has the hexadecimal digits of
+    the room's key."""
 
-    def __init__(self, port, source=None, keep_bodies=0, patience=10.0):
-        self.port, self.source, self.keep_bodies, self.patience = port, source, keep_bodies, patience
+    def __init__(self, port, source=None, keep_bodies=0, patience=10.0, key=None):
+        self.port, self.source, self.keep_bodies, self.patience, self.key = port, source, keep_bodies, patience, key
         self.arrivals, self.bodies, self.events = [], [], []  # events: (when, what)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -146,7 +149,8 @@ class Viewer:
         while not self._stop.is_set():
             connection = None
             try:
-                connection = connect(self.port, self.source)
+                connection = encrypted.Connection(self.port, self.key, self.source) if self.key else \
+                    connect(self.port, self.source)
                 connection.sendall(hello())
                 kind, body = read_message(connection)
                 if kind != WELCOME:

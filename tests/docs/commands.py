@@ -69,7 +69,7 @@ def program_of(command):
 
 def is_server(command):
     return (program_of(command) in ("capture_server", "web_gateway") and
-            not re.search(r"--(list|help|version|make-token)\b", command))
+            not re.search(r"--(list|help|version|make-key|make-token)\b", command))
 
 
 def command_for_test(command):
@@ -150,7 +150,7 @@ class PageRun:
         """Returns the fault or None, and the output."""
         began = time.monotonic()
         try:
-            if is_server(command):
+            if is_server(command) and exit_code == 0:
                 fault = self.terminal.serve(re.sub(r"\s*&\s*$", "", re.sub(r"\s#.*$", "", command)), 60)
                 return (f"{command}: {fault}" if fault else None), ""
             code, output = self.terminal.run(command_for_test(command), limit_s)

@@ -198,10 +198,11 @@ TEST(BadInput, APortInUseIsNamed) {
   EXPECT_THAT(ended.words, HasSubstr(room.address(0)));
 }
 
-TEST(BadInput, AnAddressBeyondThisMachineNeedsInsecure) {
+TEST(BadInput, AnAddressBeyondThisMachineNeedsAKeyOrInsecure) {
   const Ended ended = run({"capture_server", "--source", recordings() / "camera0.oni", "--listen",
                            "0.0.0.0:" + std::to_string(free_port())});
   expect_one_sentence(ended, 1);
+  EXPECT_THAT(ended.words, HasSubstr("--key FILE"));
   EXPECT_THAT(ended.words, HasSubstr("--insecure"));
 }
 

@@ -28,15 +28,17 @@ Ended run(const std::vector<std::string>& arguments, std::chrono::seconds limit 
   return {code, process.output()};
 }
 
-// Two servers on simulated Kinects that see markers.
+// Two servers with a room key, on simulated Kinects that see markers.
 class CalibrateLive : public ::testing::Test {
  protected:
   void SetUp() override {
     const Ended made = run({program("simulate_kinect"), "markers", "--cameras", "2", "--frames", "20",
                             "--out", folder_ / "room"});
     ASSERT_EQ(made.code, 0) << made.words;
+    ASSERT_EQ(run({program("capture_server"), "--make-key", key_}).code, 0);
     for (const std::string name : {"camera0", "camera1"}) {
-      const std::size_t server = room_.serve(folder_ / ("room/" + name + ".oni"), {"--loop", "--name", name});
+      const std::size_t server =
+          room_.serve(folder_ / ("room/" + name + ".oni"), {"--loop", "--name", name, "--key", key_});
       ASSERT_TRUE(room_.server(server).says(room_.address(server), std::chrono::seconds(20)));
       streams_.insert(streams_.end(), {"--stream", name + "=" + room_.address(server)});
     }
@@ -50,16 +52,18 @@ class CalibrateLive : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  std::string key_ = folder_ / "room.key";
   RunningRoom room_;
   std::vector<std::string> streams_;
 };
 
 TEST_F(CalibrateLive, FindsKeepsAndJudgesPosesOfRunningServers) {
   const std::string found = folder_ / "found.toml";
-  const Ended markers = calibrate("markers", {"--frames", "20", "--out", found});
+  const Ended markers = calibrate("markers", {"--key", key_, "--frames", "20", "--out", found});
   ASSERT_EQ(markers.code, 0) << markers.words;
   const auto truth = scene::load(folder_ / "room/scene.toml"), scene = scene::load(found);
   ASSERT_TRUE(truth && scene);
+  EXPECT_EQ(scene->key, key_) << "the next commands need no --key";
   const scene::Camera& camera = *scene->find("camera1");
   EXPECT_EQ(camera.address, room_.address(1));
   EXPECT_EQ(camera.source, "");
@@ -79,7 +83,8 @@ TEST_F(CalibrateLive, FindsKeepsAndJudgesPosesOfRunningServers) {
 
 TEST_F(CalibrateLive, AServerThatIsNotThereIsNamedBeforeTheOthersAreLookedAt) {
   const std::string nowhere = "127.0.0.1:" + std::to_string(free_port());
-  const Ended ended = calibrate("markers", {"--stream", "third=" + nowhere, "--out", folder_ / "none.toml"});
+  const Ended ended =
+      calibrate("markers", {"--stream", "third=" + nowhere, "--key", key_, "--out", folder_ / "none.toml"});
   EXPECT_EQ(ended.code, 1);
   EXPECT_THAT(ended.words, HasSubstr(nowhere + ": connection refused: start a capture_server"));
   EXPECT_THAT(ended.words, Not(HasSubstr("camera0: 10 markers")));

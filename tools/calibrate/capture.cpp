@@ -7,6 +7,8 @@
 #include <cstdio>
 
 #include "capture_server/sensor/source.h"
+#include "common/command_line/values.h"
+#include "common/tls/room_key.h"
 #include "common/wire/frame_client.h"
 #include "common/wire/host_port.h"
 #include "render_client/decoding/frame_decoding.h"
@@ -83,8 +85,16 @@ class StreamSource : public sensor::FrameSource {
   sensor::SourceCounters counters_;
 };
 
-Result<std::unique_ptr<sensor::FrameSource>> open_stream(const std::string& address) {
-  auto client = wire::FrameClient::connect(address, kConnectTimeout, {});
+/// `key_file` is empty for a server without a key.
+Result<std::unique_ptr<sensor::FrameSource>> open_stream(const std::string& address,
+                                                         const std::string& key_file) {
+  std::optional<tls::RoomKey> key;
+  if (!key_file.empty()) {
+    const auto read = tls::read_key(key_file);
+    if (!read) return fail(read.error());
+    key = *read;
+  }
+  auto client = wire::FrameClient::connect(address, kConnectTimeout, {}, key ? &*key : nullptr);
   if (!client) return fail(client.error());
   auto decoding = decoding::FrameDecoding::open(client->description());
   if (!decoding) return fail(decoding.error());
@@ -103,7 +113,7 @@ CLI::Option* add_source_option(CLI::App& parser, std::vector<NamedSource>& sourc
               if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
                 throw CLI::ValidationError(flag, "\"" + text + "\" is not " + form);
               }
-              NamedSource source{text.substr(0, equals), text.substr(equals + 1), is_stream};
+              NamedSource source{text.substr(0, equals), text.substr(equals + 1), is_stream, {}};
               if (const auto parsed = wire::parse_host_port(source.from); is_stream && !parsed) {
                 throw CLI::ValidationError(flag, parsed.error().what);
               }
@@ -129,7 +139,15 @@ SourceOptions add_source_options(CLI::App& parser, std::vector<NamedSource>& sou
       add_source_option(parser, sources, "--stream", "NAME=HOST:PORT",
                         "a camera's name and where its running capture_server listens, NAME=HOST:PORT; once "
                         "per camera, instead of a recording")};
-  parser.parse_complete_callback([&sources, fewest, most] {
+  const auto key = std::make_shared<std::string>();
+  parser
+      .add_option("--key", *key, "key file of the room, for servers with the same key [the scene file's key]")
+      ->check(command_line::file_name())
+      ->needs(options.stream);
+  parser.parse_complete_callback([&sources, key, fewest, most] {
+    for (NamedSource& source : sources) {
+      if (source.is_stream) source.key = *key;
+    }
     if (sources.size() >= fewest && sources.size() <= most) return;
     throw CLI::ValidationError("--recording and --stream", fmt::format("{} in all, but {} to {} are needed",
                                                                        sources.size(), fewest, most));
@@ -137,10 +155,19 @@ SourceOptions add_source_options(CLI::App& parser, std::vector<NamedSource>& sou
   return options;
 }
 
-Result<Capture> Capture::open(const NamedSource& source, const scene::Camera* known, Frames form) {
+void remember_key(std::span<const NamedSource> sources, scene::Scene& scene) {
+  for (const NamedSource& source : sources) {
+    if (!source.key.empty()) scene.key = source.key;
+  }
+}
+
+Result<Capture> Capture::open(const NamedSource& source, const scene::Scene* scene, Frames form) {
+  const scene::Camera* known = scene ? scene->find(source.name) : nullptr;
+  const std::string& key_file = source.key.empty() && scene ? scene->key : source.key;
   sensor::SourceSettings settings;
   settings.pace = sensor::SourceSettings::Pace::kFast;
-  auto frames = source.is_stream ? open_stream(source.from) : sensor::open_source(source.from, settings);
+  auto frames =
+      source.is_stream ? open_stream(source.from, key_file) : sensor::open_source(source.from, settings);
   if (!frames) return fail(frames.error());
   sensor::SensorDescription sensor = (*frames)->description();
   if (known) {
@@ -183,7 +210,7 @@ Result<RgbdFrame> Capture::next() {
 
 Result<void> check_sources(std::span<const NamedSource> sources, const scene::Scene* scene) {
   for (const NamedSource& source : sources) {
-    const auto capture = Capture::open(source, scene ? scene->find(source.name) : nullptr);
+    const auto capture = Capture::open(source, scene);
     if (!capture) return fail(capture.error());
   }
   return {};

@@ -25,15 +25,20 @@ struct NamedSource {
   std::string name;        ///< The camera's name in the scene file.
   std::string from;        ///< Path of a recording, or address of a capture_server.
   bool is_stream = false;  ///< True if `from` is an address.
+  std::string key;         ///< Path of the key file of --key for a stream, or empty.
 };
 
-/// Adds the options `--recording NAME=FILE.oni` and `--stream NAME=HOST:PORT`. Parsing fails for a
-/// source of another form, a repeated name, or fewer than `fewest` or more than `most` sources.
+/// Adds the options `--recording NAME=FILE.oni`, `--stream NAME=HOST:PORT` and `--key FILE`. Parsing
+/// fails for a source of another form, a repeated name, or fewer than `fewest` or more than `most`
+/// sources.
 struct SourceOptions {
   CLI::Option *recording, *stream;
 };
 SourceOptions add_source_options(CLI::App& parser, std::vector<NamedSource>& sources, std::size_t fewest,
                                  std::size_t most);
+
+/// Stores the key file of --key in the scene, if there is one.
+void remember_key(std::span<const NamedSource> sources, scene::Scene& scene);
 
 /// Reads one camera's recording or stream frame by frame. Thread: one thread per object.
 class Capture {
@@ -43,13 +48,13 @@ class Capture {
     kAsDelivered,  ///< Colour and depth in their own cameras, as the sensor gives them.
   };
 
-  /// `known` is the camera in the scene file and may be null. The file's intrinsics and pose
-  /// replace those of the source.
+  /// `scene` is the scene file and may be null. Its intrinsics and pose of the camera replace those
+  /// of the source. Its key is used for a stream without --key.
   /// A stream is always registered by its server. Opening waits up to two seconds for the server's
   /// answer.
-  /// Fails as open_source() or wire::FrameClient::connect() does. Fails with kUnsupported for an
+  /// Fails as open_source(), tls::read_key() or wire::FrameClient::connect() does. Fails with kUnsupported for an
   /// unknown codec, and with kInvalid if the scene file has another picture size.
-  static Result<Capture> open(const NamedSource& source, const scene::Camera* known,
+  static Result<Capture> open(const NamedSource& source, const scene::Scene* scene,
                               Frames frames = Frames::kRegistered);
 
   const std::string& name() const { return name_; }

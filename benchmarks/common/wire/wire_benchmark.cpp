@@ -38,10 +38,12 @@ BENCHMARK(welcome_round_trip);
 /// per frame.
 void loopback(benchmark::State& state) {
   const auto bytes = static_cast<std::size_t>(state.range(0)) * 2 / 3;  // For depth.
-  Served served;
+  const tls::RoomKey room_key(std::array<std::uint8_t, tls::RoomKey::kBytes>{1, 2, 3});
+  const tls::RoomKey* const key = state.range(2) ? &room_key : nullptr;
+  Served served(key);
   std::vector<FrameClient> clients;
   for (int i = 0; i < state.range(1); ++i) {
-    auto client = served.client();
+    auto client = served.client(key);
     if (!client) return state.SkipWithError(client.error().what.c_str());
     clients.push_back(std::move(*client));
   }
@@ -61,10 +63,13 @@ void loopback(benchmark::State& state) {
   state.SetBytesProcessed(state.iterations() * state.range(0) * state.range(1));
 }
 BENCHMARK(loopback)
-    ->ArgNames({"bytes", "clients"})
-    ->Args({20'000, 1})
-    ->Args({100'000, 1})
-    ->Args({100'000, 4})
+    ->ArgNames({"bytes", "clients", "encrypted"})
+    ->Args({20'000, 1, 0})
+    ->Args({20'000, 1, 1})
+    ->Args({100'000, 1, 0})
+    ->Args({100'000, 1, 1})
+    ->Args({100'000, 4, 0})
+    ->Args({100'000, 4, 1})
     ->Iterations(60)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()

@@ -52,7 +52,7 @@ void Acceptor::accept() {
         if (!cancelled) accept();
       });
     }
-    accepted_(std::make_unique<Connection>(std::move(socket)));
+    accepted_(std::make_unique<Connection>(std::move(socket), encryption_));
     accept();
   });
 }

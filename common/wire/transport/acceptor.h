@@ -16,8 +16,10 @@ class Acceptor {
  public:
   using Accepted = std::function<void(std::unique_ptr<Connection>)>;
 
-  /// `io` must outlive this object.
-  explicit Acceptor(asio::io_context& io) : acceptor_(io), again_(io) {}
+  /// `encryption` is null if connections are not encrypted. `io` and `encryption` must outlive this
+  /// object and its connections.
+  Acceptor(asio::io_context& io, const tls::Context* encryption)
+      : encryption_(encryption), acceptor_(io), again_(io) {}
 
   /// Duplicates the socket's descriptor, so the caller may keep or close the socket. Fails with
   /// kUnavailable without free file descriptors.
@@ -30,6 +32,7 @@ class Acceptor {
  private:
   void accept();
 
+  const tls::Context* encryption_;
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer again_;
   Accepted accepted_;

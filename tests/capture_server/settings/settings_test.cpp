@@ -77,12 +77,13 @@ TEST(Settings, ACodecMayHaveItsParameters) {
 
 TEST(Settings, PathsInTheFileAreRelativeToIt) {
   SettingsFile file(
-      "source = \"desk.oni\"\nscene = \"room/scene.toml\"\nrecord = \"/tmp/x.oni\"\nlisten = "
-      "\"127.0.0.1:7009\"\n");
+      "source = \"desk.oni\"\nscene = \"room/scene.toml\"\nrecord = \"/tmp/x.oni\"\nkey = \"room.key\"\n"
+      "listen = \"127.0.0.1:7009\"\n");
   const ServerSettings settings = settings_of(file.with());
   EXPECT_EQ(settings.source, file.in_folder("desk.oni"));
   EXPECT_EQ(settings.scene, file.in_folder("room/scene.toml"));
   EXPECT_EQ(settings.record, "/tmp/x.oni");
+  EXPECT_EQ(settings.key, file.in_folder("room.key"));
   EXPECT_EQ(settings.name, "desk");
 }
 
@@ -113,6 +114,19 @@ TEST(Settings, AFileThatIsNotThereIsRefused) {
 TEST(Settings, NameAHugeKeyInAShortSentence) {
   EXPECT_LT(refusal(std::string(500'000, 'k') + " = 1\n").size(), 600u);
   EXPECT_LT(refusal("range = \"" + std::string(500'000, '1') + "\"\n").size(), 2000u);
+}
+
+TEST(Settings, AKeyAndInsecureExcludeEachOther) {
+  EXPECT_THAT(refusal("insecure = true\nkey = \"room.key\"\n"),
+              HasSubstr("key and insecure exclude each other"));
+  SettingsFile file("insecure = true\nsource = \"desk.oni\"\n");
+  const ServerSettings settings = settings_of(file.with({"--key", "room.key"}));
+  EXPECT_FALSE(settings.insecure) << "the command line has priority";
+  EXPECT_EQ(settings.key, "room.key");
+}
+
+TEST(Settings, MakingAKeyNeedsNothingElse) {
+  EXPECT_EQ(settings_of({"capture_server", "--make-key", "room.key"}).make_key, "room.key");
 }
 
 constexpr const char* kLens = "width = 640\nheight = 480\nfx = 585\nfy = 585\ncx = 320\ncy = 240\n";
@@ -195,6 +209,16 @@ TEST(Settings, AreReadAgainFromTheFileAsItIsThen) {
   EXPECT_THAT(read_again(count, arguments.data()).error().what, HasSubstr("desk.toml:3: "));
   file.write("");
   EXPECT_THAT(read_again(count, arguments.data()).error().what, HasSubstr("--source"));
+}
+
+TEST_F(SettingsOfAScene, TheKeyComesFromItUnlessTheCommandLineSaysOtherwise) {
+  write_scene(std::string("key = \"room.key\"\n[[camera]]\nname = \"left\"\nsource = \"left.oni\"\n") +
+              kLens);
+  const std::string in_its_folder = file_.in_folder("room.key");
+  EXPECT_EQ(given({}).key, in_its_folder);
+  EXPECT_EQ(given({"--source", "openni:", "--listen", "127.0.0.1:7001"}).key, in_its_folder);
+  EXPECT_EQ(given({"--key", "other.key"}).key, "other.key");
+  EXPECT_EQ(given({"--insecure"}).key, "");
 }
 
 }  // namespace

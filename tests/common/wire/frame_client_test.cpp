@@ -120,6 +120,12 @@ TEST(FrameClient, TakesARefusalOfItsVersionAsFinal) {
   EXPECT_THAT(error.what, HasSubstr("install the same release"));
 }
 
+TEST(FrameClient, TakesARefusalThatItDoesNotKnowAsFinal) {
+  const Error error = error_of_connecting(encode(Reject{RejectReason{200}, "the room is closed for good"}));
+  EXPECT_EQ(error.code, ErrorCode::kRefused);
+  EXPECT_THAT(error.what, HasSubstr("the room is closed for good"));
+}
+
 TEST(FrameClient, TakesAFullServerAsPassing) {
   EXPECT_EQ(error_of_connecting(encode(Reject{RejectReason::kFull, "full"})).code, ErrorCode::kUnavailable);
 }

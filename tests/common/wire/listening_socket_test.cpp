@@ -14,8 +14,8 @@ namespace {
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-Error error_of(const std::string& address, bool insecure = false) {
-  const auto socket = listen(address, insecure);
+Error error_of(const std::string& address) {
+  const auto socket = listen(address, Reach::kThisMachine);
   return socket ? Error{ErrorCode::kInvalid, "no error"} : socket.error();
 }
 
@@ -44,13 +44,13 @@ TEST(Connection, CountsAnIpv4AddressOr64BitsOfIpv6AsOneNetwork) {
 }
 
 TEST(ListeningSocket, NamesThePortItGot) {
-  const auto socket = listen("127.0.0.1:0", false);
+  const auto socket = listen("127.0.0.1:0", Reach::kThisMachine);
   ASSERT_TRUE(socket) << socket.error().what;
   EXPECT_THAT(socket->address(), MatchesRegex("127\\.0\\.0\\.1:[1-9][0-9]+"));
 }
 
 TEST(ListeningSocket, SaysThatAPortIsInUse) {
-  const auto socket = listen("127.0.0.1:0", false);
+  const auto socket = listen("127.0.0.1:0", Reach::kThisMachine);
   ASSERT_TRUE(socket);
   const Error error = error_of(socket->address());
   EXPECT_EQ(error.code, ErrorCode::kUnavailable);
@@ -62,17 +62,18 @@ TEST(ListeningSocket, StaysOnThisMachineUnlessToldOtherwise) {
     const Error error = error_of(address);
     if (error.code == ErrorCode::kNotFound) continue;  // no IPv6 here
     EXPECT_EQ(error.code, ErrorCode::kInvalid) << address;
+    EXPECT_THAT(error.what, HasSubstr("--key FILE")) << address;
     EXPECT_THAT(error.what, HasSubstr("--insecure")) << address;
   }
-  EXPECT_TRUE(listen("0.0.0.0:0", true));
+  EXPECT_TRUE(listen("0.0.0.0:0", Reach::kOtherMachines));
 }
 
 TEST(ListeningSocket, SaysThatAnAddressIsNotOfThisMachine) {
-  EXPECT_EQ(error_of("203.0.113.7:0", true).code, ErrorCode::kUnavailable);
+  EXPECT_EQ(listen("203.0.113.7:0", Reach::kOtherMachines).error().code, ErrorCode::kUnavailable);
 }
 
 TEST(ListeningSocket, IsTakenOverFromAParent) {
-  auto parents = listen("127.0.0.1:0", false);
+  auto parents = listen("127.0.0.1:0", Reach::kThisMachine);
   ASSERT_TRUE(parents);
   const std::string address = parents->address();
   const auto childs = ListeningSocket::adopt(::dup(parents->descriptor()));

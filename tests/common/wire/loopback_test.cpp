@@ -165,7 +165,7 @@ TEST(Loopback, NoticesThatItsServerVanished) {
 }
 
 TEST(Loopback, ConnectsAnewToAServersSuccessor) {
-  const auto socket = listen("127.0.0.1:0", false);  // The parent process owns this socket.
+  const auto socket = listen("127.0.0.1:0", Reach::kThisMachine);  // The parent process owns this socket.
   ASSERT_TRUE(socket);
   for (int life = 0; life < 3; ++life) {
     Served served(*socket);

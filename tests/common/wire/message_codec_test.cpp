@@ -65,6 +65,8 @@ TEST(MessageCodec, GivesBackWhatWasSaid) {
   EXPECT_EQ(*decode_hello(body_of(encode(Hello{7}))), Hello{7});
   const Reject reject{RejectReason::kFull, "full"};
   EXPECT_EQ(*decode_reject(body_of(encode(reject))), reject);
+  const Reject of_a_later_release{RejectReason{200}, "something new"};
+  EXPECT_EQ(*decode_reject(body_of(encode(of_a_later_release))), of_a_later_release);
   EXPECT_EQ(*decode_welcome(body_of(encode(sample_welcome()))), sample_welcome());
   EXPECT_EQ(*decode_end_of_stream(body_of(encode(EndOfStream{"Ende: Küche"}))), EndOfStream{"Ende: Küche"});
   EXPECT_EQ(*decode_camera_status(body_of(encode(CameraStatus{"unplugged"}))), CameraStatus{"unplugged"});

@@ -38,6 +38,14 @@ class RawPeer {
     return message;
   }
 
+  /// The next byte; -1 if the other end hung up.
+  int hear_byte() {
+    std::uint8_t byte = 0;
+    asio::error_code error;
+    asio::read(socket_, asio::buffer(&byte, 1), error);
+    return error ? -1 : byte;
+  }
+
   /// Hears until the other end hangs up.
   void hear_out() {
     while (hear()) continue;

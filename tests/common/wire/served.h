@@ -28,10 +28,11 @@ bool eventually(const Condition& condition) {
 /// A server on a free port of this machine with its wire thread, and a camera that captures when told.
 class Served {
  public:
-  Served() : Served(*listen("127.0.0.1:0", false)) {}
-  explicit Served(const ListeningSocket& socket)
+  explicit Served(const tls::RoomKey* key = nullptr)
+      : Served(*listen("127.0.0.1:0", Reach::kThisMachine), key) {}
+  explicit Served(const ListeningSocket& socket, const tls::RoomKey* key = nullptr)
       : address_(socket.address()),
-        server_(*FrameServer::open(socket, sample_description(), [this](const std::string& line, bool) {
+        server_(*FrameServer::open(socket, sample_description(), key, [this](const std::string& line, bool) {
           const std::lock_guard lock(log_mutex_);
           log_.push_back(line);
         })) {
@@ -45,7 +46,9 @@ class Served {
   const std::string& address() const { return address_; }
   bool is_done() const { return done_; }  ///< run() returned
 
-  Result<FrameClient> client() const { return FrameClient::connect(address_, std::chrono::seconds(5), {}); }
+  Result<FrameClient> client(const tls::RoomKey* key = nullptr) const {
+    return FrameClient::connect(address_, std::chrono::seconds(5), {}, key);
+  }
 
   /// One frame as a pipeline makes it: encoded only if wanted. Its sequence number, or 0 if it was not.
   std::uint64_t capture(std::size_t depth_bytes = 1000) {

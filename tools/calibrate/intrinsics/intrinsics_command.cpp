@@ -84,8 +84,7 @@ std::string search_picture(const Board& board, const ColorImage& picture, const 
 
 Result<Pictures> pictures_of_source(const IntrinsicsSettings& settings, const scene::Scene* scene) {
   const NamedSource& source = settings.sources[0];
-  auto capture =
-      Capture::open(source, scene ? scene->find(source.name) : nullptr, Capture::Frames::kAsDelivered);
+  auto capture = Capture::open(source, scene, Capture::Frames::kAsDelivered);
   if (!capture) return fail(capture.error());
   const std::chrono::milliseconds pause(static_cast<int>(1000 * settings.pause_s));
   Pictures out;
@@ -181,6 +180,7 @@ Result<void> change_camera(const IntrinsicsSettings& settings, std::optional<sce
                                                  "give --scene",
                                                  name));
   }
+  remember_key(settings.sources, *scene);
   return scene::save(*scene, settings.scene_out, settings.scene);
 }
 
@@ -277,8 +277,7 @@ Result<void> calibrate_depth_to_color(const IntrinsicsSettings& settings) {
   const auto scene = scene_of(settings);
   if (!scene) return fail(scene.error());
   const NamedSource& source = settings.sources[0];
-  const scene::Camera* known = *scene ? (*scene)->find(source.name) : nullptr;
-  auto capture = Capture::open(source, known, Capture::Frames::kAsDelivered);
+  auto capture = Capture::open(source, *scene ? &**scene : nullptr, Capture::Frames::kAsDelivered);
   if (!capture) return fail(capture.error());
   const sensor::SensorDescription& sensor = capture->sensor();
   if (sensor.registered) {

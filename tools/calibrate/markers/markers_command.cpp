@@ -50,7 +50,7 @@ constexpr std::size_t kMostPictures = 20;  // More pictures of a still scene add
 Result<SourceMarkers> read_source(const NamedSource& source, const scene::Scene* scene,
                                   const MarkerSettings& settings, Clicks& clicks) {
   const scene::Camera* known = scene ? scene->find(source.name) : nullptr;
-  auto capture = Capture::open(source, known);
+  auto capture = Capture::open(source, scene);
   if (!capture) return fail(capture.error());
 
   SourceMarkers result;
@@ -183,6 +183,7 @@ Result<void> write_results(const MarkerSettings& settings, scene::Scene scene,
       *known = std::move(camera);
     }
   }
+  remember_key(settings.sources, scene);
   return scene::save(scene, settings.out, settings.scene);
 }
 

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kLeastPlanar = 0.02;  // Minimum share of pixels with a plane.
 
-Result<StillView> still_view(const NamedSource& source, const scene::Camera& known,
+Result<StillView> still_view(const NamedSource& source, const scene::Scene& scene, const scene::Camera& known,
                              const std::string& scene_path) {
-  auto capture = Capture::open(source, &known);
+  auto capture = Capture::open(source, &scene);
   if (!capture) return fail(capture.error());
   if (!capture->world_from_camera()) {
     return fail(
@@ -63,7 +63,7 @@ Result<std::vector<StillView>> still_views(std::span<const NamedSource> sources,
     if (!known) {
       return fail(ErrorCode::kInvalid, fmt::format("{} has no camera \"{}\"", scene_path, source.name));
     }
-    auto view = still_view(source, *known, scene_path);
+    auto view = still_view(source, scene, *known, scene_path);
     if (!view) return fail(view.error());
     views.push_back(std::move(*view));
   }

@@ -47,7 +47,7 @@ Image<float> depth_of(const DepthImage& depth, DepthUnit unit) {
 
 std::vector<Surface> surfaces_of(const std::string& path, int step, int most = 1000) {
   std::vector<Surface> surfaces;
-  auto capture = Capture::open({"view", path, false}, nullptr);
+  auto capture = Capture::open({"view", path, false, {}}, nullptr);
   if (!capture) return surfaces;
   for (int number = 0; number < most * step; ++number) {
     const auto frame = capture->next();

@@ -159,6 +159,7 @@ struct Session::State {
   Side side;
   Link link;
   SslOwner ssl;
+  std::uint64_t records = 0;  // Written since the handshake.
 
   /// Says how a call of OpenSSL ended that returned `result`.
   Outcome outcome_of(int result) const;
@@ -233,8 +234,12 @@ Outcome Session::read(std::span<std::uint8_t> to, std::size_t& got) {
 Outcome Session::write(std::span<const std::uint8_t> from, std::size_t& taken) {
   assert(!from.empty());
   ERR_clear_error();
-  return state_->outcome_of(
-      SSL_write_ex(state_->ssl.get(), from.data(), std::min(from.size(), kMostInRecord), &taken));
+  SSL* const ssl = state_->ssl.get();
+  const Outcome outcome =
+      state_->outcome_of(SSL_write_ex(ssl, from.data(), std::min(from.size(), kMostInRecord), &taken));
+  if (outcome == Outcome::kDone && ++state_->records % kRecordsOfAKey == 0)
+    SSL_key_update(ssl, SSL_KEY_UPDATE_NOT_REQUESTED);
+  return outcome;
 }
 
 void Session::end_writing() {

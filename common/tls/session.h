@@ -83,6 +83,9 @@ class Session {
   void end_writing();
 
   static constexpr std::size_t kMostInRecord = 16 * 1024;
+  /// After this many written records the session changes its key. AES-GCM is safe for at most 2^24.5
+  /// records with one key (RFC 8446, section 5.5); a stream of days has more.
+  static constexpr std::uint64_t kRecordsOfAKey = 1 << 16;
 
  private:
   struct State;

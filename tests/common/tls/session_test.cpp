@@ -164,6 +164,24 @@ TEST(TlsSession, SendsNoTicketsAfterTheHandshake) {
   EXPECT_TRUE(pair.to_client.waiting.empty());
 }
 
+TEST(TlsSession, ChangesItsKeyAfterManyRecords) {
+  Pair pair(kKey, kKey);
+  ASSERT_EQ(pair.shake_hands(), kBothDone);
+  const std::size_t before = pair.to_client.all.size();
+  constexpr std::size_t kWrites = 2 * Session::kRecordsOfAKey + 5;
+  for (std::size_t i = 0; i < kWrites; ++i) {
+    const Bytes sent{static_cast<std::uint8_t>(i)};
+    Bytes arrived{0};
+    std::size_t count = 0;
+    ASSERT_EQ(pair.server.write(sent, count), Outcome::kDone);
+    ASSERT_EQ(pair.client.read(arrived, count), Outcome::kDone);
+    ASSERT_EQ(arrived, sent);
+  }
+  constexpr std::size_t kRecord = 5 + 1 + 1 + 16;     // Header, byte, type, tag: RFC 8446, section 5.2.
+  constexpr std::size_t kKeyUpdate = 5 + 5 + 1 + 16;  // A message of 5 bytes in a record.
+  EXPECT_EQ(pair.to_client.all.size() - before, kWrites * kRecord + 2 * kKeyUpdate);
+}
+
 TEST(TlsSession, NoticesEachChangedByteOfARecord) {
   for (const std::size_t at : {0u, 3u, 5u, 60u, 120u}) {
     Pair pair(kKey, kKey);

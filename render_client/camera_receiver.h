@@ -27,9 +27,9 @@ namespace copresence::client {
 
 class CameraReceiver {
  public:
-  /// `address` is HOST:PORT. `key` is the room's key, or null for a server without one. `slot` is the
-  /// camera's number in `mailboxes` and `states`. `scene` may be null. `remembers` tells whether the views show remembered backgrounds. All referenced
-  /// objects must outlive the receiver.
+  /// `address` is HOST:PORT. `key` is the room's key, or null for a server without one. `slot` is
+  /// the camera's number in `mailboxes` and `states`. `scene` may be null. `remembers` tells whether
+  /// the views show remembered backgrounds. All referenced objects must outlive the receiver.
   CameraReceiver(const std::string& address, const tls::RoomKey* key, std::size_t slot,
                  const scene::Scene* scene, bool remembers, flow::Mailboxes<CameraFrame>& mailboxes,
                  statistics::CameraStatistics& statistics, stream::CameraStates& states);

@@ -25,6 +25,7 @@ find_package(OpenSSL 3 REQUIRED COMPONENTS SSL)          # OpenSSL::SSL
 find_package(PNG REQUIRED)                              # PNG::PNG
 find_package(ZLIB REQUIRED)                             # ZLIB::ZLIB
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
+pkg_check_modules(IMGUI REQUIRED IMPORTED_TARGET imgui)
 pkg_check_modules(OPENNI2 REQUIRED IMPORTED_TARGET libopenni2)
 pkg_check_modules(FREENECT REQUIRED IMPORTED_TARGET libfreenect)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)

@@ -1,5 +1,6 @@
 #include "render_client/pipeline.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <pthread.h>
 #include <spdlog/spdlog.h>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <filesystem>
 #include <thread>
 #include <utility>
 
@@ -19,10 +21,13 @@
 #include "render_client/camera_receiver.h"
 #include "render_client/display/display.h"
 #include "render_client/display/screenshot.h"
+#include "render_client/display/view_colors.h"
+#include "render_client/overlay_report.h"
 #include "render_client/pacing/render_pacer.h"
 #include "render_client/renderer/cpu/cpu_renderer.h"
 #include "render_client/renderer/gl/gl_renderer.h"
 #include "render_client/shown_cameras.h"
+#include "render_client/view_options.h"
 #include "render_client/viewpoint/viewer.h"
 
 namespace copresence::client {
@@ -32,7 +37,8 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr const char* kTitle = "Copresence";
-constexpr milliseconds kTitleEvery{250};
+/// Time between updates of the window's title and overlay.
+constexpr milliseconds kReportEvery{250};
 constexpr milliseconds kLogSkewEvery{10'000};
 /// Nice value of the thread that matches colours. Rendering has a higher priority.
 constexpr int kColorsNice = 10;
@@ -70,12 +76,28 @@ Result<std::optional<tls::RoomKey>> room_key(const ClientSettings& settings, con
   return std::optional(*key);
 }
 
+/// Adds the names of the scene file to addresses.
+std::vector<stream::ListedCamera> listed_cameras(const std::vector<std::string>& addresses,
+                                                 const scene::Scene* scene) {
+  std::vector<stream::ListedCamera> listed;
+  for (const std::string& address : addresses) {
+    listed.push_back({address, {}});
+    if (!scene) continue;
+    const auto known = std::find_if(scene->cameras.begin(), scene->cameras.end(),
+                                    [&](const scene::Camera& camera) { return camera.address == address; });
+    if (known != scene->cameras.end()) listed.back().name = known->name;
+  }
+  return listed;
+}
+
 Result<std::unique_ptr<display::Display>> open_display(const ClientSettings& settings) {
-  if (!settings.headless) return display::open_window(kTitle, settings.width, settings.height);
+  if (!settings.headless)
+    return display::open_window(kTitle, settings.width, settings.height, settings.stereo);
   using display::HeadlessGl;
   return display::open_headless(settings.renderer == "gl"     ? HeadlessGl::kYes
                                 : settings.renderer == "auto" ? HeadlessGl::kOnGraphicsCard
-                                                              : HeadlessGl::kNo);
+                                                              : HeadlessGl::kNo,
+                                settings.stereo);
 }
 
 /// Makes the renderer that --renderer names. `context` is null if there is no OpenGL.
@@ -92,6 +114,7 @@ class Pipeline {
            std::optional<tls::RoomKey> key, std::unique_ptr<display::Display> display,
            std::unique_ptr<renderer::Renderer> renderer, viewpoint::Viewer viewer, std::stop_source stop)
       : settings_(settings),
+        options_{.unseen = settings.unseen},
         scene_(scene),
         servers_(std::move(servers)),
         key_(std::move(key)),
@@ -100,11 +123,14 @@ class Pipeline {
         viewer_(std::move(viewer)),
         stop_(std::move(stop)),
         mailboxes_(servers_.size()),
-        states_(servers_.size(), [this] { stop_.request_stop(); }),
+        states_(listed_cameras(servers_, scene), [this] { stop_.request_stop(); }),
         statistics_(servers_.size()),
         colors_(servers_.size()),
         cameras_(settings_, servers_, states_, statistics_, colors_),
-        pacer_(static_cast<int>(servers_.size()), settings_.fps) {}
+        pacer_(static_cast<int>(servers_.size()), settings_.fps),
+        report_(states_, statistics_, cameras_, scene) {
+    options_.can_draw_wireframe = renderer_->set_wireframe(false);
+  }
 
   Result<void> run() {
     std::vector<std::jthread> receivers;
@@ -131,7 +157,9 @@ class Pipeline {
  private:
   void receive(std::size_t slot) {
     pthread_setname_np(pthread_self(), fmt::format("camera {}", slot).c_str());
-    const bool remembers = settings_.unseen.show != renderer::UnseenStyle::Show::kBlack;
+    // In a window, the user may show remembered backgrounds later.
+    const bool remembers =
+        !settings_.headless || settings_.unseen.show != renderer::UnseenStyle::Show::kBlack;
     CameraReceiver(servers_[slot], key_ ? &*key_ : nullptr, slot, scene_, remembers, mailboxes_,
                    statistics_[slot], states_)
         .run(stop_.get_token());
@@ -181,38 +209,63 @@ class Pipeline {
   /// Draws a view, or shows the last view again if neither cameras nor eyes have changed.
   Result<void> draw(const display::NextView& next) {
     for (const viewpoint::Gesture& gesture : next.gestures) viewer_.apply(gesture);
-    show_title();
+    const bool has_new_options = obey(next.commands);
+    show_report();
     const Instant begin = steady_clock::now();
     pacer_.rendered(begin);
-    auto poses = viewer_.at(view_index_, next.display_time, next.head_from_eyes);
+    auto poses = viewer_.at(view_index_, next.display_time, next.eyes);
     const bool fades = cameras_.next_fading_view().value_or(Instant::max()) <= begin;
-    if (!cameras_.have_changed() && !fades && poses == poses_) {
+    if (!cameras_.have_changed() && !fades && !has_new_options && poses == poses_) {
       display_->show_again();
+      if (std::exchange(saves_screenshot_, false)) save_screenshot();
       return {};
     }
     poses_ = std::move(poses);
-    if (auto rendered = render(begin); !rendered) return rendered;
+    // The pictures of the GL renderer are not copied from the graphics card, if there is one eye.
+    const bool needs_host_pixels = renderer_->name() == "cpu" || poses_.size() > 1;
+    if (auto rendered = render(begin, needs_host_pixels, pictures_); !rendered) return rendered;
     display_->show(pictures_);
     count_view(begin, steady_clock::now());
+    if (std::exchange(saves_screenshot_, false)) save_screenshot();
     return {};
   }
 
-  Result<void> render(Instant begin) {
-    const auto views = cameras_.views(begin);
-    // The pictures of the GL renderer are not copied from the graphics card.
-    const renderer::HostPixels wanted{.color = renderer_->name() == "cpu"};
-    pictures_.resize(poses_.size());
+  /// Draws the picture of each eye, with the cameras' opacities at `now`.
+  Result<void> render(Instant now, bool needs_host_pixels, std::vector<renderer::MergedView>& pictures) {
+    const auto views = cameras_.views(now);
+    const bool recolors = options_.colors != display::ViewColors::kCameras;
+    const renderer::HostPixels wanted{.color = needs_host_pixels || recolors, .depth = recolors};
+    pictures.resize(poses_.size());
     for (std::size_t eye = 0; eye < poses_.size(); ++eye) {
-      pictures_[eye].target = static_cast<int>(eye);
-      if (auto drawn = renderer_->render(views, poses_[eye], wanted, pictures_[eye]); !drawn) return drawn;
+      pictures[eye].target = static_cast<int>(eye);
+      if (auto drawn = renderer_->render(views, poses_[eye], wanted, pictures[eye]); !drawn) return drawn;
+      display::recolor(options_.colors, cameras_.cameras_of_views(), pictures[eye]);
     }
     return {};
+  }
+
+  /// Carries out the user's commands. Returns whether the view must be drawn again.
+  bool obey(const std::vector<display::Command>& commands) {
+    bool has_new_options = false;
+    for (const display::Command command : commands) {
+      saves_screenshot_ |= command == display::Command::kSaveScreenshot;
+      has_new_options |= options_.apply(command);
+    }
+    if (has_new_options) {
+      renderer_->set_merge(options_.merge);
+      renderer_->set_wireframe(options_.wireframe);
+      renderer_->set_unseen(options_.shown_unseen());
+      cameras_.correct_colors(options_.corrects_colors);
+    }
+    if (!commands.empty()) report_due_at_ = {};  // The switches change at once.
+    return has_new_options;
   }
 
   void count_view(Instant begin, Instant end) {
     ++views_drawn_;
     const bool complete = cameras_.are_complete() && cameras_.colors_are_settled(end);
     view_statistics_.rendered(begin, end, complete);
+    report_.view_drawn(begin, end, pictures_.front().shares);
     if (complete && pictures_.front().shares) view_statistics_.origins(*pictures_.front().shares);
     if (const auto skew = cameras_.skew(end)) note_skew(*skew, end);
     if (complete) ++view_index_;
@@ -230,11 +283,15 @@ class Pipeline {
     log_skew_at_ = now + kLogSkewEvery;
   }
 
-  void show_title() {
+  /// Updates what the window says: its title and its overlay.
+  void show_report() {
     const Instant now = steady_clock::now();
-    if (now < title_due_at_) return;
-    title_due_at_ = now + kTitleEvery;
+    if (settings_.headless || now < report_due_at_) return;
+    report_due_at_ = now + kReportEvery;
     display_->set_title(states_.title(kTitle));
+    overlay::Content content = report_.content(now);
+    content.switches = options_.switches();
+    display_->set_overlay(std::move(content));
   }
 
   void log_news() {
@@ -245,7 +302,7 @@ class Pipeline {
 
   Result<void> write_results() {
     if (!settings_.screenshot.empty()) {
-      if (auto written = write_screenshot(); !written) return written;
+      if (auto written = write_screenshot(settings_.screenshot); !written) return written;
     }
     if (settings_.stats.empty()) return {};
     if (const auto* tracker = viewer_.head_tracker()) view_statistics_.head_tracker(*tracker);
@@ -264,20 +321,30 @@ class Pipeline {
     return {};
   }
 
-  /// Draws the last view again as host pixels, with unchanged opacities.
-  Result<void> write_screenshot() {
+  /// Draws the last view again as host pixels, with unchanged opacities, and writes it.
+  Result<void> write_screenshot(const std::string& path) {
     const Instant now = steady_clock::now();
-    if (poses_.empty()) poses_ = viewer_.at(0, now, std::vector<Rigid3>(1));
-    const auto views = cameras_.views(cameras_.last_view_at().value_or(now));
-    renderer::MergedView picture;
-    if (auto drawn = renderer_->render(views, poses_.front(), {.color = true}, picture); !drawn) return drawn;
-    if (auto written = display::write_png(settings_.screenshot, picture.color); !written) return written;
+    if (poses_.empty()) poses_ = viewer_.at(0, now, std::vector<viewpoint::Eye>(1));
+    std::vector<renderer::MergedView> pictures;
+    if (auto drawn = render(cameras_.last_view_at().value_or(now), true, pictures); !drawn) return drawn;
+    if (auto written = display::write_png(path, display_->combine(pictures)); !written) return written;
     if (cameras_.awaits_colors()) {
       spdlog::warn("{}: the cameras' colours are not matched in this picture, since the program ended early",
-                   settings_.screenshot);
+                   path);
     }
-    spdlog::info("wrote {}", settings_.screenshot);
+    spdlog::info("wrote {}", path);
     return {};
+  }
+
+  /// Writes the last view to a file whose name has the time.
+  void save_screenshot() {
+    const auto now = std::chrono::system_clock::now();
+    const auto ms = std::chrono::duration_cast<milliseconds>(now.time_since_epoch()).count() % 1000;
+    const std::string path = fmt::format("copresence-{:%Y%m%d-%H%M%S}-{:03}.png",
+                                         fmt::localtime(std::chrono::system_clock::to_time_t(now)), ms);
+    const auto written = write_screenshot(path);
+    report_.say(written ? "wrote " + std::filesystem::absolute(path).string() : written.error().what,
+                steady_clock::now());
   }
 
   void log_summary() const {
@@ -290,6 +357,7 @@ class Pipeline {
   }
 
   const ClientSettings& settings_;
+  ViewOptions options_;
   const scene::Scene* scene_;
   std::vector<std::string> servers_;
   std::optional<tls::RoomKey> key_;  // Empty if the servers have none.
@@ -303,6 +371,7 @@ class Pipeline {
   color_matching::LiveColorMatching colors_;
   ShownCameras cameras_;
   pacing::RenderPacer pacer_;
+  bool saves_screenshot_ = false;               // Whether a screenshot is saved after the next view.
   bool is_prepared_ = false;                    // Whether all taken frames are prepared.
   std::vector<viewpoint::ViewPose> poses_;      // Poses of the last view, by eye.
   std::vector<renderer::MergedView> pictures_;  // Pictures of the last view, by eye.
@@ -310,7 +379,8 @@ class Pipeline {
   std::uint64_t views_drawn_ = 0;  // Complete and incomplete views.
   std::uint64_t view_index_ = 0;
   Instant log_skew_at_{};
-  Instant title_due_at_{};
+  OverlayReport report_;
+  Instant report_due_at_{};
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "common/command_line/parse_errors.h"
 #include "common/command_line/values.h"
 #include "common/version.h"
+#include "render_client/display/controls.h"
 #include "render_client/renderer/renderer.h"
 
 namespace copresence::client {
@@ -35,14 +36,12 @@ std::optional<Rgb8> parse_color(const std::string& text) {
               static_cast<std::uint8_t>(value)};
 }
 
-constexpr const char* kKeys = R"(In the window:
-  drag, left button             turn the view around its middle
-  drag, right or middle button  move sideways, up and down
-  wheel                         move closer or farther
-  R or Home                     back to the first camera's pose
-  F11                           full screen, and back
-  Escape                        end
-The mouse, R and Home move the view with --view mouse only.)";
+std::string help_on_controls() {
+  std::string text = "In the window:\n";
+  for (const display::Control& control : display::controls())
+    text += fmt::format("  {:<36} {}\n", control.input, control.effect);
+  return text + "The mouse, R and Home move the view with --view mouse only.";
+}
 
 }  // namespace
 
@@ -52,7 +51,7 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
   ClientSettings settings;
   CLI::App app{"Shows the scene that one or more capture_servers stream, from a viewpoint of your own.",
                "render_client"};
-  app.footer(kKeys);
+  app.footer(help_on_controls());
   app.set_version_flag("--version", std::string("render_client ") + kVersion);
 
   auto* connect =
@@ -103,6 +102,19 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
          "colour where there is nothing to show, RRGGBB in hexadecimal digits [000000]")
       ->check(must_be("six hexadecimal digits, RRGGBB",
                       [](const std::string& text) { return parse_color(text).has_value(); }));
+  app.add_option_function<std::string>(
+         "--stereo", [&](const std::string& name) { settings.stereo.mode = *display::parse_stereo(name); },
+         "pictures for two eyes, in a window and in --screenshot: none, side (left and right half), "
+         "top (upper and lower half), anaglyph (red-cyan glasses) or rows (every other row) [none]")
+      ->check(one_of({"none", "side", "top", "anaglyph", "rows"}));
+  app.add_option("--eye-distance", settings.stereo.eye_distance_m,
+                 "distance between the eyes, metres; a negative distance exchanges the eyes")
+      ->capture_default_str()
+      ->check(number(-1, 1));
+  app.add_option("--screen-distance", settings.stereo.screen_distance_m,
+                 "distance from the eyes, in metres, of the surfaces that appear in the plane of the screen")
+      ->capture_default_str()
+      ->check(number(0.1, 1000));
   std::optional<viewpoint::ViewChoice> view;
   app.add_option_function<std::string>(
          "--view", [&](const std::string& text) { view = viewpoint::parse_view(text); },

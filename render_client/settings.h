@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "render_client/display/stereo.h"
 #include "render_client/renderer/renderer.h"
 #include "render_client/viewpoint/viewer.h"
 
@@ -23,6 +24,7 @@ struct ClientSettings {
   double fps = 30;                 ///< Greatest number of views per second without a window.
   /// Vertical field of view, as in viewpoint::ViewFormat.
   std::optional<double> fov_degrees;
+  display::Stereo stereo;
   viewpoint::ViewChoice view;
   renderer::UnseenStyle unseen{.show = renderer::UnseenStyle::Show::kExtend};
   bool match_colors = true;

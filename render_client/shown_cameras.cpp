@@ -133,7 +133,25 @@ std::vector<renderer::CameraView> ShownCameras::views(Instant now) const {
     views.back().opacity = stale_.opacity(i, now);
     views.back().is_remembered = true;
   }
+  if (!corrects_colors_) {
+    for (renderer::CameraView& view : views) view.color_correction.setIdentity();
+  }
   return views;
+}
+
+std::vector<std::size_t> ShownCameras::cameras_of_views() const {
+  std::vector<std::size_t> cameras;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    if (cameras_[i].newest) cameras.push_back(i);
+  }
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    if (cameras_[i].newest && cameras_[i].remembered) cameras.push_back(i);
+  }
+  return cameras;
+}
+
+float ShownCameras::opacity(std::size_t camera, Instant now) const {
+  return cameras_[camera].newest ? stale_.opacity(camera, now) : 0;
 }
 
 bool ShownCameras::have_changed() const {

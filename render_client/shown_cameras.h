@@ -45,6 +45,17 @@ class ShownCameras {
 
   /// Returns the cameras of the next view for Renderer::render().
   std::vector<renderer::CameraView> views(Instant now) const;
+  /// Returns the number of the listed camera for each element of views().
+  std::vector<std::size_t> cameras_of_views() const;
+
+  /// Sets whether views() has colour corrections. They are on at first.
+  void correct_colors(bool corrects) { corrects_colors_ = corrects; }
+
+  std::size_t size() const { return cameras_.size(); }  ///< Number of listed cameras.
+  /// Returns the camera's newest frame, or null if the view shows none.
+  const CameraFrame* newest(std::size_t camera) const { return cameras_[camera].newest.get(); }
+  /// Returns the opacity of a camera that has a newest frame, and 0 for other cameras.
+  float opacity(std::size_t camera, Instant now) const;
 
   /// Returns whether a frame has come or a camera has been removed since the last view.
   bool have_changed() const;
@@ -95,7 +106,8 @@ class ShownCameras {
   pacing::StaleCameras stale_;
   std::vector<Camera> cameras_;
   std::uint64_t versions_ = 0;  // The greatest CameraView::version so far.
-  bool was_removed_ = false;    // Whether a camera has been removed since the last view.
+  bool corrects_colors_ = true;
+  bool was_removed_ = false;  // Whether a camera has been removed since the last view.
   std::optional<Instant> last_view_at_;
   std::optional<Instant> complete_since_;
   bool colors_settled_ = false;

@@ -1,5 +1,5 @@
 #version 450 core
-// checked with: -DLAYERS=2 -DTIE_RATIO=0.3
+// checked with: -DLAYERS=2
 //
 // Merges the fragments of all cameras (merge_rules.h, Merge). Among the fragments within the
 // uncertainty range of the nearest, the best is shown. Fragments of similar weight are blended.
@@ -14,6 +14,8 @@ layout(binding = 2, r8ui) writeonly uniform uimage2D merged_camera;
 layout(binding = 3, r32f) writeonly uniform image2D merged_quality;
 
 uniform int wants_depth;  // If 0, only `merged` is written.
+uniform int nearest_only;  // If not 0, the nearest fragment is shown alone (MergeMode::kNearest).
+uniform float tie_ratio;   // As tie_ratio() (merge_rules.h).
 uniform vec2 w_near_far;  // Inverse depth of the near and the far plane, 1/m.
 uniform vec4 ray_from_pixel;  // The ray (x, y) at z = 1 in the eye's frame is xy * pixel + zw.
 uniform vec4 camera_axis[LAYERS];         // As MergeLayers::Camera::axis (gl_programs.h).
@@ -52,7 +54,7 @@ void main() {
   uint best = kNoCamera;
   for (int i = 0; i < LAYERS; ++i) {
     weight[i] = 0.0;
-    if (incidence[i] <= 0.0) continue;
+    if (incidence[i] <= 0.0 || (nearest_only != 0 && i != nearest)) continue;
     const float range = nearest_uncertainty + uncertainty[i];
     weight[i] = quality[i] * clamp(2.0 - 2.0 * (z[i] - nearest_z) / range, 0.0, 1.0);
     if (weight[i] <= best_weight) continue;
@@ -66,7 +68,7 @@ void main() {
   if (best != kNoCamera) {
     float sum = 0.0;
     for (int i = 0; i < LAYERS; ++i) {
-      const float share = clamp((weight[i] - TIE_RATIO * best_weight) / ((1.0 - TIE_RATIO) * best_weight), 0.0, 1.0);
+      const float share = clamp((weight[i] - tie_ratio * best_weight) / ((1.0 - tie_ratio) * best_weight), 0.0, 1.0);
       if (share <= 0.0) continue;
       shown.rgb += share * color[i];
       sum += share;

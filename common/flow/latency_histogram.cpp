@@ -1,6 +1,7 @@
 #include "common/flow/latency_histogram.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace copresence::flow {
@@ -27,6 +28,14 @@ double LatencyHistogram::percentile_ms(double percent) const {
     if (seen >= std::max<std::uint64_t>(wanted, 1)) return kFirstMs * std::exp((i + 0.5) * kLogRatio);
   }
   return kFirstMs * std::exp(kBuckets * kLogRatio);
+}
+
+LatencyHistogram LatencyHistogram::since(const LatencyHistogram& earlier) const {
+  assert(count_ >= earlier.count_);
+  LatencyHistogram later;
+  for (std::size_t i = 0; i < buckets_.size(); ++i) later.buckets_[i] = buckets_[i] - earlier.buckets_[i];
+  later.count_ = count_ - earlier.count_;
+  return later;
 }
 
 }  // namespace copresence::flow

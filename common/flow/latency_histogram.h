@@ -20,6 +20,9 @@ class LatencyHistogram {
   /// Milliseconds below which `percent` (0 to 100) of the durations lie; 0 if there are none.
   double percentile_ms(double percent) const;
 
+  /// Returns the durations that were added after the copy `earlier` of this histogram was made.
+  LatencyHistogram since(const LatencyHistogram& earlier) const;
+
  private:
   static constexpr int kBuckets = 940;
   std::array<std::uint32_t, kBuckets> buckets_{};

@@ -57,6 +57,7 @@ void Framebuffer::begin(const Program& program) {
   glViewport(0, 0, width_, height_);
   (has_depth_ ? glEnable : glDisable)(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);
+  glPolygonMode(GL_FRONT_AND_BACK, draws_lines_ ? GL_LINE : GL_FILL);
   glUseProgram(program.id());
 }
 

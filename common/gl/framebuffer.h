@@ -41,6 +41,9 @@ class Framebuffer {
   void clear_integers(int attachment, const std::array<std::uint32_t, 4>& value);  ///< For integer formats.
   void clear_depth(float value);
 
+  /// Sets whether triangles are drawn as lines along their sides. They are filled at first.
+  void draw_lines(bool lines) { draws_lines_ = lines; }
+
   /// Draws triangles. `indices` holds std::uint32_t, and `command` holds a DrawCommand at byte
   /// `offset`. With a depth texture, the fragment with the smaller depth wins. Only front faces are
   /// drawn: triangles with counter-clockwise corners in clip coordinates, y up.
@@ -58,6 +61,7 @@ class Framebuffer {
   int width_ = 0;
   int height_ = 0;
   bool has_depth_;
+  bool draws_lines_ = false;
 };
 
 }  // namespace copresence::gl

@@ -16,6 +16,8 @@
 namespace copresence::window {
 namespace {
 
+constexpr GLuint kScreen = 0;  // The window's own framebuffer.
+
 Key key_of(int key) {
   switch (key) {
     case GLFW_KEY_ESCAPE:
@@ -244,25 +246,32 @@ void Window::present(std::uint32_t texture, int width, int height) {
 }
 
 void Window::present_again() {
-  if (shown_.texture == 0) return;
+  if (shown_.texture == 0 && !draw_overlay_) return;
   if (width_ > 0 && height_ > 0) {
-    const double scale = std::min(double(width_) / shown_.width, double(height_) / shown_.height);
-    const int width = int(std::lround(shown_.width * scale));
-    const int height = int(std::lround(shown_.height * scale));
-    const int left = (width_ - width) / 2;
-    const int bottom = (height_ - height) / 2;
-    constexpr GLuint kScreen = 0;
     const std::array<float, 4> black = {0, 0, 0, 1};
     glClearNamedFramebufferfv(kScreen, GL_COLOR, 0, black.data());
-    glNamedFramebufferTexture(read_framebuffer_.id(), GL_COLOR_ATTACHMENT0, shown_.texture, 0);
-    const bool is_scaled = width != shown_.width || height != shown_.height;
-    // Row 0 of the screen is the bottom row.
-    glBlitNamedFramebuffer(read_framebuffer_.id(), kScreen, 0, 0, shown_.width, shown_.height, left,
-                           bottom + height, left + width, bottom, GL_COLOR_BUFFER_BIT,
-                           is_scaled ? GL_LINEAR : GL_NEAREST);
+    if (shown_.texture != 0) blit_picture();
+    if (draw_overlay_) {
+      glBindFramebuffer(GL_FRAMEBUFFER, kScreen);
+      draw_overlay_();
+    }
     glfwSwapBuffers(window_);
   }
   keep_pace();
+}
+
+void Window::blit_picture() {
+  const double scale = std::min(double(width_) / shown_.width, double(height_) / shown_.height);
+  const int width = int(std::lround(shown_.width * scale));
+  const int height = int(std::lround(shown_.height * scale));
+  const int left = (width_ - width) / 2;
+  const int bottom = (height_ - height) / 2;
+  glNamedFramebufferTexture(read_framebuffer_.id(), GL_COLOR_ATTACHMENT0, shown_.texture, 0);
+  const bool is_scaled = width != shown_.width || height != shown_.height;
+  // Row 0 of the screen is the bottom row.
+  glBlitNamedFramebuffer(read_framebuffer_.id(), kScreen, 0, 0, shown_.width, shown_.height, left,
+                         bottom + height, left + width, bottom, GL_COLOR_BUFFER_BIT,
+                         is_scaled ? GL_LINEAR : GL_NEAREST);
 }
 
 void Window::keep_pace() {

@@ -5,8 +5,10 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/frame/image.h"
@@ -62,9 +64,14 @@ class Window {
   void present(const gl::Texture& texture) { present(texture.id(), texture.width(), texture.height()); }
   void present(const Image<Rgba8>& image);
 
-  /// Shows the last picture again, after a resize or for the next refresh. Does nothing without a
-  /// last picture. Requires that the texture of the last present() still exists.
+  /// Shows the last picture again, after a resize or for the next refresh. Requires that the texture
+  /// of the last present() still exists. Without a last picture it shows black if there is an
+  /// overlay, and does nothing otherwise.
   void present_again();
+
+  /// Sets a function that draws over each picture before it is shown. The function draws into the
+  /// bound framebuffer, which has the size of the window's picture.
+  void set_overlay(std::function<void()> draw) { draw_overlay_ = std::move(draw); }
 
  private:
   struct Callbacks;
@@ -73,6 +80,7 @@ class Window {
   explicit Window(GLFWwindow* window);
   Modifiers modifiers() const;
   void follow_size();
+  void blit_picture();
   void keep_pace();
 
   GLFWwindow* window_;
@@ -83,6 +91,7 @@ class Window {
     std::uint32_t texture = 0;
     int width = 0, height = 0;
   } shown_;
+  std::function<void()> draw_overlay_;
   bool vsync_ = true;
   std::chrono::steady_clock::time_point presented_at_{};
   std::vector<Event> events_;

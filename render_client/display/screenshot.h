@@ -9,7 +9,8 @@
 
 namespace copresence::display {
 
-/// Writes opaque pixels, without alpha. Fails with a message that names the file.
+/// Writes the image with its alpha if a pixel is not opaque, else without. Fails with a message that
+/// names the file.
 Result<void> write_png(const std::string& path, const Image<Rgba8>& image);
 
 }  // namespace copresence::display

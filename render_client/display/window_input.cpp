@@ -1,5 +1,7 @@
 #include "render_client/display/window_input.h"
 
+#include "render_client/display/controls.h"
+
 namespace copresence::display {
 namespace {
 
@@ -24,9 +26,8 @@ std::vector<Gesture> WindowInput::translate(const std::vector<window::Event>& ev
       last_move_ = *move;
     } else if (const auto* scroll = std::get_if<window::ScrollEvent>(&event)) {
       gestures.emplace_back(viewpoint::Zoom{scroll->y});
-    } else if (const auto* key = std::get_if<window::KeyEvent>(&event); key && key->pressed) {
-      if (key->key == window::Key{'R'} || key->key == window::Key::kHome)
-        gestures.emplace_back(viewpoint::ResetPose{});
+    } else if (const auto* key = std::get_if<window::KeyEvent>(&event)) {
+      if (command_of(*key) == Command::kResetPose) gestures.emplace_back(viewpoint::ResetPose{});
     }
   }
   return gestures;

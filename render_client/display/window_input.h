@@ -14,7 +14,7 @@ namespace copresence::display {
 class WindowInput {
  public:
   /// Dragging with the left button orbits. Dragging with the right or middle button pans. The wheel
-  /// zooms. The keys R and Home reset the pose. `picture_height` is the window's height in pixels.
+  /// zooms. Command::kResetPose resets the pose. `picture_height` is the window's height in pixels.
   std::vector<viewpoint::Gesture> translate(const std::vector<window::Event>& events, int picture_height);
 
  private:

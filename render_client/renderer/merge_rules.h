@@ -19,7 +19,7 @@
 // Fragment     Depth and texture coordinate are interpolated with perspective. A fragment has the
 //              state of the pixel nearest to its texture coordinate, and the cos(theta) of that
 //              pixel's cell. Its weight falls towards the picture's border, see border_fade().
-// Merge        See blend_weight() and blend_share() below.
+// Merge        See MergeMode, blend_weight() and blend_share() below.
 // Colour       The camera's image is sampled bilinearly and clamped at its border. Then the colour
 //              correction is applied and the result clamped to 0..1. A camera without colour shows
 //              the gray of shade_without_color(), from the normals of shading.h.
@@ -153,13 +153,26 @@ inline float blend_weight(float quality, float behind_m, float range_m) {
   return quality * std::clamp(2.0F - 2.0F * behind_m / range_m, 0.0F, 1.0F);
 }
 
+/// Selects the fragments that make the colour of a pixel.
+enum class MergeMode {
+  kBlend,    ///< The best fragment, blended with others of similar weight.
+  kBest,     ///< The best fragment alone (thesis 2.6.1).
+  kNearest,  ///< The nearest fragment alone, as an ordinary depth test would show.
+};
+
+/// Fragments with less than this ratio of the best weight are not shown.
+inline constexpr float kTieRatio = 0.3F;        ///< For MergeMode::kBlend.
+inline constexpr float kBestTieRatio = 0.999F;  ///< For MergeMode::kBest.
+inline float tie_ratio(MergeMode mode) {
+  return mode == MergeMode::kBlend ? kTieRatio : kBestTieRatio;
+}
+
 /// Returns the share of a fragment in the pixel's colour, before division by the sum of all shares.
-/// It rises linearly from 0 at kTieRatio times the best weight to 1 at the best weight. Depth,
+/// It rises linearly from 0 at `tie_ratio` times the best weight to 1 at the best weight. Depth,
 /// camera and quality of the pixel are those of the best fragment. Of equal fragments, the one with
 /// the lowest camera index is the best.
-inline constexpr float kTieRatio = 0.3F;
-inline float blend_share(float weight, float best_weight) {
-  return std::clamp((weight - kTieRatio * best_weight) / ((1.0F - kTieRatio) * best_weight), 0.0F, 1.0F);
+inline float blend_share(float weight, float best_weight, float tie_ratio = kTieRatio) {
+  return std::clamp((weight - tie_ratio * best_weight) / ((1.0F - tie_ratio) * best_weight), 0.0F, 1.0F);
 }
 
 /// Minimum depth difference at a silhouette edge, in disparity steps of the coarsest sensor in the

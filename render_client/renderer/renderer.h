@@ -20,6 +20,7 @@
 #include "common/frame/image.h"
 #include "common/frame/rgbd_frame.h"
 #include "common/result.h"
+#include "render_client/renderer/merge_rules.h"
 #include "render_client/viewpoint/view_pose.h"
 
 namespace copresence::renderer {
@@ -123,6 +124,13 @@ class Renderer {
   /// Sets how unseen pixels look from the next view on. The default is kBlack with a black
   /// background. Surfaces are extended only if the colour is wanted.
   virtual void set_unseen(const UnseenStyle& style) = 0;
+
+  /// Sets how fragments are merged from the next view on. The default is kBlend.
+  virtual void set_merge(MergeMode mode) = 0;
+
+  /// Sets whether only the sides of the meshes' triangles are drawn. Returns whether the renderer can
+  /// do this. The pixels between them count as unseen.
+  virtual bool set_wireframe(bool wireframe) = 0;
 
   /// Makes meshes and textures of these cameras in advance. Call it while no view is due. The next
   /// render() may get newer frames or other cameras.

@@ -101,7 +101,7 @@ void CameraStatistics::received(const wire::FrameCounters& totals, std::size_t b
   if (!first_) {
     first_ = now;
   } else {
-    bytes_ += bytes;  // The first frame is not counted, since it begins the measured interval.
+    sums_.bytes += bytes;  // The first frame is not counted, since it begins the measured interval.
   }
   newest_ = now;
 }
@@ -175,9 +175,21 @@ CameraStatistics::Snapshot CameraStatistics::snapshot() const {
              {"unaccounted", missing - std::min(missing, known)}};
   s.dropped = missing + not_decoded_;
   if (first_ && *newest_ > *first_) {
-    s.mbps = static_cast<double>(bytes_) * 8e-6 / std::chrono::duration<double>(*newest_ - *first_).count();
+    s.mbps = static_cast<double>(s.bytes) * 8e-6 / std::chrono::duration<double>(*newest_ - *first_).count();
   }
   return s;
+}
+
+CameraInterval interval(const CameraStatistics::Snapshot& before, const CameraStatistics::Snapshot& after,
+                        Duration elapsed) {
+  const double seconds = std::chrono::duration<double>(elapsed).count();
+  CameraInterval between;
+  between.frames_per_second = static_cast<double>(after.received - before.received) / seconds;
+  between.mbps = static_cast<double>(after.bytes - before.bytes) * 8e-6 / seconds;
+  between.latency_ms = after.latency.since(before.latency).percentile_ms(50);
+  for (std::size_t i = 0; i < between.stages_ms.size(); ++i)
+    between.stages_ms[i] = after.stages[i].since(before.stages[i]).percentile_ms(50);
+  return between;
 }
 
 void ViewStatistics::rendered(Instant begin, Instant end, bool complete) {

@@ -59,6 +59,7 @@ class CameraStatistics {
     /// Numbers by cause, including causes that have not occurred.
     std::map<std::string, std::uint64_t> drops;
     std::uint64_t dropped = 0;
+    std::uint64_t bytes = 0;  ///< Of all received frames but the first.
     double mbps = 0;
     flow::LatencyHistogram latency;
     std::array<flow::LatencyHistogram, kStageNames.size()> stages;
@@ -70,10 +71,21 @@ class CameraStatistics {
   mutable std::mutex mutex_;
   std::optional<wire::FrameCounters> last_;  // The last totals of this connection.
   Instant last_at_{};                        // Arrival time of `last_`.
-  std::uint64_t not_decoded_ = 0, bytes_ = 0;
+  std::uint64_t not_decoded_ = 0;
   std::optional<Instant> first_, newest_;
   Snapshot sums_;
 };
+
+/// What a camera did between two of its snapshots.
+struct CameraInterval {
+  double frames_per_second = 0;
+  double mbps = 0;
+  double latency_ms = 0;                               ///< Median; 0 if no view showed a frame.
+  std::array<double, kStageNames.size()> stages_ms{};  ///< Medians.
+};
+/// Requires `elapsed` > 0, the time from `before` to `after`.
+CameraInterval interval(const CameraStatistics::Snapshot& before, const CameraStatistics::Snapshot& after,
+                        Duration elapsed);
 
 class ViewStatistics {
  public:

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <utility>
 
@@ -11,7 +12,23 @@ namespace {
 
 constexpr std::chrono::seconds kSayAgainAfter{10}, kThenEvery{60};
 
+/// Removes the address from the beginning of a sentence.
+std::string_view without_address(std::string_view sentence, std::string_view address) {
+  if (!sentence.starts_with(address)) return sentence;
+  const std::string_view rest = sentence.substr(address.size());
+  return rest.starts_with(": ") ? rest.substr(2) : sentence;
+}
+
 }  // namespace
+
+CameraStates::CameraStates(const std::vector<ListedCamera>& cameras, std::function<void()> on_all_refused)
+    : on_all_refused_(std::move(on_all_refused)) {
+  for (const ListedCamera& camera : cameras) {
+    cameras_.emplace_back();
+    cameras_.back().address = camera.address;
+    cameras_.back().name = camera.name;
+  }
+}
 
 std::optional<std::string> CameraStates::not_connected(std::size_t camera, std::string why, Instant now) {
   std::lock_guard lock(mutex_);
@@ -34,8 +51,9 @@ void CameraStates::connected(std::size_t camera, std::string name) {
   std::lock_guard lock(mutex_);
   Camera& of = cameras_[camera];
   Camera now;
-  now.is_connected = true;
+  now.address = of.address;
   now.name = std::move(name);
+  now.is_connected = true;
   // A new connection does not change whether views show the camera.
   now.availability = of.availability;
   now.left_out = std::move(of.left_out);
@@ -91,12 +109,34 @@ std::optional<Error> CameraStates::all_refused() const {
   return all_refused_;
 }
 
-std::string CameraStates::awaited(const Camera& camera) {
-  if (!camera.left_out.empty()) return camera.left_out;
-  if (!camera.over.empty()) return fmt::format("camera \"{}\": {}", camera.name, camera.over);
-  if (camera.is_connected) return camera.status;
-  if (camera.tries == 0) return "connecting";
-  return fmt::format("{} try: waiting for {}", ordinal(camera.tries), camera.why);
+std::string CameraStates::name_and_address(std::size_t camera) const {
+  std::lock_guard lock(mutex_);
+  return name_and_address(cameras_[camera]);
+}
+
+std::string CameraStates::name_and_address(const Camera& camera) {
+  return camera.name.empty() ? camera.address : fmt::format("{} at {}", camera.name, camera.address);
+}
+
+std::string CameraStates::why_no_frames(std::size_t camera) const {
+  std::lock_guard lock(mutex_);
+  return why_no_frames(cameras_[camera]);
+}
+
+std::string CameraStates::why_no_frames(const Camera& camera) {
+  const std::string name = name_and_address(camera);
+  if (!camera.left_out.empty())
+    return fmt::format("{} is left out of the view: {}", name,
+                       without_address(camera.left_out, camera.address));
+  if (!camera.over.empty()) return fmt::format("{}: {}", name, without_address(camera.over, camera.address));
+  if (camera.is_connected && !camera.status.empty()) return fmt::format("{}: {}", name, camera.status);
+  if (camera.is_connected)
+    return camera.availability == Availability::kShown
+               ? ""
+               : name + " is connected; waiting for its first picture";
+  if (camera.tries == 0) return "connecting to " + name;
+  return fmt::format("waiting for {}, {} try: {}", name, ordinal(camera.tries),
+                     without_address(camera.why, camera.address));
 }
 
 std::string CameraStates::title(std::string_view program) const {
@@ -104,7 +144,7 @@ std::string CameraStates::title(std::string_view program) const {
   std::string first;
   int more = 0;
   for (const Camera& camera : cameras_) {
-    std::string what = awaited(camera);
+    std::string what = why_no_frames(camera);
     if (what.empty()) continue;
     if (first.empty()) {
       first = std::move(what);
@@ -119,6 +159,9 @@ std::string CameraStates::title(std::string_view program) const {
 }
 
 std::string ordinal(int number) {
+  static constexpr std::array kWords = {"first", "second",  "third",  "fourth", "fifth",
+                                        "sixth", "seventh", "eighth", "ninth",  "tenth"};
+  if (number >= 1 && number <= 10) return kWords[static_cast<std::size_t>(number) - 1];
   const int last = number % 10, last_two = number % 100;
   const bool is_teen = last_two >= 11 && last_two <= 13;
   const char* const ending = is_teen ? "th" : last == 1 ? "st" : last == 2 ? "nd" : last == 3 ? "rd" : "th";

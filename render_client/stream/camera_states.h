@@ -1,7 +1,7 @@
 #pragma once
 
 // Keeps the state of each camera's connection: connected, waiting for its server, left out of the
-// view, or at the end of its recording. The window's title and the log report the state. A headless
+// view, or at the end of its recording. The window, its title and the log report the state. A headless
 // client ends when every camera has ended. Any client ends when every camera is refused. Thread:
 // any. Receivers write, and the render thread reads.
 
@@ -20,11 +20,16 @@
 
 namespace copresence::stream {
 
+/// A camera as the user listed it.
+struct ListedCamera {
+  std::string address;  ///< HOST:PORT of its server.
+  std::string name;     ///< Empty if the scene file does not give it.
+};
+
 class CameraStates {
  public:
   explicit CameraStates(
-      std::size_t cameras, std::function<void()> on_all_refused = [] {})
-      : cameras_(cameras), on_all_refused_(std::move(on_all_refused)) {}
+      const std::vector<ListedCamera>& cameras, std::function<void()> on_all_refused = [] {});
 
   /// Call it when a try to connect has failed. `why` is a sentence that begins with the address.
   /// Returns a line for the log after the first try, after 10 s, and then once a minute.
@@ -48,19 +53,26 @@ class CameraStates {
 
   /// Returns why views do not wait for the camera, or an empty text if they wait for it or show it.
   std::string left_out(std::size_t camera) const;
-  /// Returns the camera's name, which is empty before the first connection.
+  /// Returns the camera's name. It may be empty before the first connection.
   std::string name(std::size_t camera) const;
 
   /// Returns why no camera can be shown, or nothing unless every camera is refused.
   std::optional<Error> all_refused() const;
+
+  /// Returns in one sentence why the camera sends no frames, or an empty text if they come.
+  std::string why_no_frames(std::size_t camera) const;
+
+  /// Returns the camera's name and address, as in "left at 127.0.0.1:7001".
+  std::string name_and_address(std::size_t camera) const;
 
   /// Returns the window's title. It has `program` and the state of the first camera without frames.
   std::string title(std::string_view program) const;
 
  private:
   struct Camera {
-    bool is_connected = false;
+    std::string address;
     std::string name;
+    bool is_connected = false;
     std::string status;  // The reason why the camera sends no frames.
     std::string over;    // The reason why the camera has ended for good.
     std::string why;     // The reason why the camera is not connected.
@@ -69,7 +81,8 @@ class CameraStates {
     int tries = 0;         // Number of failed tries since the last connection.
     std::optional<Instant> next_said_at;
   };
-  static std::string awaited(const Camera& camera);
+  static std::string name_and_address(const Camera& camera);
+  static std::string why_no_frames(const Camera& camera);
 
   mutable std::mutex mutex_;
   std::vector<Camera> cameras_;
@@ -77,7 +90,7 @@ class CameraStates {
   std::optional<Error> all_refused_;
 };
 
-/// Returns an ordinal number such as 1st, 2nd, 3rd or 11th.
+/// Returns an ordinal number: a word up to tenth, then 11th, 12th, 21st and so on.
 std::string ordinal(int number);
 
 }  // namespace copresence::stream

@@ -90,13 +90,11 @@ void Viewer::on_camera_pose(std::size_t index, const Rigid3& world_from_camera, 
     viewpoint_->set_intrinsics(camera_within(format_.width, format_.height, radians(kFovDegrees), model));
 }
 
-std::vector<ViewPose> Viewer::at(std::uint64_t view_index, Instant display_time,
-                                 std::span<const Rigid3> head_from_eyes) {
+std::vector<ViewPose> Viewer::at(std::uint64_t view_index, Instant display_time, std::span<const Eye> eyes) {
   const ViewPose head = viewpoint_->at(view_index, display_time);
-  std::vector<ViewPose> eyes(head_from_eyes.size(), head);
-  for (std::size_t i = 0; i < eyes.size(); ++i)
-    eyes[i].world_from_eye = head.world_from_eye * head_from_eyes[i];
-  return eyes;
+  std::vector<ViewPose> poses;
+  for (const Eye& eye : eyes) poses.push_back(pose_of_eye(head, eye));
+  return poses;
 }
 
 }  // namespace copresence::viewpoint

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "render_client/viewpoint/eye.h"
 #include "render_client/viewpoint/opentrack_view.h"
 #include "render_client/viewpoint/viewpoint.h"
 
@@ -49,11 +50,9 @@ class Viewer {
 
   void apply(const Gesture& gesture) { viewpoint_->apply(gesture); }
 
-  /// Returns a pose for each eye. `head_from_eyes` are the poses of the display's eyes in the
-  /// viewer's head. A display with one picture has one eye, whose pose is the identity. The other
-  /// parameters are as in Viewpoint::at().
-  std::vector<ViewPose> at(std::uint64_t view_index, Instant display_time,
-                           std::span<const Rigid3> head_from_eyes);
+  /// Returns a pose for each eye of the display. A display with one picture has the eye Eye{}. The
+  /// other parameters are as in Viewpoint::at().
+  std::vector<ViewPose> at(std::uint64_t view_index, Instant display_time, std::span<const Eye> eyes);
 
   std::optional<News> news(Instant now) { return viewpoint_->news(now); }
 

@@ -56,8 +56,9 @@ MODULES = {
     "render_client/pacing": EDGE_TYPES | {"common/flow", "render_client/camera_setup"},
     "render_client/viewpoint": EDGE_TYPES,
     "render_client/renderer": EDGE_TYPES | {"common/gl", "render_client/viewpoint"},
-    "render_client/display": EDGE_TYPES | {"common/gl", "common/window", "render_client/renderer",
-                                           "render_client/viewpoint"},
+    "render_client/display/overlay": EDGE_TYPES | {"common/gl", "common/window"},
+    "render_client/display": EDGE_TYPES | {"common/gl", "common/window", "render_client/display/overlay",
+                                           "render_client/renderer", "render_client/viewpoint"},
     # Compiled to WebAssembly. It takes the sources of the modules that a frame passes from the wire to the mesh.
     "web/native": EDGE_TYPES | {"common/bitstream", "common/color", "common/depth", "common/wire",
                                 "render_client/background_memory", "render_client/camera_setup",
@@ -80,6 +81,7 @@ HOMES = {
     r"openssl/": {"common/tls"},
     r"epoxy/|EGL/|GL/": {"common/gl", "common/window"},
     r"GLFW/": {"common/window"},
+    r"imgui|backends/imgui": {"render_client/display/overlay"},
     r"toml\+\+": {"common/toml"},
     r"OpenNI\.h|Oni.*\.h|PS1080\.h|PrimeSense\.h|Driver/": {
         "capture_server/sensor", "capture_server/diagnosis", "capture_server/drivers/contract"},
@@ -103,6 +105,7 @@ LIBRARY_HOMES = {
     "OpenSSL::SSL": {"common/tls"},
     "PkgConfig::EPOXY": {"common/gl", "common/window"},
     "glfw": {"common/window"},
+    "PkgConfig::IMGUI": {"render_client/display/overlay"},
     "tomlplusplus::tomlplusplus": {"common/toml"},
     "PkgConfig::OPENNI2": {"capture_server/sensor", "capture_server/diagnosis", "capture_server/drivers/contract",
                            "capture_server"},

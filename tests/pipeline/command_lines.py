@@ -18,10 +18,10 @@ PROGRAMS = [["capture_server"], ["render_client"], ["web_gateway"], ["depth_benc
 NUMBERS = ["foo", "", "nan", "1;2", "-1e99", "1e99", "9" * 40, "0x", "--5"]
 WORDS = [""]
 # Those of type TEXT that take a few words, or a text of one form only.
-FORMS = {"--size", "--truth-size", "--range", "--renderer", "--view", "--unseen", "--background", "--color-matching",
-         "--codec", "--effort", "--board-size", "--dictionary", "--chessboard", "--projector-slot", "--exposure",
-         "--white-balance", "--hole-filling", "--temporal-filter", "--compute", "--pace", "--unit", "--solver",
-         "--board"}
+FORMS = {"--size", "--truth-size", "--range", "--renderer", "--view", "--stereo", "--unseen", "--background",
+         "--color-matching", "--codec", "--effort", "--board-size", "--dictionary", "--chessboard",
+         "--projector-slot", "--exposure", "--white-balance", "--hole-filling", "--temporal-filter", "--compute",
+         "--pace", "--unit", "--solver", "--board"}
 WRONG_FORMS = ["foo", "", "-1", "1x", "nan:nan", "infxinf"]
 # Without a value it has a meaning of its own.
 MAY_BE_EMPTY = {"--truth"}

@@ -3,13 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
 
+#include "render_client/display/screenshot.h"
 #include "tests/pipeline/running_room.h"
 #include "tests/support/virtual_display.h"
+#include "tests/support/window_user.h"
 
 // last: X defines words that others use as names
 #include <X11/Xlib.h>
@@ -138,14 +143,135 @@ TEST_F(View, TheWindowsTitleSaysWhatIsAwaited) {
   room_.kill_server(0);
   Process client(
       {program("render_client"), "--connect", room_.address(0), "--size", "320x240", "--renderer", "cpu"});
-  const auto awaited = "try: waiting for " + room_.address(0) + ": connection refused";
-  EXPECT_TRUE(is_true_within(seconds(30), [&] { return titles().find(awaited) != std::string::npos; }))
-      << titles() << client.output();
+  const auto awaited = [&] {
+    const std::string title = titles();
+    return title.find("waiting for " + room_.address(0) + ", ") != std::string::npos &&
+           title.find(" try: connection refused") != std::string::npos;
+  };
+  EXPECT_TRUE(is_true_within(seconds(30), awaited)) << titles() << client.output();
   EXPECT_THAT(client.output(), HasSubstr(room_.address(0) + ": connection refused"));
   room_.restart_server(0);
   EXPECT_TRUE(is_true_within(seconds(30), [] { return titles() == "Copresence\n"; }))
       << titles() << client.output();
   client.signal(SIGTERM);
+  EXPECT_EQ(client.wait(seconds(10)), 0) << client.output();
+}
+
+/// Returns the number of pixels of the colour of the window's text, in rows from `first` to `last`.
+int text_pixels(const WindowUser& user, int width, int height, int first, int last) {
+  const Image<Rgba8> seen = user.see(width, height);
+  if (seen.empty()) return 0;
+  int count = 0;
+  for (int y = first; y <= last; ++y) {
+    for (const Rgba8& pixel : seen.row(y)) count += pixel == Rgba8{255, 255, 255, 255};
+  }
+  return count;
+}
+
+TEST_F(View, TheWindowSaysWhyItIsBlackAndListsTheKeys) {
+  const VirtualDisplay display;
+  if (!display.is_there()) GTEST_SKIP() << "*** SKIPPED, NOT TESTED: no Xvfb ***";
+  room_.serve(recordings() / "camera0.oni", {"--loop"});
+  room_.kill_server(0);
+  Process client(
+      {program("render_client"), "--connect", room_.address(0), "--size", "640x360", "--renderer", "cpu"});
+  ASSERT_TRUE(is_true_within(seconds(30), [] { return titles().find("waiting") != std::string::npos; }));
+  WindowUser user("Copresence");
+  ASSERT_TRUE(user.has_window());
+  const auto says_why = [&] { return text_pixels(user, 640, 360, 310, 359) > 200; };
+  EXPECT_TRUE(is_true_within(seconds(10), says_why)) << client.output();
+  room_.restart_server(0);
+  EXPECT_TRUE(is_true_within(seconds(30), [&] { return !says_why(); })) << client.output();
+  const auto lists_keys = [&] { return text_pixels(user, 640, 360, 0, 150) > 500; };
+  EXPECT_FALSE(lists_keys());
+  user.press_key("h");
+  EXPECT_TRUE(is_true_within(seconds(10), lists_keys));
+  user.press_key("h");
+  EXPECT_TRUE(is_true_within(seconds(10), [&] { return !lists_keys(); }));
+  user.press_key("Escape");
+  EXPECT_EQ(client.wait(seconds(10)), 0) << client.output();
+}
+
+/// Returns the fraction of pixels whose colour has the hue of the first camera's layer.
+double layer_share(const Image<Rgba8>& view) {
+  std::size_t count = 0;
+  for (const Rgba8& pixel : view.pixels())
+    count += pixel.b <= 1 && pixel.r > 60 && std::abs(159 * pixel.r - 230 * pixel.g) < 2 * 230;
+  return double(count) / double(std::max<std::size_t>(view.pixels().size(), 1));
+}
+
+/// Returns the mean difference of the left and the right half.
+double difference_of_halves(const Image<Rgba8>& view) {
+  double sum = 0;
+  const int half = view.width() / 2;
+  for (int y = 0; y < view.height(); ++y) {
+    for (int x = 0; x < half; ++x) sum += std::abs(view(x, y).g - view(x + half, y).g);
+  }
+  return sum / std::max(1, half * view.height());
+}
+
+/// Writes the picture to the folder that COPRESENCE_PICTURES names, if there is one.
+void keep_picture(const Image<Rgba8>& picture, const std::string& name) {
+  const char* const folder = std::getenv("COPRESENCE_PICTURES");
+  if (!folder) return;
+  EXPECT_TRUE(display::write_png((std::filesystem::path(folder) / name).string(), picture));
+}
+
+TEST_F(View, KeysShowFiguresAndChangeTheView) {
+  constexpr int kWidth = 960, kHeight = 540;
+  const VirtualDisplay display;
+  if (!display.is_there()) GTEST_SKIP() << "*** SKIPPED, NOT TESTED: no Xvfb ***";
+  for (const char* name : {"camera0.oni", "camera1.oni"}) room_.serve(recordings() / name, {"--loop"});
+  // The folder for screenshots is the one where the client was started.
+  const auto folder = room_.file("").parent_path();
+  const std::string command = "cd '" + folder.string() + "' && exec '" + program("render_client").string() +
+                              "' --connect " + room_.address(0) + " --connect " + room_.address(1) +
+                              " --size 960x540 --renderer cpu";
+  Process client({"/bin/sh", "-c", command});
+  ASSERT_TRUE(is_true_within(seconds(30), [] { return titles() == "Copresence\n"; })) << client.output();
+  WindowUser user("Copresence");
+  ASSERT_TRUE(user.has_window());
+  const auto see = [&] { return user.see(kWidth, kHeight); };
+  const auto shows_figures = [&] { return text_pixels(user, kWidth, kHeight, 0, 200) > 1500; };
+  const auto is_complete = [&] {  // A line at the bottom says what is missing.
+    return !see().empty() && text_pixels(user, kWidth, kHeight, kHeight - 40, kHeight - 1) == 0;
+  };
+  ASSERT_TRUE(is_true_within(seconds(20), is_complete)) << client.output();
+  ASSERT_FALSE(shows_figures());
+  ASSERT_LT(layer_share(see()), 0.01);
+
+  user.press_key("F1");
+  EXPECT_TRUE(is_true_within(seconds(10), shows_figures));
+  std::this_thread::sleep_for(seconds(8));  // The graph and the other figures fill.
+  keep_picture(see(), "overlay.png");
+  user.press_key("F1");
+  EXPECT_TRUE(is_true_within(seconds(10), [&] { return !shows_figures(); }));
+
+  user.press_key("l");
+  EXPECT_TRUE(is_true_within(seconds(10), [&] { return layer_share(see()) > 0.1; }));
+  keep_picture(see(), "layers.png");
+  user.press_key("q");
+  EXPECT_TRUE(is_true_within(seconds(10), [&] { return layer_share(see()) < 0.01; }));
+  keep_picture(see(), "quality.png");
+  user.press_key("q");
+
+  const double before = difference_of_halves(see());
+  user.press_key("s");
+  EXPECT_TRUE(is_true_within(seconds(10), [&] { return difference_of_halves(see()) < before / 2; }));
+
+  user.press_key("p");
+  const auto wrote = folder / "copresence-";
+  ASSERT_TRUE(client.says("wrote copresence-", seconds(10))) << client.output();
+  std::filesystem::path screenshot;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().string().starts_with(wrote.string())) screenshot = entry.path();
+  }
+  const cv::Mat saved = cv::imread(screenshot.string());
+  EXPECT_EQ(saved.cols, kWidth);
+  EXPECT_EQ(saved.rows, kHeight);
+  EXPECT_GT(brightness(screenshot), 5);
+
+  user.press_key("Escape");
   EXPECT_EQ(client.wait(seconds(10)), 0) << client.output();
 }
 

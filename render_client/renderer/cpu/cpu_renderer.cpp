@@ -82,6 +82,10 @@ class CpuRenderer : public Renderer {
 
   void set_unseen(const UnseenStyle& style) override { style_ = style; }
 
+  void set_merge(MergeMode mode) override { merge_ = mode; }
+
+  bool set_wireframe(bool) override { return false; }
+
   void prepare(std::span<const CameraView> cameras) override {
     make_surfaces(cameras.size());
     workers_.run(static_cast<int>(cameras.size()), [&](int i, int) {
@@ -104,7 +108,7 @@ class CpuRenderer : public Renderer {
       merge_cameras_.push_back(merge_camera(cameras[i], eye, surfaces_[i].texture(), style_.brightness()));
       merge_cameras_.back().index = static_cast<int>(i);
     }
-    const MergeSettings settings{wanted, style_.background, silhouette_step()};
+    const MergeSettings settings{wanted, style_.background, silhouette_step(), merge_};
     const int tiles = (view.height + kTileRows - 1) / kTileRows;
     pixels_.assign(tiles, {});
     borders_.resize(tiles);
@@ -313,6 +317,7 @@ class CpuRenderer : public Renderer {
   std::vector<MergeCamera> merge_cameras_;
   std::vector<Scratch> scratch_;  // By worker.
   UnseenStyle style_;
+  MergeMode merge_ = MergeMode::kBlend;
   BackgroundExtension extension_;
   std::vector<CameraPictures> pictures_;
   InverseDepthView inverse_;    // Inverse depths of the nearest fragments; used if surfaces are extended.

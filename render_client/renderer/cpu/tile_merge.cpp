@@ -47,6 +47,8 @@ class SpanMerge {
       : all_cameras_(cameras),
         tiles_(tiles),
         wanted_(settings.wanted),
+        nearest_only_(settings.mode == MergeMode::kNearest),
+        tie_ratio_(tie_ratio(settings.mode)),
         background_(all(settings.background.r | settings.background.g << 8 | settings.background.b << 16)),
         apart_(settings.silhouette_step),
         empty_(tiles[0].empty()),
@@ -169,7 +171,7 @@ class SpanMerge {
       store(&span_.nearest[at], nearest);
       store(&span_.first[at], first);
       store(&span_.shown[at], shown);
-      if (bits(overlap)) {
+      if (bits(overlap) && !nearest_only_) {
         span_.is_contested[g] = compute_weights<kCount>(x, at, w);
       } else {
         span_.is_contested[g] = false;
@@ -314,7 +316,7 @@ class SpanMerge {
       other_weight[i] = smaller(weight, best_weight);
       best_weight = larger(weight, best_weight);
     }
-    const Floats least_weight = kTieRatio * best_weight;
+    const Floats least_weight = tie_ratio_ * best_weight;
     Floats sum = (best_weight - least_weight) + kNothing;
     for (std::size_t i = 1; i < count<kCount>(); ++i) {
       other_weight[i] = larger(other_weight[i] - least_weight, Floats{});
@@ -370,6 +372,8 @@ class SpanMerge {
   std::span<const MergeCamera> all_cameras_;
   std::span<const Tile> tiles_;
   HostPixels wanted_;
+  bool nearest_only_;
+  float tie_ratio_;
   Ints background_;
   float apart_;  // Minimum difference in inverse depth at a silhouette edge, 1/m.
   float empty_;

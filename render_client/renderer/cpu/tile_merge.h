@@ -37,6 +37,7 @@ struct MergeSettings {
   Rgb8 background;  ///< Colour of pixels without a fragment. Their alpha is 0.
   /// Minimum difference between inverse depths at a silhouette edge, 1/m.
   float silhouette_step = 0;
+  MergeMode mode = MergeMode::kBlend;
 };
 
 /// Merges a tile. tiles[i] belongs to cameras[i]. `inverse` gets the inverse depths of the nearest

@@ -176,13 +176,12 @@ Result<void> FadeLayers::run(std::span<const Layer> layers, const gl::Texture& f
   return {};
 }
 
-Result<void> MergeLayers::run(std::span<const Camera> cameras, const ViewUniforms& view,
+Result<void> MergeLayers::run(std::span<const Camera> cameras, MergeMode mode, const ViewUniforms& view,
                               const gl::Texture& fragments, const gl::Texture& depths, bool wants_depth,
                               const Target& target) {
   auto compiled = programs_.find(cameras.size());
   if (compiled == programs_.end()) {
-    const std::array defines = {Define{"LAYERS", std::to_string(cameras.size())},
-                                Define{"TIE_RATIO", literal(kTieRatio)}};
+    const std::array defines = {Define{"LAYERS", std::to_string(cameras.size())}};
     auto program = gl::Program::compute(*context_, shaders::merge_layers_comp, defines);
     if (!program) return fail(program.error());
     compiled = programs_.emplace(cameras.size(), std::move(*program)).first;
@@ -195,6 +194,8 @@ Result<void> MergeLayers::run(std::span<const Camera> cameras, const ViewUniform
   target.camera.bind_image(2, Access::kWrite);
   target.quality.bind_image(3, Access::kWrite);
   program.set("wants_depth", wants_depth ? 1 : 0);
+  program.set("nearest_only", mode == MergeMode::kNearest ? 1 : 0);
+  program.set("tie_ratio", tie_ratio(mode));
   program.set("w_near_far", view.w_near_far);
   program.set("ray_from_pixel", view.ray_from_pixel);
   for (std::size_t i = 0; i < cameras.size(); ++i) {

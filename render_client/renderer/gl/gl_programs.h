@@ -145,8 +145,9 @@ class MergeLayers {
   explicit MergeLayers(gl::Context& context) : context_(&context) {}
 
   /// Without `wants_depth`, only the colour is written.
-  Result<void> run(std::span<const Camera> cameras, const ViewUniforms& view, const gl::Texture& fragments,
-                   const gl::Texture& depths, bool wants_depth, const Target& target);
+  Result<void> run(std::span<const Camera> cameras, MergeMode mode, const ViewUniforms& view,
+                   const gl::Texture& fragments, const gl::Texture& depths, bool wants_depth,
+                   const Target& target);
 
  private:
   gl::Context* context_;

@@ -98,6 +98,13 @@ class GlRenderer final : public Renderer {
 
   void set_unseen(const UnseenStyle& style) override { style_ = style; }
 
+  void set_merge(MergeMode mode) override { mode_ = mode; }
+
+  bool set_wireframe(bool wireframe) override {
+    wireframe_ = wireframe;
+    return true;
+  }
+
   void prepare(std::span<const CameraView> cameras) override {
     assert(cameras.size() <= kMostViews);
     make_cameras(cameras);
@@ -172,6 +179,7 @@ class GlRenderer final : public Renderer {
       gl::Framebuffer& layer = layers_->by_camera[i];
       layer.clear_color(0, {0, 0, 0, 0});
       layer.clear_depth(1);
+      layer.draw_lines(wireframe_);
       if (!is_drawn(cameras[i], style_)) continue;
       cameras_[i].draw((clip_from_world * cameras[i].world_from_camera.matrix()).cast<float>(), draw_, layer);
     }
@@ -197,7 +205,7 @@ class GlRenderer final : public Renderer {
     merge_cameras_.clear();
     for (const CameraView& camera : cameras) merge_cameras_.push_back(merge_camera(camera, eye));
     const ViewUniforms uniforms = view_uniforms(eye);
-    if (auto merged = merge_.run(merge_cameras_, uniforms, layers_->fragments, layers_->depths,
+    if (auto merged = merge_.run(merge_cameras_, mode_, uniforms, layers_->fragments, layers_->depths,
                                  wanted.depth || treats_unseen(wanted),
                                  {target.merged, target.depth, target.camera, target.quality});
         !merged) {
@@ -270,6 +278,8 @@ class GlRenderer final : public Renderer {
   SoftenSilhouettes soften_;
   ExtendBackground extend_;
   UnseenStyle style_;
+  MergeMode mode_ = MergeMode::kBlend;
+  bool wireframe_ = false;
   std::vector<GlCamera> cameras_;
   std::vector<FadeLayers::Layer> faded_;
   std::vector<MergeLayers::Camera> merge_cameras_;

@@ -28,5 +28,15 @@ TEST(LatencyHistogram, HoldsDurationsOutsideItsRangeAtItsEnds) {
   EXPECT_GT(timing.percentile_ms(50), 1e5);
 }
 
+TEST(LatencyHistogram, ReturnsWhatWasAddedSinceACopy) {
+  LatencyHistogram timing;
+  for (int i = 0; i < 100; ++i) timing.add(milliseconds(10));
+  const LatencyHistogram earlier = timing;
+  for (int i = 0; i < 5; ++i) timing.add(milliseconds(80));
+  EXPECT_EQ(timing.since(earlier).count(), 5u);
+  EXPECT_NEAR(timing.since(earlier).percentile_ms(50), 80, 1);
+  EXPECT_EQ(timing.since(timing).percentile_ms(50), 0);
+}
+
 }  // namespace
 }  // namespace copresence::flow

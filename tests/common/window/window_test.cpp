@@ -1,5 +1,6 @@
 #include "common/window/window.h"
 
+#include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,113 +8,12 @@
 #include <optional>
 
 #include "tests/support/virtual_display.h"
-
-// last: X defines words that others use as names
-#include <X11/Xlib.h>
-#include <X11/Xutil.h>
-#include <X11/keysym.h>
+#include "tests/support/window_user.h"
 
 namespace copresence::window {
 namespace {
 
-using XWindow = ::Window;
-
-// The person in front of the window: sends what a mouse and a keyboard would.
-class Person {
- public:
-  Person() : display_(XOpenDisplay(nullptr)), window_(find(DefaultRootWindow(display_))) {}
-  ~Person() { XCloseDisplay(display_); }
-
-  void press(unsigned button, int x, int y, unsigned modifiers = 0) {
-    send_button(ButtonPress, button, x, y, modifiers);
-  }
-  void release(unsigned button, int x, int y, unsigned modifiers = 0) {
-    send_button(ButtonRelease, button, x, y, modifiers);
-  }
-
-  void move(int x, int y) {
-    XEvent event{};
-    event.xmotion.type = MotionNotify;
-    event.xmotion.window = window_;
-    event.xmotion.x = x;
-    event.xmotion.y = y;
-    send(event, PointerMotionMask);
-  }
-
-  void press_key(KeySym key) {
-    XEvent event{};
-    event.xkey.type = KeyPress;
-    event.xkey.window = window_;
-    event.xkey.keycode = XKeysymToKeycode(display_, key);
-    event.xkey.time = 1;
-    send(event, KeyPressMask);
-  }
-
-  void click_close() {
-    XEvent event{};
-    event.xclient.type = ClientMessage;
-    event.xclient.window = window_;
-    event.xclient.message_type = XInternAtom(display_, "WM_PROTOCOLS", False);
-    event.xclient.format = 32;
-    event.xclient.data.l[0] = long(XInternAtom(display_, "WM_DELETE_WINDOW", False));
-    send(event, NoEventMask);
-  }
-
-  // What is really on the screen.
-  Image<Rgba8> see(int width, int height) {
-    Image<Rgba8> seen(width, height);
-    XImage* shot = XGetImage(display_, window_, 0, 0, unsigned(width), unsigned(height), AllPlanes, ZPixmap);
-    if (!shot) return {};
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        const unsigned long pixel = XGetPixel(shot, x, y);
-        seen(x, y) = {std::uint8_t(pixel >> 16), std::uint8_t(pixel >> 8), std::uint8_t(pixel), 255};
-      }
-    }
-    XDestroyImage(shot);
-    return seen;
-  }
-
-  void resize(unsigned width, unsigned height) {
-    XResizeWindow(display_, window_, width, height);
-    XSync(display_, False);
-  }
-
- private:
-  void send_button(int type, unsigned button, int x, int y, unsigned modifiers) {
-    XEvent event{};
-    event.xbutton.type = type;
-    event.xbutton.window = window_;
-    event.xbutton.button = button;
-    event.xbutton.x = x;
-    event.xbutton.y = y;
-    event.xbutton.state = modifiers;
-    send(event, ButtonPressMask);
-  }
-
-  void send(XEvent& event, long mask) {
-    XSendEvent(display_, window_, False, mask, &event);
-    XSync(display_, False);
-  }
-
-  // Without a window manager the program's window is a child of the root.
-  XWindow find(XWindow root) const {
-    XWindow parent = 0, result = 0, *children = nullptr;
-    unsigned count = 0;
-    XQueryTree(display_, root, &root, &parent, &children, &count);
-    for (unsigned i = 0; i < count; ++i) {
-      char* name = nullptr;
-      if (XFetchName(display_, children[i], &name) && name && std::string_view(name) == "the room")
-        result = children[i];
-      XFree(name);
-    }
-    XFree(children);
-    return result;
-  }
-
-  ::Display* display_;
-  XWindow window_;
-};
+constexpr unsigned kShiftMask = 1;  // As X defines it.
 
 class WindowGl : public testing::Test {
  protected:
@@ -152,7 +52,7 @@ class WindowGl : public testing::Test {
   // screen. Returns what is there in the end.
   template <class Picture>
   Image<Rgba8> present_until(const Picture& picture, const Image<Rgba8>& expected) {
-    Person person;
+    WindowUser person("the room");
     Image<Rgba8> seen;
     for (int tries = 0; tries < 50 && seen != expected; ++tries) {
       window_->present(picture);
@@ -212,8 +112,38 @@ TEST_F(WindowGl, ShowsTheLastPictureAgain) {
   const Image<Rgba8> image = colorful(320, 240);
   ASSERT_TRUE(present_until(image, image) == image);
   window().present_again();
-  Person person;
+  WindowUser person("the room");
   EXPECT_TRUE(person.see(320, 240) == image);
+}
+
+TEST_F(WindowGl, DrawsTheOverlayOverEachPictureAndWithoutOne) {
+  gl::Texture corner(window().context(), gl::Format::kRgba8, 20, 10);
+  corner.upload(Image<Rgba8>(20, 10, Rgba8{0, 200, 0, 255}));
+  std::uint32_t source = 0;
+  glCreateFramebuffers(1, &source);
+  glNamedFramebufferTexture(source, GL_COLOR_ATTACHMENT0, corner.id(), 0);
+  window().set_overlay([&] {
+    GLint target = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+    glBlitNamedFramebuffer(source, GLuint(target), 0, 0, 20, 10, 0, 0, 20, 10, GL_COLOR_BUFFER_BIT,
+                           GL_NEAREST);
+  });
+  const auto with_corner = [](Image<Rgba8> image) {
+    for (int y = 230; y < 240; ++y) std::fill_n(image.row(y).begin(), 20, Rgba8{0, 200, 0, 255});
+    return image;
+  };
+  WindowUser person("the room");
+  const Image<Rgba8> black = with_corner(Image<Rgba8>(320, 240, Rgba8{0, 0, 0, 255}));
+  Image<Rgba8> seen;
+  for (int tries = 0; tries < 50 && seen != black; ++tries) {
+    window().present_again();
+    window().poll(std::chrono::milliseconds(10));
+    seen = person.see(320, 240);
+  }
+  EXPECT_TRUE(seen == black);
+  const Image<Rgba8> image = colorful(320, 240), expected = with_corner(image);
+  EXPECT_TRUE(present_until(image, expected) == expected);
+  glDeleteFramebuffers(1, &source);
 }
 
 TEST_F(WindowGl, DoesNotSpinWhereTheDisplayDoesNotWait) {
@@ -226,7 +156,7 @@ TEST_F(WindowGl, DoesNotSpinWhereTheDisplayDoesNotWait) {
 }
 
 TEST_F(WindowGl, FollowsANewSize) {
-  Person person;
+  WindowUser person("the room");
   person.resize(400, 200);
   const auto sizes = wait_for<ResizeEvent>(1);
   ASSERT_FALSE(sizes.empty());
@@ -238,12 +168,12 @@ TEST_F(WindowGl, FollowsANewSize) {
 }
 
 TEST_F(WindowGl, TellsOfDragsWheelAndKeys) {
-  Person person;
+  WindowUser person("the room");
   window().poll();
   person.move(10, 20);
-  person.press(Button1, 10, 20, ShiftMask);
+  person.press(1, 10, 20, kShiftMask);
   person.move(30, 25);
-  person.release(Button1, 30, 25);
+  person.release(1, 30, 25);
   const auto buttons = wait_for<ButtonEvent>(2);
   ASSERT_EQ(buttons.size(), 2u);
   EXPECT_EQ(buttons[0].button, Button::kLeft);
@@ -251,7 +181,7 @@ TEST_F(WindowGl, TellsOfDragsWheelAndKeys) {
   EXPECT_TRUE(buttons[0].modifiers.shift);
   EXPECT_FALSE(buttons[1].pressed);
 
-  person.press(Button3, 30, 25);
+  person.press(3, 30, 25);
   person.move(40, 50);
   const auto moves = wait_for<MoveEvent>(1);
   ASSERT_FALSE(moves.empty());
@@ -260,21 +190,22 @@ TEST_F(WindowGl, TellsOfDragsWheelAndKeys) {
   EXPECT_TRUE(moves.back().right);
   EXPECT_FALSE(moves.back().left);
 
-  person.press(Button4, 40, 50);
+  person.press(4, 40, 50);
   const auto scrolls = wait_for<ScrollEvent>(1);
   ASSERT_EQ(scrolls.size(), 1u);
   EXPECT_EQ(scrolls[0].y, 1);
 
-  person.press_key(XK_r);
-  const auto keys = wait_for<KeyEvent>(1);
-  ASSERT_EQ(keys.size(), 1u);
+  person.press_key("r");
+  const auto keys = wait_for<KeyEvent>(2);
+  ASSERT_EQ(keys.size(), 2u);
   EXPECT_EQ(keys[0].key, Key{'R'});
   EXPECT_TRUE(keys[0].pressed);
+  EXPECT_FALSE(keys[1].pressed);
 }
 
 TEST_F(WindowGl, NoticesTheCloseButton) {
   EXPECT_FALSE(window().should_close());
-  Person person;
+  WindowUser person("the room");
   person.click_close();
   for (int tries = 0; tries < 20 && !window().should_close(); ++tries)
     window().poll(std::chrono::milliseconds(50));

@@ -9,19 +9,29 @@
 namespace copresence::display {
 namespace {
 
-TEST(Screenshot, EveryPixelIsInTheFileAndOpaque) {
-  Image<Rgba8> view(37, 23);
-  for (int y = 0; y < 23; ++y) {
-    for (int x = 0; x < 37; ++x) {
+Image<Rgba8> colorful(int width, int height) {
+  Image<Rgba8> view(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
       view(x, y) = {static_cast<std::uint8_t>(7 * x), static_cast<std::uint8_t>(11 * y),
-                    static_cast<std::uint8_t>(x * y), static_cast<std::uint8_t>(x)};
+                    static_cast<std::uint8_t>(x * y), 255};
     }
   }
+  return view;
+}
+
+cv::Mat written_and_read(const Image<Rgba8>& view) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("screenshot_test-" + std::to_string(::getpid()) + ".png");
-  ASSERT_TRUE(write_png(path.string(), view));
-  const cv::Mat shown = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+  EXPECT_TRUE(write_png(path.string(), view));
+  cv::Mat image = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
   std::filesystem::remove(path);
+  return image;
+}
+
+TEST(Screenshot, HasNoAlphaIfEveryPixelIsOpaque) {
+  const Image<Rgba8> view = colorful(37, 23);
+  const cv::Mat shown = written_and_read(view);
   ASSERT_EQ(shown.type(), CV_8UC3);
   ASSERT_EQ(shown.cols, 37);
   ASSERT_EQ(shown.rows, 23);
@@ -31,6 +41,15 @@ TEST(Screenshot, EveryPixelIsInTheFileAndOpaque) {
       EXPECT_EQ(shown.at<cv::Vec3b>(y, x), cv::Vec3b(pixel.b, pixel.g, pixel.r)) << x << ", " << y;
     }
   }
+}
+
+TEST(Screenshot, HasTheAlphaOfPixelsThatShowNothing) {
+  Image<Rgba8> view = colorful(37, 23);
+  view(5, 7).a = 0;
+  const cv::Mat shown = written_and_read(view);
+  ASSERT_EQ(shown.type(), CV_8UC4);
+  EXPECT_EQ(shown.at<cv::Vec4b>(7, 5), cv::Vec4b(35, 77, 35, 0)) << "blue, green, red, alpha";
+  EXPECT_EQ(shown.at<cv::Vec4b>(7, 6), cv::Vec4b(42, 77, 42, 255));
 }
 
 TEST(Screenshot, APlaceThatCannotBeWrittenIsNamed) {

@@ -30,6 +30,40 @@ TEST(CpuMerge, ShowsTheBetterQualityWhereSurfacesAgree) {
   }
 }
 
+MergedView render_merged(const std::vector<Looking*>& cameras, MergeMode mode) {
+  InlineExecutor workers;
+  const auto renderer = make_cpu_renderer(workers);
+  renderer->set_merge(mode);
+  MergedView view;
+  EXPECT_TRUE(renderer->render(views_of(cameras), eye_at_origin(kWidth, kHeight),
+                               {.color = true, .depth = true}, view));
+  return view;
+}
+
+TEST(CpuMerge, ShowsTheNearestWhereItIsAskedTo) {
+  // As above. The wall of the camera with less quality is 1 cm in front.
+  Looking far_away(kinect_model(), wall(2.99), plain(kRed));
+  Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));
+  const MergedView nearest = render_merged({&far_away, &close}, MergeMode::kNearest);
+  EXPECT_TRUE(near_color(nearest.color(kWidth / 2, kHeight / 2), kRed));
+  EXPECT_EQ(nearest.camera(kWidth / 2, kHeight / 2), 0);
+  const MergedView best = render_merged({&far_away, &close}, MergeMode::kBest);
+  EXPECT_TRUE(near_color(best.color(kWidth / 2, kHeight / 2), kGreen));
+}
+
+TEST(CpuMerge, BlendsSimilarQualityUnlessTheBestAloneIsAskedFor) {
+  // The second camera is a little farther away, so its quality is 19 % less.
+  Looking close(kinect_model(), wall(1.8), plain(kRed), moved(0, 0, 0.2));
+  Looking far_away(kinect_model(), wall(2), plain(kGreen));
+  const auto color = [&](MergeMode mode) {
+    return render_merged({&close, &far_away}, mode).color(kWidth / 2, kHeight / 2);
+  };
+  const Rgba8 blended = color(MergeMode::kBlend);
+  EXPECT_GT(blended.g, 80);
+  EXPECT_GT(blended.r, 100);
+  EXPECT_TRUE(near_color(color(MergeMode::kBest), kRed));
+}
+
 TEST(CpuMerge, ShowsTheNearerWhereSurfacesDiffer) {
   Looking far_away(kinect_model(), wall(2.5), plain(kRed));
   Looking close(kinect_model(), wall(1.5), plain(kGreen), moved(0, 0, 1.5));

@@ -1,5 +1,6 @@
 #include "render_client/renderer/gl/gl_renderer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -59,6 +60,23 @@ ViewPose eye_of(const CameraView& camera) {
   eye.intrinsics = camera.model;
   eye.world_from_eye = camera.world_from_camera;
   return eye;
+}
+
+TEST_F(GlRenderer, ShowsTheSidesOfTrianglesAsLines) {
+  const RgbdFrame frame = wall(160, 120, 2000, {200, 100, 50});
+  const std::vector<CameraView> cameras{camera_at(frame, 0)};
+  const auto shown = [&] {
+    const MergedView view = render(cameras, eye_of(cameras[0]));
+    const auto pixels = view.depth_m.pixels();
+    return std::count_if(pixels.begin(), pixels.end(), [](float depth_m) { return depth_m > 0; });
+  };
+  const auto filled = shown();
+  EXPECT_TRUE(renderer_->set_wireframe(true));
+  const auto lines = shown();
+  EXPECT_GT(lines, filled / 100);
+  EXPECT_LT(lines, filled / 2);
+  renderer_->set_wireframe(false);
+  EXPECT_EQ(shown(), filled);
 }
 
 TEST_F(GlRenderer, ShowsAsManyCamerasAsItPromises) {

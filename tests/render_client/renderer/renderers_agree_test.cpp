@@ -110,7 +110,7 @@ Difference compare(const MergedView& a, const MergedView& b) {
 class RenderersAgree : public gl::GlTest {
  protected:
   // The worst values over several eyes.
-  Difference differ(const Scene& scene, int largest_block) {
+  Difference differ(const Scene& scene, int largest_block, MergeMode mode = MergeMode::kBlend) {
     InlineExecutor workers;
     const auto cpu = make_cpu_renderer(workers, {.largest_block = largest_block});
     const auto gl = make_gl_renderer(context(), {.largest_block = largest_block});
@@ -118,6 +118,8 @@ class RenderersAgree : public gl::GlTest {
       ADD_FAILURE() << gl.error().what;
       return {};
     }
+    cpu->set_merge(mode);
+    (*gl)->set_merge(mode);
     Difference worst;
     for (const double degrees : {-20.0, 3.0, 14.0}) {
       const ViewPose eye = orbiting_eye(kWidth, kHeight, degrees, 2);
@@ -145,6 +147,19 @@ void expect_agreement(const Difference& worst) {
 
 TEST_F(RenderersAgree, OnASmoothRoom) {
   expect_agreement(differ(scene({}), 16));
+}
+
+TEST_F(RenderersAgree, OnTheBestPixels) {
+  expect_agreement(differ(scene({}), 16, MergeMode::kBest));
+}
+
+TEST_F(RenderersAgree, OnTheNearestPixels) {
+  Difference worst = differ(scene({}), 16, MergeMode::kNearest);
+  // Rounding decides which of two cameras shows a surface that both see.
+  EXPECT_LT(worst.winner, 15);
+  EXPECT_LE(worst.color, worst.winner + 0.2);
+  worst.color = worst.winner = 0;
+  expect_agreement(worst);
 }
 
 TEST_F(RenderersAgree, OnARoomAsAKinectSeesIt) {

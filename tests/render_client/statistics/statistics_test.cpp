@@ -32,6 +32,27 @@ TEST(CameraStatistics, CountsFromTheFirstFrameOn) {
   EXPECT_EQ(s.mbps, 0.0);
 }
 
+TEST(CameraStatistics, ComparesTwoSnapshots) {
+  CameraStatistics camera;
+  for (int i = 0; i < 10; ++i) {
+    camera.received(totals(100 + i), 1000, at(100 * i));
+    camera.displayed(i, milliseconds(200));
+    camera.stage(Stage::kWire, milliseconds(20));
+  }
+  const auto before = camera.snapshot();
+  for (int i = 10; i < 40; ++i) {
+    camera.received(totals(100 + i), 25'000, at(100 * i));
+    camera.displayed(i, milliseconds(50));
+    camera.stage(Stage::kWire, milliseconds(5));
+  }
+  const CameraInterval between = interval(before, camera.snapshot(), milliseconds(2000));
+  EXPECT_DOUBLE_EQ(between.frames_per_second, 15);
+  EXPECT_DOUBLE_EQ(between.mbps, 30 * 25'000 * 8e-6 / 2);
+  EXPECT_NEAR(between.latency_ms, 50, 1);
+  EXPECT_NEAR(between.stages_ms[static_cast<std::size_t>(Stage::kWire)], 5, 0.1);
+  EXPECT_EQ(between.stages_ms[static_cast<std::size_t>(Stage::kFill)], 0);
+}
+
 TEST(CameraStatistics, TellsWhyFramesAreMissing) {
   CameraStatistics camera;
   camera.received(totals(100, 7, 40), 1000, at(0));

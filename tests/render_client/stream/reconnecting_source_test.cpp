@@ -59,7 +59,7 @@ class ReconnectingSourceTest : public ::testing::Test {
   bool can_decode_ = true;
   std::deque<Error> ends_;  // how each connection ends after its one frame
   std::vector<std::string> begun_, lines_;
-  CameraStates states_{1};
+  CameraStates states_{{{"host:1", ""}}};
   wire::LimitedLog log_{[this](wire::LimitedLog::Severity, const std::string& line) { lines_.push_back(line); }};
 };
 

@@ -25,7 +25,7 @@ Viewer mouse_viewer() {
 }
 
 Rigid3 pose_of(Viewer& viewer) {
-  const Rigid3 middle;
+  const Eye middle;
   return viewer.at(0, {}, std::span(&middle, 1)).front().world_from_eye;
 }
 
@@ -61,8 +61,8 @@ TEST(Viewer, GoesToTheFirstCameraEvenIfThePointerWasDraggedOverTheEmptyView) {
 TEST(Viewer, GivesEveryEyeOfADisplayAPose) {
   Viewer viewer = mouse_viewer();
   viewer.on_camera_pose(0, at(5), kCamera);
-  const std::vector<Rigid3> head_from_eyes{at(-0.03), at(0.03)};
-  const auto poses = viewer.at(0, {}, head_from_eyes);
+  const std::vector<Eye> eyes{{.head_from_eye = at(-0.03)}, {.head_from_eye = at(0.03)}};
+  const auto poses = viewer.at(0, {}, eyes);
   ASSERT_EQ(poses.size(), 2U);
   EXPECT_DOUBLE_EQ(poses[0].world_from_eye.translation.x(), 4.97);
   EXPECT_DOUBLE_EQ(poses[1].world_from_eye.translation.x(), 5.03);
@@ -73,7 +73,7 @@ CameraModel intrinsics_of(const char* choice, const ViewFormat& format) {
   auto viewer = Viewer::open(choice ? *parse_view(choice) : ViewChoice{}, format, {0, -1, 0});
   EXPECT_TRUE(viewer.has_value());
   viewer->on_camera_pose(0, at(5), kCamera);
-  const Rigid3 middle;
+  const Eye middle;
   return viewer->at(0, {}, std::span(&middle, 1)).front().intrinsics;
 }
 

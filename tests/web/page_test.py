@@ -57,6 +57,36 @@ def still_recordings(build, folder):
     return paths
 
 
+def native_picture(room, eye, look, size, fov, unseen):
+    """Returns the view of render_client's CPU renderer as an OpenCV image."""
+    import cv2
+    with tempfile.TemporaryDirectory() as folder:
+        path, picture = pathlib.Path(folder) / "eye.path", pathlib.Path(folder) / "native.png"
+        path.write_text("0 " + " ".join(map(str, (*eye, *look))) + "\n")
+        connect = [word for port in room.ports for word in ("--connect", f"127.0.0.1:{port}")]
+        subprocess.run([room.bin / "render_client", *connect, "--headless", "--renderer", "cpu", "--size", size,
+                        "--fov", str(fov), "--view", f"path:{path}", "--unseen", unseen, "--frames", "20",
+                        "--screenshot", picture], check=True, capture_output=True, timeout=120)
+        return cv2.imread(str(picture))
+
+
+def compare(page, native):
+    """Fails unless both pictures show the same. Pixels that show nothing are black."""
+    import numpy
+    seen = (page.max(axis=2) > 0) & (native.max(axis=2) > 0)
+    differ = ((page.max(axis=2) > 0) != (native.max(axis=2) > 0)).mean()
+    error = ((page[seen].astype(float) - native[seen].astype(float)) ** 2).mean()
+    decibels = 10 * numpy.log10(255 ** 2 / max(error, 1e-9))
+    print(f"{100 * seen.mean():.1f} % seen in both, {100 * differ:.2f} % in one only, PSNR {decibels:.1f} dB")
+    assert seen.mean() > 0.3, "the view shows too little"
+    assert decibels >= MIN_PSNR_DB, f"PSNR {decibels:.1f} dB"
+    assert differ < 0.01, f"{100 * differ:.2f} % of the pixels have another origin"
+
+
+def show_eye(browser, eye, look, fov):
+    browser.run(f"copresence.setView({{eye: {list(eye)}, look: {list(look)}, fovDegrees: {fov}}})")
+
+
 def same_picture(build):
     """The page and render_client's CPU renderer show the same room alike from the same eye."""
     import cv2
@@ -64,32 +94,78 @@ def same_picture(build):
     eye, look = (-0.3, -0.2, 0.4), (0.1, 0.2, 2.5)
     with tempfile.TemporaryDirectory() as folder:
         sources = still_recordings(build, folder)
-        path = pathlib.Path(folder) / "eye.path"
-        path.write_text("0 " + " ".join(map(str, (*eye, *look))) + "\n")
-        picture = pathlib.Path(folder) / "native.png"
         with Room(build / "bin", sources, ("--depth-qp", "0")) as room, Browser() as browser:
             browser.open(room.url())
-            browser.run(f"copresence.setView({{eye: {list(eye)}, look: {list(look)}, fovDegrees: 50}})")
+            show_eye(browser, eye, look, 50)
+            time.sleep(5)  # Until the colours are matched.
+            for unseen in ("extend", "dim", "black"):
+                page = cv2.imdecode(numpy.frombuffer(browser.picture(), numpy.uint8), cv2.IMREAD_COLOR)
+                print(unseen, browser.run("copresence.stats()")["view"]["shares"])
+                compare(page, native_picture(room, eye, look, "640x360", 50, unseen))
+                browser.run("document.getElementById('unseen').click()")
+
+
+def headset(build):
+    """An eye of a headset sees what render_client shows from there."""
+    import cv2
+    import numpy
+    eye, look = (-0.1, 0, 0.2), (-0.1, 0, 2)
+    with tempfile.TemporaryDirectory() as folder:
+        sources = still_recordings(build, folder)
+        with Room(build / "bin", sources, ("--depth-qp", "0")) as room, Browser() as browser:
+            browser.run_before_page((pathlib.Path(__file__).parent / "headset.js").read_text())
+            browser.open(room.url())
+            show_eye(browser, eye, look, 50)
             browser.run("document.getElementById('unseen').click(), document.getElementById('unseen').click()")
-            time.sleep(3)
-            page = cv2.imdecode(numpy.frombuffer(browser.picture(), numpy.uint8), cv2.IMREAD_COLOR)
-            shares = browser.run("copresence.stats()")["view"]["shares"]
-            connect = [word for port in room.ports for word in ("--connect", f"127.0.0.1:{port}")]
-            subprocess.run([build / "bin/render_client", *connect, "--headless", "--renderer", "cpu", "--size",
-                            "640x360", "--fov", "50", "--view", f"path:{path}", "--unseen", "black",
-                             "--frames", "20", "--screenshot", picture], check=True, capture_output=True,
-                           timeout=60)
-        native = cv2.imread(str(picture))
-        # What neither shows is black.
-        seen = (page.max(axis=2) > 0) & (native.max(axis=2) > 0)
-        differ = ((page.max(axis=2) > 0) != (native.max(axis=2) > 0)).mean()
-        error = ((page[seen].astype(float) - native[seen].astype(float)) ** 2).mean()
-        decibels = 10 * numpy.log10(255 ** 2 / max(error, 1e-9))
-        print(f"{100 * seen.mean():.1f} % seen in both, {100 * differ:.2f} % in one only, PSNR {decibels:.1f} dB, "
-              f"{shares}")
-        assert seen.mean() > 0.3, "the view shows too little"
-        assert decibels >= MIN_PSNR_DB, f"PSNR {decibels:.1f} dB"
-        assert differ < 0.01, f"{100 * differ:.2f} % of the pixels have another origin"
+            browser.run("document.getElementById('headset').click()")
+            time.sleep(8)  # Until the colours are matched.
+            width, height = browser.run("scriptedHeadset.size")
+            pixels = numpy.array(browser.run("scriptedHeadset.pixels"), numpy.uint8).reshape(height, width, 4)
+            page = cv2.cvtColor(pixels[::-1], cv2.COLOR_RGBA2BGR)
+            x = -0.1 - browser.run("scriptedHeadset.eyeX")
+            compare(page, native_picture(room, (x, 0, 0.2), (x, 0, 2), f"{width}x{height}", 60, "black"))
+            browser.wait_for("scriptedHeadset.session.end()")
+            browser.picture()  # The canvas shows views again.
+
+
+def looking_around(build):
+    """Mouse, keys and the device's tilt move the eye, and Reset brings it back."""
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+    with Room(build / "bin", CAMERAS) as room, Browser() as browser:
+        browser.open(room.url())
+        home = browser.run("copresence.eye()")
+        canvas = browser.driver.find_element("id", "view")
+
+        def moves(what, *actions):
+            for action in actions:
+                action()
+            assert browser.run("copresence.eye()") != home, f"{what} does not move the eye"
+            ActionChains(browser.driver).send_keys("r").perform()
+            assert browser.run("copresence.eye()") == home, f"Reset does not undo {what}"
+
+        moves("dragging", ActionChains(browser.driver).drag_and_drop_by_offset(canvas, 60, 20).perform)
+        moves("an arrow key", ActionChains(browser.driver).send_keys(Keys.ARROW_LEFT).perform)
+        moves("Shift and an arrow key", ActionChains(browser.driver).key_down(Keys.SHIFT).send_keys(
+            Keys.ARROW_UP).key_up(Keys.SHIFT).perform)
+        moves("the + key", ActionChains(browser.driver).send_keys("+").perform)
+        moves("a double click", ActionChains(browser.driver).move_to_element_with_offset(
+            canvas, 100, 30).double_click().perform)
+
+        # Only a device with a touch screen has the button.
+        browser.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
+        browser.driver.refresh()
+        browser.wait_for("copresence.ready")
+        home = browser.run("copresence.eye()")
+        browser.run("document.getElementById('tilt').click()")
+        for gamma in (0, 5, 10, 15):
+            browser.driver.execute_cdp_cmd("DeviceOrientation.setDeviceOrientationOverride",
+                                           {"alpha": 0, "beta": 40, "gamma": gamma})
+            time.sleep(0.2)
+        assert browser.run("copresence.eye()") != home, "tilting the device does not move the eye"
+        browser.run("document.getElementById('tilt').click()")
+        assert browser.run("copresence.eye()") == home, "the view stays tilted"
+        assert not browser.errors(), browser.errors()
 
 
 def words(build):
@@ -117,7 +193,7 @@ def words(build):
             assert "camera0" not in browser.text("notes"), browser.text("notes")
 
 
-TESTS = {test.__name__: test for test in (every_codec, lossless, same_picture, words)}
+TESTS = {test.__name__: test for test in (every_codec, lossless, same_picture, headset, looking_around, words)}
 
 
 def main():

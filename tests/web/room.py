@@ -88,6 +88,10 @@ class Browser:
         if waits_until_ready:
             self.wait_for("copresence.ready")
 
+    def run_before_page(self, script):
+        """Runs a script in each page that is opened from now on, before its own scripts."""
+        self.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": script})
+
     def run(self, expression):
         return self.driver.execute_script(f"return {expression}")
 

@@ -36,6 +36,17 @@ export class OrbitView {
     this.isMoved = false;
   }
 
+  // The eye after an orbit by these angles, in radians. The view itself stays as it is.
+  tilted(right: number, down: number): Pose {
+    if (right === 0 && down === 0) return this.pose;
+    const { pose, isMoved } = this;
+    this.orbit(right / kTurnPerHeight, down / kTurnPerHeight);
+    const result = this.pose;
+    this.pose = pose;
+    this.isMoved = isMoved;
+    return result;
+  }
+
   setView(eye: Vector, look: Vector, fovDegrees: number): void {
     this.pose = lookAt(eye, look, kUp);
     this.distance = Math.min(Math.max(length(subtract(look, eye)), kNearestM), kFarthestM);

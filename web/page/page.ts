@@ -6,12 +6,14 @@ import { ColorMatching } from './color_matching';
 import { DrawPace } from './draw_pace';
 import { add, column, Eye, pinhole, scaled, Vector } from './geometry';
 import { followGestures } from './gestures';
+import { offeredSession, showInHeadset } from './headset';
 import { FromRoom, ToRoom } from './messages';
 import { Native, now } from './native';
 import { kFovDegrees, OrbitView } from './orbit_view';
 import { noteOf, Panel } from './panel';
-import { Renderer, Rules } from './renderer/renderer';
+import { DrawnCamera, Renderer, Rules } from './renderer/renderer';
 import { ViewStatistics } from './statistics';
+import { Tilt } from './tilt';
 
 const kBackground = [0, 0, 0];
 const kMostPixels = 1.5e6; // Of a view. Larger canvases are drawn with fewer pixels and enlarged.
@@ -22,7 +24,10 @@ class Page {
   private readonly canvas = document.getElementById('view') as HTMLCanvasElement;
   private readonly view = new OrbitView();
   private readonly statistics = new ViewStatistics();
+  private readonly tilt = new Tilt(() => (this.isDirty = true));
   private readonly panel: Panel;
+  private headset: XRSessionMode | null = null; // What the browser offers.
+  private isInHeadset = false;
   private renderer!: Renderer;
   private pace!: DrawPace;
   private module!: WebAssembly.Module;
@@ -46,6 +51,17 @@ class Page {
         this.isDirty = true;
       },
       redraw: () => (this.isDirty = true),
+      setTilt: async (isOn) => {
+        if (isOn) return this.tilt.start();
+        this.tilt.stop();
+        return false;
+      },
+      enterHeadset: () => void this.enterHeadset(),
+    });
+    if (Tilt.isOffered) this.panel.offer('tilt');
+    void offeredSession().then((mode) => {
+      this.headset = mode;
+      if (mode) this.panel.offer('headset');
     });
   }
 
@@ -182,6 +198,7 @@ class Page {
 
   private onFrame(): void {
     requestAnimationFrame(() => this.onFrame());
+    if (this.isInHeadset) return;
     const begin = now();
     if (begin - this.numbersAt > 5e5) {
       this.numbersAt = begin;
@@ -191,6 +208,12 @@ class Page {
     if (this.pace.isBusy()) return;
     for (const camera of this.cameras) camera.askForNext();
     if (this.waitsForOthers()) return;
+    this.takeSurfaces(begin);
+    if (this.isDirty) this.draw(begin);
+  }
+
+  // Takes the newest surfaces. Views that were drawn before are finished at `begin`.
+  private takeSurfaces(begin: number): void {
     for (const { camera, sequence, capturedAt } of this.drawnPending) {
       const at = camera.toLocal(capturedAt, this.gatewayClock?.offset ?? null);
       camera.statistics.frameShown(sequence, at === null ? null : (begin - at) / 1000);
@@ -209,7 +232,41 @@ class Page {
       camera.drawn.opacity = opacity;
     }
     this.updateResetPose();
-    if (this.isDirty) this.draw(begin);
+  }
+
+  private async enterHeadset(): Promise<void> {
+    if (!this.headset || this.isInHeadset) return;
+    this.isInHeadset = true;
+    let begin = now();
+    const leave = () => {
+      this.isInHeadset = false;
+      this.isDirty = true;
+    };
+    await showInHeadset(this.headset, this.renderer.gl, {
+      worldFromEye: () => this.view.worldFromEye,
+      prepare: () => {
+        begin = now();
+        for (const camera of this.cameras) camera.askForNext();
+        this.takeSurfaces(begin);
+      },
+      draw: (eye, output) => {
+        this.renderer.draw(this.drawnCameras(), eye, output.isTransparent ? 'black' : this.panel.unseen, kBackground,
+                           output);
+        this.statistics.drawn(begin, now(), this.isComplete(), this.skewMs());
+      },
+      ended: leave,
+    }).catch((error: Error) => {
+      leave();
+      this.panel.say(`The headset does not start: ${error.message}`, true);
+    });
+  }
+
+  private drawnCameras(): DrawnCamera[] {
+    return this.cameras.flatMap((camera) => (camera.drawn ? [camera.drawn] : []));
+  }
+
+  private isComplete(): boolean {
+    return this.cameras.length > 0 && this.cameras.every((camera) => camera.drawn);
   }
 
   private waitsForOthers(): boolean {
@@ -229,9 +286,8 @@ class Page {
     this.isDirty = false;
     const begunAt = performance.now();
     this.resizeCanvas(this.pictureWanted.length > 0 ? 1 : this.pace.scale);
-    const drawn = this.cameras.flatMap((camera) => (camera.drawn ? [camera.drawn] : []));
-    this.renderer.draw(drawn, this.eye(), this.panel.unseen, kBackground);
-    const isComplete = this.cameras.length > 0 && this.cameras.every((camera) => camera.drawn);
+    this.renderer.draw(this.drawnCameras(), this.eye(), this.panel.unseen, kBackground);
+    const isComplete = this.isComplete();
     this.pace.drawn(begunAt);
     this.statistics.drawn(begin, now(), isComplete, this.skewMs());
     if (isComplete) this.resolveReady();
@@ -248,9 +304,10 @@ class Page {
     if (this.canvas.height !== height) this.canvas.height = height;
   }
 
-  private eye(): Eye {
+  eye(): Eye {
     const { width, height } = this.canvas;
-    return { intrinsics: pinhole(width, height, this.view.fovDegrees), worldFromEye: this.view.worldFromEye };
+    const worldFromEye = this.view.tilted(this.tilt.right, this.tilt.down);
+    return { intrinsics: pinhole(width, height, this.view.fovDegrees), worldFromEye };
   }
 
   // The view begins at the first camera of the list that has a picture.
@@ -303,6 +360,7 @@ Object.assign(globalThis, {
   copresence: {
     ready: page.ready,
     stats: () => page.stats(),
+    eye: () => page.eye().worldFromEye,
     setView: (view: Parameters<Page['setView']>[0]) => page.setView(view),
     picture: () => page.picture(),
     watchDepth: () => page.watchDepth(),

@@ -14,6 +14,8 @@ const kUnseen: { value: Unseen; words: string }[] = [
 export interface Commands {
   reset(): void;
   redraw(): void;
+  setTilt(isOn: boolean): Promise<boolean>; // Returns whether it is on.
+  enterHeadset(): void;
 }
 
 export class Panel {
@@ -36,6 +38,10 @@ export class Panel {
       if (document.fullscreenElement) void document.exitFullscreen();
       else void document.documentElement.requestFullscreen();
     };
+    const toggleTilt = async () => {
+      const button = element('tilt');
+      button.ariaPressed = String(await commands.setTilt(button.ariaPressed !== 'true'));
+    };
     const byKey: Record<string, () => void> = {
       r: commands.reset, Home: commands.reset, u: toggleUnseen, n: toggleNumbers, f: toggleFullScreen,
       '?': () => help.showModal(),
@@ -43,6 +49,7 @@ export class Panel {
     const byButton: Record<string, () => void> = {
       reset: commands.reset, unseen: toggleUnseen, 'show-numbers': toggleNumbers, 'full-screen': toggleFullScreen,
       'show-help': () => help.showModal(), share: () => void share(),
+      tilt: () => void toggleTilt(), headset: commands.enterHeadset,
     };
     for (const [id, action] of Object.entries(byButton)) element(id).addEventListener('click', action);
     window.addEventListener('keydown', (event) => {
@@ -61,6 +68,10 @@ export class Panel {
   }
   get showsNumbers(): boolean {
     return !element('numbers').hidden;
+  }
+
+  offer(button: 'tilt' | 'headset'): void {
+    element(button).hidden = false;
   }
 
   // Shows a sentence in the middle, or above the view if one is shown. Empty hides it.

@@ -7,7 +7,7 @@ uniform sampler2D surfaces;   // As `surface` in merge_layers.frag.
 uniform bool extends;         // If false, all empty pixels show the background.
 uniform float brightness;     // Factor of the extended surfaces' colours.
 uniform vec3 background;
-layout(location = 0) out vec4 filled;
+layout(location = 0) out vec4 filled;   // Alpha is 0 where the background is shown.
 layout(location = 1) out vec4 surface;  // As in merge_layers.frag.
 
 void main() {
@@ -39,7 +39,7 @@ void main() {
     }
   }
   if (weight == 0.0 || opacity < weight / 255.0) {
-    filled = vec4(background, 1.0);
+    filled = vec4(background, 0.0);
     surface = vec4(0.0, 0.0, ORIGIN_EMPTY, 0.0);
     return;
   }

@@ -42,6 +42,16 @@ export interface Layer {
   isRemembered: boolean;
 }
 
+// A part of a framebuffer that gets a view: an eye of a headset.
+export interface Output {
+  framebuffer: WebGLFramebuffer | null;
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+  isTransparent: boolean; // Whether the real world shows through the background.
+}
+
 const kCalibrationErrorM = 0.005; // As CameraView::calibration_error_m.
 const kNotDrawn = 3;
 
@@ -127,15 +137,15 @@ export class Renderer {
     this.gl.deleteTexture(camera.depth.id);
   }
 
-  // Draws the view to the canvas, whose size must be that of the eye's picture.
-  draw(cameras: DrawnCamera[], eye: Eye, unseen: Unseen, background: number[]): void {
+  // Draws the view to the output, by default the canvas. Its size must be that of the eye's picture.
+  draw(cameras: DrawnCamera[], eye: Eye, unseen: Unseen, background: number[], output?: Output): void {
     const gl = this.gl;
     const layers: Layer[] = cameras.map((camera) => ({ camera, mesh: camera.mesh, isRemembered: false }));
     for (const camera of cameras)
       if (camera.remembered && unseen !== 'black') layers.push({ camera, mesh: camera.remembered, isRemembered: true });
     if (layers.length === 0) {
-      bindTarget(gl, null);
-      gl.clearColor(background[0]!, background[1]!, background[2]!, 1);
+      this.bindOutput(output);
+      gl.clearColor(background[0]!, background[1]!, background[2]!, output?.isTransparent ? 0 : 1);
       gl.clear(gl.COLOR_BUFFER_BIT);
       return;
     }
@@ -146,9 +156,17 @@ export class Renderer {
     this.merge(layers, uniforms, pictures);
     this.softenAll(layers, unseen !== 'black', pictures);
     const shown = this.extension.fill(layers, eye, uniforms, unseen, background, pictures.soft, pictures.surfaces);
-    bindTarget(gl, null);
-    this.present.use({ view: shown }, {});
+    this.bindOutput(output);
+    this.present.use({ view: shown },
+                     { corner: [output?.x ?? 0, output?.y ?? 0], is_transparent: output?.isTransparent ?? false });
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  private bindOutput(output: Output | undefined): void {
+    bindTarget(this.gl, null);
+    if (!output) return;
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, output.framebuffer);
+    this.gl.viewport(output.x, output.y, output.width, output.height);
   }
 
   // The depth of the last view at a pixel, in metres along the eye's axis; 0 where nothing is shown.

@@ -1,7 +1,9 @@
-// Tests the page's WebAssembly module alone: node tests/web/native_test.mjs web/dist/native.wasm
+// Tests the built page without a browser: node tests/web/native_test.mjs web/dist/native.wasm
 
 import assert from 'node:assert';
-import { readFileSync } from 'node:fs';
+import { readdirSync, readFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { gzipSync } from 'node:zlib';
 
 const module = new WebAssembly.Module(readFileSync(process.argv[2]));
 const imports = {};
@@ -59,4 +61,8 @@ assert.equal(native.open_stream(give(message(18, Buffer.alloc(300)))), 0);
 const rules = callForObject('merge_rules');
 assert.equal(rules.BLOCK, 8);
 assert.ok(Math.abs(rules.TIE_RATIO - 0.3) < 1e-6);
+// The whole page is small enough for a slow line.
+const folder = dirname(process.argv[2]);
+const weight = readdirSync(folder).reduce((sum, file) => sum + gzipSync(readFileSync(join(folder, file))).length, 0);
+assert.ok(weight < 600e3, `the page weighs ${weight} bytes compressed`);
 console.log('the module writes and reads messages');

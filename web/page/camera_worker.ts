@@ -93,7 +93,8 @@ class CameraDecoder {
       if (message.kind === 'welcome') {
         this.open(bytes);
       } else {
-        this.tellRoom({ kind: 'taken', sequence: message.sequence });
+        const { sequence, connection } = message;
+        this.tellRoom({ kind: 'taken', sequence, connection });
         await this.decode(bytes);
       }
       if (this.queue.length === 0) this.showNewest();

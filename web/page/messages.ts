@@ -32,9 +32,10 @@ export interface FrameHead {
 }
 
 // Between the room's worker and a camera's worker. `bytes` is a message of the gateway: the camera's
-// index and a wire message.
-export type ToDecoder = { kind: 'welcome' | 'frame'; bytes: ArrayBuffer; sequence: number };
-export type FromDecoder = { kind: 'taken'; sequence: number } | { kind: 'keyframe' };
+// index and a wire message. `connection` counts the connections: a frame of an earlier one must not
+// be acknowledged.
+export type ToDecoder = { kind: 'welcome' | 'frame'; bytes: ArrayBuffer; sequence: number; connection: number };
+export type FromDecoder = { kind: 'taken'; sequence: number; connection: number } | { kind: 'keyframe' };
 
 // To and from a camera's worker.
 export type ToCamera =

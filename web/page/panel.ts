@@ -48,7 +48,7 @@ export class Panel {
     };
     const byButton: Record<string, () => void> = {
       reset: commands.reset, unseen: toggleUnseen, 'show-numbers': toggleNumbers, 'full-screen': toggleFullScreen,
-      'show-help': () => help.showModal(), share: () => void share(),
+      'show-help': () => help.showModal(), 'close-help': () => help.close(), share: () => void share(),
       tilt: () => void toggleTilt(), headset: commands.enterHeadset,
     };
     for (const [id, action] of Object.entries(byButton)) element(id).addEventListener('click', action);

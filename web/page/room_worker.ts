@@ -20,12 +20,13 @@ const post = (message: FromRoom) => self.postMessage(message);
 
 class Room {
   private socket: WebSocket | null = null;
+  private connection = 0;
   private readonly decoders = new Map<number, MessagePort>();
   // Messages of cameras whose worker does not exist yet: the welcome and what follows.
   private readonly early = new Map<number, ToDecoder[]>();
   private pauseMs = kFirstPauseMs;
   private newestMessageAt = 0;
-  private isRefused = false;
+  private refusal: 'none' | 'for now' | 'for good' = 'none';
 
   constructor(private readonly native: Native, private readonly url: string, private readonly token: string) {
     setInterval(() => this.watch(), kPingEveryMs);
@@ -36,6 +37,7 @@ class Room {
     this.decoders.set(index, port);
     port.onmessage = (event: MessageEvent<FromDecoder>) => {
       if (event.data.kind === 'taken') {
+        if (event.data.connection !== this.connection) return;
         this.send(index, this.native.message('write_frame_ack', event.data.sequence));
       } else {
         this.send(index, this.native.message('write_keyframe_request'));
@@ -48,6 +50,7 @@ class Room {
   private connect(): void {
     post({ kind: 'connecting' });
     this.early.clear();
+    ++this.connection;
     const socket = new WebSocket(this.url);
     this.socket = socket;
     this.newestMessageAt = performance.now();
@@ -64,8 +67,8 @@ class Room {
     socket.onclose = () => {
       if (this.socket !== socket) return;
       this.socket = null;
-      if (this.isRefused) return;
-      post({ kind: 'lost', text: 'The connection to the room is lost. Trying again ...' });
+      if (this.refusal === 'for good') return;
+      if (this.refusal === 'none') post({ kind: 'lost', text: 'The connection to the room is lost. Trying again ...' });
       setTimeout(() => this.connect(), this.pauseMs);
       this.pauseMs = Math.min(2 * this.pauseMs, kLongestPauseMs);
     };
@@ -93,6 +96,7 @@ class Room {
     switch (message.type) {
       case 'room':
         this.pauseMs = kFirstPauseMs;
+        this.refusal = 'none';
         post({ kind: 'room', cameras: message.cameras });
         break;
       case 'state':
@@ -103,8 +107,8 @@ class Room {
         break;
       case 'refused':
         // A full room may have a place later. A wrong token stays wrong.
-        this.isRefused = message.reason !== 'full';
-        if (!this.isRefused) this.pauseMs = kLongestPauseMs;
+        this.refusal = message.reason === 'full' ? 'for now' : 'for good';
+        this.pauseMs = kLongestPauseMs;
         post({ kind: 'refused', reason: message.reason, text: message.text });
         break;
     }
@@ -124,11 +128,11 @@ class Room {
     }
     switch (message.type) {
       case 'welcome':
-        this.pass(camera, { kind: 'welcome', bytes: buffer, sequence: 0 });
+        this.pass(camera, { kind: 'welcome', bytes: buffer, sequence: 0, connection: this.connection });
         break;
       case 'frame':
         post({ kind: 'received', camera, bytes: buffer.byteLength, at, frame: message });
-        this.pass(camera, { kind: 'frame', bytes: buffer, sequence: message.sequence });
+        this.pass(camera, { kind: 'frame', bytes: buffer, sequence: message.sequence, connection: this.connection });
         break;
       case 'status':
         post({ kind: 'state', camera, state: message.text ? 'waiting' : 'connected', text: message.text });

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "capture_server/recording/input_file.h"
 #include "capture_server/recording/oni_format.h"
 #include "capture_server/recording/oni_parser.h"
 #include "capture_server/recording/record_bytes.h"
+#include "common/file/input_file.h"
 
 namespace copresence::recording {
 
@@ -61,9 +61,9 @@ Result<void> check_playable(const RecordedStream& depth, std::string_view name) 
 }
 
 Result<RecordingSummary> check(const std::string& path) {
-  const auto file = InputFile::open(path);
+  const auto file = file::InputFile::open(path, "an .oni recording");
   if (!file) return fail(file.error());
-  RecordBytes bytes = file->bytes();
+  RecordBytes bytes(*file);
   return OniParser(bytes, path).run();
 }
 

@@ -16,7 +16,7 @@ RecordBytesOut skipped_footer(std::uint32_t node, std::uint64_t size) {
   return bytes;
 }
 
-Result<void> write_counts(OutputFile& file, std::span<const FooterStream> streams,
+Result<void> write_counts(file::OutputFile& file, std::span<const FooterStream> streams,
                           std::span<const std::uint64_t> seek_tables) {
   for (std::size_t i = 0; i < streams.size(); ++i) {
     const RecordBytesOut counts = node_counts(streams[i].frames, seek_tables.empty() ? 0 : seek_tables[i]);
@@ -27,7 +27,7 @@ Result<void> write_counts(OutputFile& file, std::span<const FooterStream> stream
 
 }  // namespace
 
-Result<std::uint64_t> write_footer(OutputFile& file, std::span<const FooterStream> streams,
+Result<std::uint64_t> write_footer(file::OutputFile& file, std::span<const FooterStream> streams,
                                    SeekTables seek_tables, std::span<const std::uint64_t> earlier_footers) {
   assert(!streams.empty());
   const std::uint64_t end_at = file.size();

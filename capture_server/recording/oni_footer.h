@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "capture_server/recording/output_file.h"
 #include "capture_server/recording/record_append.h"
+#include "common/file/output_file.h"
 #include "common/result.h"
 
 namespace copresence::recording {
@@ -32,8 +32,8 @@ enum class SeekTables { kNo, kYes };
 /// valid by writing counts, times and, if requested, positions of seek tables at the front of the
 /// file. `earlier_footers` are the positions of these streams' former footers, all without seek
 /// tables. Returns the new footer's position.
-/// Fails as OutputFile does. The file then still ends with its former footer.
-Result<std::uint64_t> write_footer(OutputFile& file, std::span<const FooterStream> streams,
+/// Fails as file::OutputFile does. The file then still ends with its former footer.
+Result<std::uint64_t> write_footer(file::OutputFile& file, std::span<const FooterStream> streams,
                                    SeekTables seek_tables, std::span<const std::uint64_t> earlier_footers);
 
 /// Size of a footer without seek tables.

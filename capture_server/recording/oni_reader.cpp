@@ -19,9 +19,9 @@ tl::unexpected<Error> damaged(const RecordedStream& stream, std::size_t frame) {
 }  // namespace
 
 Result<OniReader> OniReader::open(const std::string& path) {
-  auto file = InputFile::open(path);
+  auto file = file::InputFile::open(path, "an .oni recording");
   if (!file) return fail(file.error());
-  RecordBytes bytes = file->bytes();
+  RecordBytes bytes(*file);
   auto summary = OniParser(bytes, path).run();
   if (!summary) return fail(summary.error());
   return OniReader(std::move(*file), std::move(*summary));

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "capture_server/recording/input_file.h"
 #include "capture_server/recording/oni_check.h"
+#include "common/file/input_file.h"
 #include "common/frame/image.h"
 #include "common/result.h"
 
@@ -31,10 +31,10 @@ class OniReader {
   Result<ColorImage> color(std::size_t frame) const;
 
  private:
-  OniReader(InputFile file, RecordingSummary summary)
+  OniReader(file::InputFile file, RecordingSummary summary)
       : file_(std::move(file)), summary_(std::move(summary)) {}
 
-  InputFile file_;
+  file::InputFile file_;
   RecordingSummary summary_;
 };
 

@@ -7,13 +7,13 @@
 #include <optional>
 #include <vector>
 
-#include "capture_server/recording/input_file.h"
 #include "capture_server/recording/oni_check.h"
 #include "capture_server/recording/oni_footer.h"
 #include "capture_server/recording/oni_format.h"
 #include "capture_server/recording/oni_recovery.h"
-#include "capture_server/recording/output_file.h"
 #include "capture_server/recording/record_bytes.h"
+#include "common/file/input_file.h"
+#include "common/file/output_file.h"
 
 namespace copresence::recording {
 namespace {
@@ -24,8 +24,8 @@ constexpr std::uint64_t kCopyStep = 1 << 20;
 // Largest size of one property, since players read it into a buffer.
 constexpr std::uint64_t kLargestSkip = 16 << 10;
 
-Result<void> copy_bytes(const InputFile& from, std::uint64_t begin, std::uint64_t end, OutputFile& to,
-                        const std::string& name, const ProgressReport& progress) {
+Result<void> copy_bytes(const file::InputFile& from, std::uint64_t begin, std::uint64_t end,
+                        file::OutputFile& to, const std::string& name, const ProgressReport& progress) {
   Bytes chunk;
   for (std::uint64_t at = begin; at < end; at += chunk.size()) {
     chunk.resize(std::min(kCopyStep, end - at));
@@ -56,7 +56,7 @@ std::uint64_t skip_overhead(std::uint32_t node) {
   return bytes.size();
 }
 
-Result<void> pass_over(OutputFile& file, const Gap& gap, std::uint32_t node, const std::string& name) {
+Result<void> pass_over(file::OutputFile& file, const Gap& gap, std::uint32_t node, const std::string& name) {
   const std::uint64_t overhead = skip_overhead(node);
   for (std::uint64_t at = gap.from; at < gap.to;) {
     const std::uint64_t left = gap.to - at;
@@ -74,7 +74,7 @@ Result<void> pass_over(OutputFile& file, const Gap& gap, std::uint32_t node, con
 }
 
 // The check and the player require frame numbers without gaps.
-Result<void> renumber(OutputFile& file, const RecoveredStream& stream) {
+Result<void> renumber(file::OutputFile& file, const RecoveredStream& stream) {
   for (std::size_t i = 0; i < stream.frames.size(); ++i) {
     if (stream.frames[i].number == i + 1) continue;
     Bytes number;
@@ -86,7 +86,7 @@ Result<void> renumber(OutputFile& file, const RecoveredStream& stream) {
   return {};
 }
 
-Result<void> finish(OutputFile& file, const RecoveredRecording& found, const std::string& name) {
+Result<void> finish(file::OutputFile& file, const RecoveredRecording& found, const std::string& name) {
   // True if the former footer stays in the file as a property.
   const bool end_stays = !found.has_end || !found.has_seek_tables;
   const std::uint64_t keep = end_stays ? found.whole_until : found.end_position;
@@ -127,9 +127,9 @@ struct DefinitionPlace {
 
 // Converts the records before the first frame of an old file to the current format. Returns the
 // position of each stream's definition.
-Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& input,
-                                                           const RecoveredRecording& found, OutputFile& file,
-                                                           const std::string& name) {
+Result<std::vector<DefinitionPlace>> modernise_definitions(const file::InputFile& input,
+                                                           const RecoveredRecording& found,
+                                                           file::OutputFile& file, const std::string& name) {
   const auto unreadable = [&] {
     return fail(ErrorCode::kCorrupt, fmt::format("{}: its streams' definitions cannot be read", name));
   };
@@ -167,9 +167,9 @@ Result<std::vector<DefinitionPlace>> modernise_definitions(const InputFile& inpu
 }
 
 // Writes the records that come before the first frame.
-Result<std::vector<DefinitionPlace>> write_definitions(const InputFile& input,
-                                                       const RecoveredRecording& found, OutputFile& file,
-                                                       const std::string& name) {
+Result<std::vector<DefinitionPlace>> write_definitions(const file::InputFile& input,
+                                                       const RecoveredRecording& found,
+                                                       file::OutputFile& file, const std::string& name) {
   if (found.is_old) return modernise_definitions(input, found, file, name);
   if (auto copied = copy_bytes(input, 0, found.first_frame_position, file, name, [](double) {}); !copied) {
     return fail(copied.error());
@@ -180,8 +180,8 @@ Result<std::vector<DefinitionPlace>> write_definitions(const InputFile& input,
   return places;
 }
 
-Result<void> write_part(const InputFile& input, const RecoveredRecording& found,
-                        const std::vector<Wanted>& wanted, OutputFile& file, const std::string& name,
+Result<void> write_part(const file::InputFile& input, const RecoveredRecording& found,
+                        const std::vector<Wanted>& wanted, file::OutputFile& file, const std::string& name,
                         const ProgressReport& progress) {
   const auto definitions = write_definitions(input, found, file, name);
   if (!definitions) return fail(definitions.error());
@@ -213,7 +213,7 @@ Result<void> write_part(const InputFile& input, const RecoveredRecording& found,
 }
 
 // Writes every frame of a recording of OpenNI 1.0 to 1.3 in the current format.
-Result<void> rewrite(const InputFile& input, const RecoveredRecording& found, OutputFile& file,
+Result<void> rewrite(const file::InputFile& input, const RecoveredRecording& found, file::OutputFile& file,
                      const std::string& name, const ProgressReport& progress) {
   std::vector<Wanted> all;
   for (std::size_t i = 0; i < found.streams.size(); ++i) {
@@ -226,11 +226,11 @@ Result<void> rewrite(const InputFile& input, const RecoveredRecording& found, Ou
 
 }  // namespace
 
-Result<RepairReport> repair(const std::string& path, const std::string& out, Existing existing,
+Result<RepairReport> repair(const std::string& path, const std::string& out, file::Existing existing,
                             const ProgressReport& progress) {
-  const auto input = InputFile::open(path);
+  const auto input = file::InputFile::open(path, "an .oni recording");
   if (!input) return fail(input.error());
-  RecordBytes bytes = input->bytes();
+  RecordBytes bytes(*input);
   const auto found = recover(bytes, path);
   if (!found) return fail(found.error());
   RepairReport report;
@@ -259,13 +259,13 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, Exi
             path));
   }
   if (out.empty()) {
-    auto file = OutputFile::open(path);
+    auto file = file::OutputFile::open(path);
     if (!file) return fail(file.error());
     if (auto finished = finish(*file, *found, path); !finished) return fail(finished.error());
     if (const auto plays = check_written(path); !plays) return fail(plays.error());
   } else {
     if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());
-    auto copy = OutputFile::create(out, existing);
+    auto copy = file::OutputFile::create(out, existing);
     if (!copy) return fail(copy.error());
     Result<void> done;
     if (found->is_old && !report.was_whole) {
@@ -285,13 +285,13 @@ Result<RepairReport> repair(const std::string& path, const std::string& out, Exi
 }
 
 Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out,
-                      Existing existing, const ProgressReport& progress) {
+                      file::Existing existing, const ProgressReport& progress) {
   const auto whole = check(path);
   if (!whole) return fail(whole.error());
   if (auto differ = refuse_same(path, out); !differ) return fail(differ.error());
-  const auto input = InputFile::open(path);
+  const auto input = file::InputFile::open(path, "an .oni recording");
   if (!input) return fail(input.error());
-  RecordBytes bytes = input->bytes();
+  RecordBytes bytes(*input);
   const auto found = recover(bytes, path);
   if (!found) return fail(found.error());
 
@@ -320,7 +320,7 @@ Result<CutReport> cut(const std::string& path, double from_s, double to_s, const
                             from_s, to_s, static_cast<double>(whole->duration.count()) * 1e-6));
   }
 
-  auto file = OutputFile::create(out, existing);
+  auto file = file::OutputFile::create(out, existing);
   if (!file) return fail(file.error());
   auto done = write_part(*input, *found, wanted, *file, path, progress);
   if (done) done = check_written(out);

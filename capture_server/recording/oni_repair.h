@@ -8,7 +8,7 @@
 #include <functional>
 #include <string>
 
-#include "capture_server/recording/output_file.h"
+#include "common/file/output_file.h"
 #include "common/result.h"
 
 namespace copresence::recording {
@@ -31,7 +31,7 @@ struct RepairReport {
 /// Fails with kNotFound if the file does not exist. Fails with kCorrupt if nothing can be saved, or
 /// if a copy is needed and `out` is empty. Fails with kInvalid if `out` exists and `existing` is
 /// kKeep. Fails with kUnavailable if the disk fails.
-Result<RepairReport> repair(const std::string& path, const std::string& out, Existing existing,
+Result<RepairReport> repair(const std::string& path, const std::string& out, file::Existing existing,
                             const ProgressReport& progress);
 
 struct CutReport {
@@ -45,6 +45,6 @@ struct CutReport {
 /// Fails as check() does. Fails with kInvalid if that range has no depth frame, or if `out` exists
 /// and `existing` is kKeep. Fails with kUnavailable if the disk fails.
 Result<CutReport> cut(const std::string& path, double from_s, double to_s, const std::string& out,
-                      Existing existing, const ProgressReport& progress);
+                      file::Existing existing, const ProgressReport& progress);
 
 }  // namespace copresence::recording

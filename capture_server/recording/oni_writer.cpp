@@ -64,17 +64,18 @@ Result<void> check_content(const OniContent& content) {
 
 }  // namespace
 
-Result<OniWriter> OniWriter::create(const std::string& path, const OniContent& content, Existing existing) {
+Result<OniWriter> OniWriter::create(const std::string& path, const OniContent& content,
+                                    file::Existing existing) {
   if (auto sensible = check_content(content); !sensible) return fail(sensible.error());
-  return begin(content, OutputFile::create(path, existing));
+  return begin(content, file::OutputFile::create(path, existing));
 }
 
 Result<OniWriter> OniWriter::create_numbered(const std::string& path, const OniContent& content) {
   if (auto sensible = check_content(content); !sensible) return fail(sensible.error());
-  return begin(content, OutputFile::create_numbered(path));
+  return begin(content, file::OutputFile::create_numbered(path));
 }
 
-Result<OniWriter> OniWriter::begin(const OniContent& content, Result<OutputFile> file) {
+Result<OniWriter> OniWriter::begin(const OniContent& content, Result<file::OutputFile> file) {
   if (!file) return fail(file.error());
   const std::string path = file->path();
   OniWriter writer(path, content, std::move(*file));

@@ -18,8 +18,8 @@
 #include "capture_server/recording/camera_metadata.h"
 #include "capture_server/recording/jpeg.h"
 #include "capture_server/recording/oni_footer.h"
-#include "capture_server/recording/output_file.h"
 #include "capture_server/recording/record_append.h"
+#include "common/file/output_file.h"
 #include "common/frame/image.h"
 #include "common/result.h"
 
@@ -48,8 +48,8 @@ class OniWriter {
   /// Fails with kInvalid if the content is impossible, or if the file exists and `existing` is
   /// kKeep. Fails with kUnavailable if the file cannot be written.
   static Result<OniWriter> create(const std::string& path, const OniContent& content,
-                                  Existing existing = Existing::kKeep);
-  /// Creates the file under the first free name, see OutputFile::create_numbered().
+                                  file::Existing existing = file::Existing::kKeep);
+  /// Creates the file under the first free name, see file::OutputFile::create_numbered().
   static Result<OniWriter> create_numbered(const std::string& path, const OniContent& content);
 
   const std::string& path() const { return path_; }
@@ -94,10 +94,10 @@ class OniWriter {
     std::vector<FramePlace> frames;
   };
 
-  OniWriter(std::string path, OniContent content, OutputFile file)
+  OniWriter(std::string path, OniContent content, file::OutputFile file)
       : path_(std::move(path)), content_(std::move(content)), file_(std::move(file)) {}
 
-  static Result<OniWriter> begin(const OniContent& content, Result<OutputFile> file);
+  static Result<OniWriter> begin(const OniContent& content, Result<file::OutputFile> file);
   const CameraModel& camera_of(const Stream& stream) const;
   std::uint16_t largest_depth() const;
   void append_definition(RecordBytesOut& bytes, Stream& stream);
@@ -107,7 +107,7 @@ class OniWriter {
 
   std::string path_;
   OniContent content_;
-  OutputFile file_;
+  file::OutputFile file_;
   std::vector<std::uint8_t> payload_;
   JpegEncoder jpeg_;
   std::vector<std::uint8_t> record_;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "capture_server/recording/oni_format.h"
+#include "common/file/input_file.h"
 
 namespace copresence::recording {
 
@@ -25,6 +26,11 @@ class RecordBytes {
   static constexpr std::size_t kWindow = 4096;
 
   RecordBytes(std::uint64_t size, ReadAt read) : size_(size), read_(std::move(read)) {}
+  /// Reads `file`, which must outlive this object.
+  explicit RecordBytes(const file::InputFile& file)
+      : RecordBytes(file.size(), [&file](std::uint64_t offset, std::span<std::uint8_t> into) {
+          return file.read(offset, into);
+        }) {}
 
   std::uint64_t size() const { return size_; }
 

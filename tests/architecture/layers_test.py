@@ -19,6 +19,7 @@ MODULES = {
     "common": set(),  # result.h, executor.h
     "common/frame": {"common"},
     "common/text": {"common"},
+    "common/file": {"common"},
     "common/toml": {"common", "common/text"},
     **{f"common/{name}": EDGE_TYPES for name in ("flow", "command_line", "depth", "color", "bitstream", "gl")},
     "common/tls": {"common", "common/text"},
@@ -29,7 +30,7 @@ MODULES = {
     "simulation/scene": EDGE_TYPES,
     "simulation/truth": EDGE_TYPES | {"simulation/scene"},
     "simulation/sensor": EDGE_TYPES | {"simulation/scene", "simulation/truth"},
-    "capture_server/recording": EDGE_TYPES,
+    "capture_server/recording": EDGE_TYPES | {"common/file"},
     "capture_server/drivers/contract": EDGE_TYPES | {"common/flow"},
     "capture_server/drivers/primesense": EDGE_TYPES | {"capture_server/drivers/contract"},
     "capture_server/drivers/installed": EDGE_TYPES | {"capture_server/drivers/contract"},

@@ -78,7 +78,7 @@ inline void write_recording(const std::string& path, const RecordingScene& scene
   content.camera.unit = scene.unit;
   content.depth = scene.depth;
   content.color = scene.color;
-  auto writer = recording::OniWriter::create(path, content, recording::Existing::kReplace);
+  auto writer = recording::OniWriter::create(path, content, file::Existing::kReplace);
   ASSERT_TRUE(writer) << writer.error().what;
   for (int i = 0; i < scene.frames; ++i) {
     const std::int64_t time = scene.first_us + i * scene.period_us;

@@ -75,7 +75,7 @@ class ImageImport {
     if (!content) return fail(content.error());
     auto writer = recording::OniWriter::create(
         settings_.out, *content,
-        settings_.overwrite ? recording::Existing::kReplace : recording::Existing::kKeep);
+        settings_.overwrite ? file::Existing::kReplace : file::Existing::kKeep);
     if (!writer) return fail(writer.error());
     auto done = write(*writer, progress);
     if (done) done = recording::check_written(settings_.out);

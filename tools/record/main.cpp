@@ -42,8 +42,8 @@ Result<std::string> run(const InfoSettings& settings) {
   return settings.json ? to_json(*info) : to_table(*info);
 }
 
-recording::Existing existing(bool overwrite) {
-  return overwrite ? recording::Existing::kReplace : recording::Existing::kKeep;
+file::Existing existing(bool overwrite) {
+  return overwrite ? file::Existing::kReplace : file::Existing::kKeep;
 }
 
 std::string frames(const recording::RepairReport& report) {

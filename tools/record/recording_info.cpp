@@ -7,9 +7,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "capture_server/recording/input_file.h"
 #include "capture_server/recording/oni_reader.h"
 #include "capture_server/recording/oni_recovery.h"
+#include "common/file/input_file.h"
 #include "tools/record/time_reading.h"
 
 namespace copresence::record {
@@ -144,8 +144,8 @@ Result<RecordingInfo> read_info(const std::string& path, const recording::Progre
   info.color_after_depth_ms = color_after_depth(*summary.find(Kind::kDepth), summary.find(Kind::kColor));
   info.camera = summary.camera_metadata;
   info.started_unix_us = start_of(summary);
-  if (const auto file = recording::InputFile::open(path)) {
-    recording::RecordBytes bytes = file->bytes();
+  if (const auto file = file::InputFile::open(path, "an .oni recording")) {
+    recording::RecordBytes bytes(*file);
     const auto found = recording::recover(bytes, path);
     info.finished = found && found->has_end && (found->has_seek_tables || found->is_old);
   }

@@ -56,9 +56,9 @@ Result<void> record(const Settings& settings, const std::shared_ptr<const simula
   content.camera = {name, model, true, settings.unit, poses[index]};
   content.jpeg_quality = settings.jpeg_quality;
   content.unix_zero_us = invented_start(settings).count();
-  auto writer = recording::OniWriter::create(
-      (settings.folder / (name + ".oni")).string(), content,
-      settings.overwrite ? recording::Existing::kReplace : recording::Existing::kKeep);
+  auto writer =
+      recording::OniWriter::create((settings.folder / (name + ".oni")).string(), content,
+                                   settings.overwrite ? file::Existing::kReplace : file::Existing::kKeep);
   if (!writer) return fail(writer.error());
   std::filesystem::path truth;
   if (settings.truth) {

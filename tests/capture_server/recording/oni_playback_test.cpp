@@ -76,7 +76,7 @@ TEST_P(OniPlayback, DeliversEveryFrameAsItWasWritten) {
   content.color = wanted.color;
   content.jpeg_quality = 95;
   {
-    auto writer = OniWriter::create(path.string(), content, Existing::kReplace);
+    auto writer = OniWriter::create(path.string(), content, file::Existing::kReplace);
     ASSERT_TRUE(writer) << writer.error().what;
     for (int i = 0; i < kFrames; ++i) {
       ASSERT_TRUE(writer->write_depth(microseconds(5'000'000 + 33'333 * i), depth_of(i, largest)));

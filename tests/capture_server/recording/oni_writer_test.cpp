@@ -43,7 +43,7 @@ class OniWriterTest : public testing::Test {
   ColorImage color() const { return ColorImage(64, 48, {200, 100, 50}); }
 
   void write(const std::string& to, int frames) {
-    auto writer = OniWriter::create(to, content_, Existing::kReplace);
+    auto writer = OniWriter::create(to, content_, file::Existing::kReplace);
     ASSERT_TRUE(writer) << writer.error().what;
     for (int i = 0; i < frames; ++i) {
       ASSERT_TRUE(writer->write_depth(microseconds(5'000'000 + 33'333 * i), depth(i)));

@@ -30,7 +30,7 @@ class DepthBenchProgram : public ::testing::Test {
     content.camera.unit = unit;
     content.max_depth = 65535;
     content.color = std::nullopt;
-    auto writer = recording::OniWriter::create(recording_, content, recording::Existing::kReplace);
+    auto writer = recording::OniWriter::create(recording_, content, file::Existing::kReplace);
     ASSERT_TRUE(writer) << writer.error().what;
     for (int frame = 0; frame < 4; ++frame) {
       DepthImage image(kWidth, kHeight);

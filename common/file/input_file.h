@@ -6,16 +6,17 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
-#include "capture_server/recording/record_bytes.h"
 #include "common/result.h"
 
-namespace copresence::recording {
+namespace copresence::file {
 
 class InputFile {
  public:
-  /// Fails with kNotFound if the file does not exist, cannot be read, or is not a regular file.
-  static Result<InputFile> open(const std::string& path);
+  /// Fails with kNotFound if the file does not exist, cannot be read, or is not a regular file. The
+  /// message asks for `expected`, for example "an .oni recording".
+  static Result<InputFile> open(const std::string& path, std::string_view expected);
 
   InputFile(InputFile&& other) noexcept;
   InputFile& operator=(InputFile&& other) noexcept;
@@ -27,9 +28,6 @@ class InputFile {
   /// disk fails.
   bool read(std::uint64_t offset, std::span<std::uint8_t> into) const;
 
-  /// Returns access to this file's bytes for a parser. The InputFile must outlive the result.
-  RecordBytes bytes() const;
-
  private:
   InputFile(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
 
@@ -37,4 +35,4 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
-}  // namespace copresence::recording
+}  // namespace copresence::file

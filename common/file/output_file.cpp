@@ -1,4 +1,4 @@
-#include "capture_server/recording/output_file.h"
+#include "common/file/output_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <utility>
 
-namespace copresence::recording {
+namespace copresence::file {
 
 namespace {
 
@@ -144,4 +144,4 @@ Result<void> OutputFile::close() {
   return {};
 }
 
-}  // namespace copresence::recording
+}  // namespace copresence::file

@@ -1,4 +1,4 @@
-#include "capture_server/recording/output_file.h"
+#include "common/file/output_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "tests/support/recording_scene.h"
 
-namespace copresence::recording {
+namespace copresence::file {
 namespace {
 
 using ::testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST_F(OutputFileTest, GivesUpAfterTenThousandNamesWithoutOverwriting) {
 }
 
 }  // namespace
-}  // namespace copresence::recording
+}  // namespace copresence::file

@@ -10,7 +10,7 @@
 
 #include "common/result.h"
 
-namespace copresence::recording {
+namespace copresence::file {
 
 /// The treatment of an existing file. Nothing is overwritten without the user's request.
 enum class Existing {
@@ -66,4 +66,4 @@ class OutputFile {
   std::uint64_t size_ = 0;
 };
 
-}  // namespace copresence::recording
+}  // namespace copresence::file

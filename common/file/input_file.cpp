@@ -1,4 +1,4 @@
-#include "capture_server/recording/input_file.h"
+#include "common/file/input_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,20 +9,19 @@
 #include <cstring>
 #include <utility>
 
-namespace copresence::recording {
+namespace copresence::file {
 
-Result<InputFile> InputFile::open(const std::string& path) {
+Result<InputFile> InputFile::open(const std::string& path, std::string_view expected) {
   // With O_NONBLOCK, open() does not block on a named pipe.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat status {};
   if (descriptor < 0 || ::fstat(descriptor, &status) != 0) {
     return fail(ErrorCode::kNotFound,
-                fmt::format("{}: {}; give the path of an .oni recording", path, std::strerror(errno)));
+                fmt::format("{}: {}; give the path of {}", path, std::strerror(errno), expected));
   }
   if (!S_ISREG(status.st_mode)) {
     ::close(descriptor);
-    return fail(ErrorCode::kNotFound,
-                fmt::format("{}: not a file; give the path of an .oni recording", path));
+    return fail(ErrorCode::kNotFound, fmt::format("{}: not a file; give the path of {}", path, expected));
   }
   return InputFile(descriptor, static_cast<std::uint64_t>(status.st_size));
 }
@@ -51,8 +50,4 @@ bool InputFile::read(std::uint64_t offset, std::span<std::uint8_t> into) const {
   return true;
 }
 
-RecordBytes InputFile::bytes() const {
-  return {size_, [this](std::uint64_t offset, std::span<std::uint8_t> into) { return read(offset, into); }};
-}
-
-}  // namespace copresence::recording
+}  // namespace copresence::file

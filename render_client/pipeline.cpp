@@ -123,7 +123,11 @@ class Pipeline {
         viewer_(std::move(viewer)),
         stop_(std::move(stop)),
         mailboxes_(servers_.size()),
-        states_(listed_cameras(servers_, scene), [this] { stop_.request_stop(); }),
+        states_(listed_cameras(servers_, scene),
+                [this] {
+                  // A window stays open, since it says why.
+                  if (settings_.headless) stop_.request_stop();
+                }),
         statistics_(servers_.size()),
         colors_(servers_.size()),
         cameras_(settings_, servers_, states_, statistics_, colors_),

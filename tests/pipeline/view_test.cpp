@@ -192,6 +192,26 @@ TEST_F(View, TheWindowSaysWhyItIsBlackAndListsTheKeys) {
   EXPECT_EQ(client.wait(seconds(10)), 0) << client.output();
 }
 
+TEST_F(View, AWindowThatIsRefusedSaysWhyUntilItIsClosed) {
+  const VirtualDisplay display;
+  if (!display.is_there()) GTEST_SKIP() << "*** SKIPPED, NOT TESTED: no Xvfb ***";
+  const auto make_key = [this](const std::string& name) {
+    const std::string path = room_.file(name).string();
+    EXPECT_EQ(Process({program("capture_server"), "--make-key", path}).wait(seconds(10)), 0);
+    return path;
+  };
+  room_.serve(recordings() / "camera0.oni", {"--loop", "--key", make_key("room.key")});
+  Process client({program("render_client"), "--connect", room_.address(0), "--size", "640x360", "--key",
+                  make_key("other.key")});
+  const auto is_refused = [] { return titles().find("left out of the view") != std::string::npos; };
+  ASSERT_TRUE(is_true_within(seconds(30), is_refused)) << titles() << client.output();
+  WindowUser user("Copresence");
+  EXPECT_TRUE(is_true_within(seconds(10), [&] { return text_pixels(user, 640, 360, 310, 359) > 200; }));
+  user.press_key("Escape");
+  EXPECT_EQ(client.wait(seconds(10)), 1) << client.output();
+  EXPECT_THAT(client.output(), HasSubstr("render_client: " + room_.address(0)));
+}
+
 /// Returns the fraction of pixels whose colour has the hue of the first camera's layer.
 double layer_share(const Image<Rgba8>& view) {
   std::size_t count = 0;

@@ -11,6 +11,7 @@ import time
 from gateway import refusal, serve_pages, with_token
 from page import TEXT, Page, Refused, WebSocket, connect, get
 import programs
+import replay
 
 MOST_GROWTH_KB = 10_000
 REQUESTS = 10_000
@@ -21,9 +22,9 @@ class Watched:
 
     def __init__(self, room, checks):
         self.checks = checks
-        _, port = room.serve()
+        self.camera = replay.ReplayedCamera(*replay.record(room))
         self.token, options = with_token(room)
-        self.program, self.port = serve_pages(room, port, more=options)
+        self.program, self.port = serve_pages(room, self.camera.port, more=options)
 
     def __enter__(self):
         self.page = Page(self.port, self.token)
@@ -46,6 +47,7 @@ class Watched:
             self.checks.expect(open_files < 200, f"{open_files} descriptors are open")
             self.checks.expect(self.program.said().count("\n") < 60, "the log stays short")
         self.page.end()
+        self.camera.end()
 
 
 def in_threads(count, work):

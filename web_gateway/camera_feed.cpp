@@ -33,13 +33,17 @@ void write_line(Severity severity, const std::string& line) {
 
 }  // namespace
 
-CameraFeed::CameraFeed(std::uint8_t index, std::string address, OnEvent on_event)
-    : index_(index), address_(std::move(address)), on_event_(std::move(on_event)), log_(write_line) {}
+CameraFeed::CameraFeed(std::uint8_t index, std::string address, const tls::RoomKey* key, OnEvent on_event)
+    : index_(index),
+      address_(std::move(address)),
+      key_(key),
+      on_event_(std::move(on_event)),
+      log_(write_line) {}
 
 Result<void> CameraFeed::run(const std::stop_token& stop) {
   milliseconds pause = kFirstPause;
   while (!stop.stop_requested()) {
-    auto client = wire::FrameClient::connect(address_, kConnectTimeout, stop);
+    auto client = wire::FrameClient::connect(address_, kConnectTimeout, stop, key_);
     const Instant began_at = steady_clock::now();
     const Error why = client ? receive(*client, stop) : client.error();
     if (stop.stop_requested()) break;

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "common/result.h"
+#include "common/tls/room_key.h"
 #include "common/wire/frame_client.h"
 #include "common/wire/limited_log.h"
 #include "web_gateway/forwarding/camera_event.h"
@@ -22,7 +23,8 @@ class CameraFeed {
  public:
   using OnEvent = std::function<void(forwarding::CameraEvent)>;
 
-  CameraFeed(std::uint8_t index, std::string address, OnEvent on_event);
+  /// `key` must outlive the feed. It is null if the server has no room key.
+  CameraFeed(std::uint8_t index, std::string address, const tls::RoomKey* key, OnEvent on_event);
 
   /// Connects again and again until a stop is requested. Fails with kRefused if the server refuses
   /// this program for good.
@@ -42,6 +44,7 @@ class CameraFeed {
 
   std::uint8_t index_;
   std::string address_;
+  const tls::RoomKey* key_;
   OnEvent on_event_;
   wire::LimitedLog log_;
   std::mutex mutex_;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/scene/scene.h"
+#include "common/tls/room_key.h"
 #include "common/wire/host_port.h"
 #include "common/wire/listening_socket.h"
 #include "web_gateway/camera_feed.h"
@@ -28,30 +29,53 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// Reads which cameras the room has, from the command line or the scene file.
-Result<std::vector<forwarding::RoomCamera>> list_cameras(const GatewaySettings& settings) {
+/// The cameras of a room, and the key of their servers.
+struct RoomSettings {
+  scene::Scene scene;  // Empty without a scene file.
   std::vector<forwarding::RoomCamera> cameras;
-  for (const std::string& address : settings.servers) cameras.push_back({"", address});
-  if (cameras.empty()) {
-    const auto scene = scene::load(settings.scene);
+  std::optional<tls::RoomKey> key;  // Empty if the servers have none.
+};
+
+/// Takes the cameras and the key from the command line, and what is missing there from the scene file.
+Result<RoomSettings> read_room(const GatewaySettings& settings) {
+  RoomSettings room;
+  if (!settings.scene.empty()) {
+    auto scene = scene::load(settings.scene);
     if (!scene) return fail(scene.error());
-    for (const scene::Camera& camera : scene->cameras) {
-      if (!camera.address.empty()) cameras.push_back({camera.name, camera.address});
-    }
-    if (cameras.empty()) {
-      return fail(ErrorCode::kInvalid,
-                  fmt::format("{}: no camera has an \"address\" to connect to", settings.scene));
+    room.scene = std::move(*scene);
+  }
+  for (const std::string& address : settings.servers) room.cameras.push_back({"", address});
+  if (settings.servers.empty()) {
+    for (const scene::Camera& camera : room.scene.cameras) {
+      if (!camera.address.empty()) room.cameras.push_back({camera.name, camera.address});
     }
   }
-  if (cameras.size() > kMostCameras) {
+  if (room.cameras.empty() || room.cameras.size() > kMostCameras) {
     return fail(ErrorCode::kInvalid,
-                fmt::format("{}: {} cameras have an \"address\", and a room has at most {}", settings.scene,
-                            cameras.size(), kMostCameras));
+                fmt::format("{}: {} cameras have an \"address\" to connect to, and a room has 1 to {}",
+                            settings.scene, room.cameras.size(), kMostCameras));
   }
-  for (const forwarding::RoomCamera& camera : cameras) {
+  for (const forwarding::RoomCamera& camera : room.cameras) {
     if (const auto good = wire::parse_host_port(camera.address); !good) return fail(good.error());
   }
-  return cameras;
+  const std::string& key_file = settings.key.empty() ? room.scene.key : settings.key;
+  if (key_file.empty()) return room;
+  const auto key = tls::read_key(key_file);
+  if (!key) return fail(key.error());
+  room.key = *key;
+  return room;
+}
+
+/// Adds what the scene file knows of a camera: its intrinsics, and its pose if the server has none.
+void complete(StreamDescription& stream, const scene::Scene& scene) {
+  const scene::Camera* const known = scene.find(stream.camera);
+  if (!known) return;
+  if (known->model.width == stream.model.width && known->model.height == stream.model.height)
+    stream.model = known->model;
+  if (!stream.has_pose && known->world_from_camera) {
+    stream.has_pose = true;
+    stream.world_from_camera = *known->world_from_camera;
+  }
 }
 
 /// Listens where other machines can connect only if the viewers need a token, or if everybody may watch.
@@ -122,15 +146,17 @@ class Refusals {
 }  // namespace
 
 Result<void> run_gateway(const GatewaySettings& settings, std::stop_source stop) {
-  const auto cameras = list_cameras(settings);
-  if (!cameras) return fail(cameras.error());
+  const auto settings_of_room = read_room(settings);
+  if (!settings_of_room) return fail(settings_of_room.error());
+  const auto& cameras = settings_of_room->cameras;
+  const tls::RoomKey* const key = settings_of_room->key ? &*settings_of_room->key : nullptr;
   auto access = open_access(settings);
   if (!access) return fail(access.error());
   const auto socket = listen(settings);
   if (!socket) return fail(socket.error());
 
   std::vector<std::unique_ptr<CameraFeed>> feeds;
-  forwarding::Room room(*cameras, [&feeds](std::size_t camera) { feeds[camera]->request_keyframe(); });
+  forwarding::Room room(cameras, [&feeds](std::size_t camera) { feeds[camera]->request_keyframe(); });
   const web::ServerOptions options{
       std::move(*access), settings.max_viewers, {settings.certificate, settings.private_key}};
   const auto server =
@@ -138,18 +164,20 @@ Result<void> run_gateway(const GatewaySettings& settings, std::stop_source stop)
         spdlog::log(is_warning ? spdlog::level::warn : spdlog::level::info, "{}", line);
       });
   if (!server) return fail(server.error());
-  log_start(settings, *socket, cameras->size());
+  log_start(settings, *socket, cameras.size());
 
-  Refusals refusals(cameras->size());
-  for (std::size_t i = 0; i < cameras->size(); ++i) {
+  Refusals refusals(cameras.size());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
     const auto pass_on = [&, i](forwarding::CameraEvent event) {
+      if (auto* const connected = std::get_if<forwarding::Connected>(&event))
+        complete(connected->description, settings_of_room->scene);
       (*server)->post([&, i, event = std::move(event)] {
         room.take(i, event, steady_clock::now());
         if (std::holds_alternative<forwarding::FrameCame>(event)) feeds[i]->frame_taken();
       });
     };
     feeds.push_back(
-        std::make_unique<CameraFeed>(static_cast<std::uint8_t>(i), (*cameras)[i].address, pass_on));
+        std::make_unique<CameraFeed>(static_cast<std::uint8_t>(i), cameras[i].address, key, pass_on));
   }
   std::vector<std::jthread> threads;
   for (std::size_t i = 0; i < feeds.size(); ++i) {

@@ -28,6 +28,9 @@ tl::expected<GatewaySettings, int> read_command_line(int argc, const char* const
   app.add_option("--scene", settings.scene,
                  "scene file with the cameras' addresses, unless --connect gives them")
       ->check(file_name());
+  app.add_option("--key", settings.key,
+                 "file with the key of the room's capture servers, unless the scene file names it")
+      ->check(file_name());
   app.add_option("--listen", settings.listen,
                  "address for browsers, HOST:PORT; beyond this machine it needs --token or --open")
       ->capture_default_str()

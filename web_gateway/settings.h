@@ -12,6 +12,7 @@ namespace copresence::gateway {
 struct GatewaySettings {
   std::vector<std::string> servers;  ///< HOST:PORT of each camera's capture_server.
   std::string scene;                 ///< Path of a scene file that names the servers, or empty.
+  std::string key;                   ///< Path of the capture servers' room key, or empty.
   std::string listen = "127.0.0.1:8080";
   std::string certificate, private_key;  ///< Paths of PEM files for HTTPS; both empty for HTTP.
   std::string token;                     ///< Path of the file with the viewers' token, or empty.

@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import stat
+import struct
 import subprocess
 import sys
 import threading
@@ -232,6 +233,50 @@ def servers_come_back(room, checks):
         checks.expect(page.ended == "", "on the same WebSocket")
 
 
+SCENE = """key = "room.key"
+[[camera]]
+name = "{name}"
+address = "127.0.0.1:{port}"
+width = 640
+height = 480
+fx = 590.0
+fy = 591.0
+cx = 320.0
+cy = 240.0
+world_from_camera = [[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, -2], [0, 0, 0, 1]]
+"""
+
+
+def scene_files(room, checks):
+    """the scene file has the servers' key and addresses, intrinsics, and poses that servers do not know"""
+    key, scene = room.folder / "room.key", room.folder / "room.toml"
+    subprocess.run([room.bin / "capture_server", "--make-key", key], check=True, timeout=10)
+    _, port = room.serve("--name", "left", "--key", key)
+    scene.write_text(SCENE.format(name="left", port=port))
+    _, gateway = serve_pages(room, more=["--scene", scene])
+    with Page(gateway) as page:
+        checks.expect(page.wait_for_frames(5, 40), "frames come with the key")
+        checks.expect(page.texts[0]["cameras"][0]["name"] == "left", "the room names the camera")
+    without = room.start([room.bin / "web_gateway", "--connect", f"127.0.0.1:{port}", "--listen", "127.0.0.1:0"])
+    checks.expect(without.wait(20) == 1 and "key" in without.said().splitlines()[-1], "without the key it ends")
+
+    has_no_pose = wire.welcome(camera="right", flags=1)
+
+    def behave(connection):
+        wire.shake_hands(connection, has_no_pose)
+        wire.hear_out(connection)
+
+    with wire.Server(behave) as server:
+        scene.write_text(SCENE.format(name="right", port=server.port).split("\n", 1)[1])
+        _, gateway = serve_pages(room, more=["--scene", scene])
+        with Page(gateway, keep=True) as page:
+            checks.expect(page.wait_for(lambda: page.messages), "a server without a pose")
+            welcome = page.messages[0][9:]
+            checks.expect(struct.unpack_from("<2d", welcome, 16) == (590, 591), "the scene file's focal lengths")
+            checks.expect(struct.unpack_from("<3d", welcome, 184) == (0.5, 0, -2), "the scene file's pose")
+            checks.expect(welcome[254] & 2, "which is known")
+
+
 def too_many_viewers(room, checks):
     """--max-viewers limits the viewers, and a place is free when one leaves"""
     _, port = room.serve()
@@ -281,4 +326,5 @@ def addresses(room, checks):
 
 if __name__ == "__main__":
     programs.run([frames_arrive_unchanged, joining_pages_see_a_picture_at_once, a_stopped_page, tokens,
-                  origins_and_hosts, files, servers_come_back, too_many_viewers, https, addresses], __doc__)
+                  origins_and_hosts, files, servers_come_back, scene_files, too_many_viewers, https, addresses],
+                 __doc__)

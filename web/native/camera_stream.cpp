@@ -67,6 +67,9 @@ Result<void> CameraStream::finish(Color color) {
     return decoded;
   }
   frame_.metadata = planar_.metadata;
+  // A server without a pose sends the identity. The gateway's scene file may have the pose.
+  if (description_.has_pose && frame_.metadata.world_from_camera == Rigid3{})
+    frame_.metadata.world_from_camera = description_.world_from_camera;
   frame_.durations = planar_.durations;
   take_color(color);
   return {};

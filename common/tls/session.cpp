@@ -156,7 +156,6 @@ Result<Context> Context::make(Side side, const RoomKey& key) {
 }
 
 struct Session::State {
-  Side side;
   Link link;
   SslOwner ssl;
   std::uint64_t records = 0;  // Written since the handshake.
@@ -167,14 +166,13 @@ struct Session::State {
 };
 
 Session::Session(const Context& context, Carrier& carrier)
-    : state_(
-          new State{context.state_->side, Link{carrier}, SslOwner(SSL_new(context.state_->context.get()))}) {
+    : state_(new State{Link{carrier}, SslOwner(SSL_new(context.state_->context.get()))}) {
   BIO* const bio = BIO_new(carrier_method());
   assert(state_->ssl && bio);  // Running out of memory ends the program.
   BIO_set_data(bio, &state_->link);
   BIO_set_init(bio, 1);
   SSL_set_bio(state_->ssl.get(), bio, bio);
-  if (state_->side == Side::kClient) {
+  if (context.state_->side == Side::kClient) {
     SSL_set_connect_state(state_->ssl.get());
   } else {
     SSL_set_accept_state(state_->ssl.get());
@@ -209,14 +207,16 @@ Outcome Session::State::outcome_of_handshake(int result) const {
     return SSL_session_reused(ssl.get()) ? Outcome::kDone : Outcome::kWrongKey;
   }
   if (outcome != Outcome::kBroken) return outcome;
-  const int reason = ERR_GET_REASON(ERR_peek_error());
-  switch (reason) {
-    case SSL_R_BINDER_DOES_NOT_VERIFY:
-    case SSL_R_CERTIFICATE_VERIFY_FAILED:
+  switch (ERR_GET_REASON(ERR_peek_error())) {
+    case SSL_R_BINDER_DOES_NOT_VERIFY:     // At the server.
+    case SSL_R_CERTIFICATE_VERIFY_FAILED:  // At the client: the server shows a certificate instead of the key.
+    // At the client: alerts by which servers reject a key. OpenSSL's sends the first one.
+    case SSL_AD_REASON_OFFSET + SSL_AD_ILLEGAL_PARAMETER:
+    case SSL_AD_REASON_OFFSET + SSL_AD_DECRYPT_ERROR:
+    case SSL_AD_REASON_OFFSET + SSL_AD_UNKNOWN_PSK_IDENTITY:
       return Outcome::kWrongKey;
     default:
-      // The only alert that a server of this project sends in a handshake is about the key.
-      return side == Side::kClient && reason >= SSL_AD_REASON_OFFSET ? Outcome::kWrongKey : Outcome::kBroken;
+      return Outcome::kBroken;
   }
 }
 

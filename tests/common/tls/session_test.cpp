@@ -291,6 +291,14 @@ TEST(TlsSession, AServerThatShowsACertificateInsteadOfTheKeyIsRejected) {
   EXPECT_EQ(impostor.shake_hands(Side::kClient), Outcome::kWrongKey);
 }
 
+TEST(TlsSession, AServerOfOtherCiphersIsNotTakenForOneWithAnotherKey) {
+  Foreign web_server(Side::kServer, [](SSL_CTX* context) {
+    use_own_certificate(context);
+    SSL_CTX_set_ciphersuites(context, "TLS_AES_256_GCM_SHA384");
+  });
+  EXPECT_EQ(web_server.shake_hands(Side::kClient), Outcome::kBroken);
+}
+
 TEST(TlsSession, AClientWithoutAKeyIsRejected) {
   for (const auto& configure : std::vector<std::function<void(SSL_CTX*)>>{
            [](SSL_CTX*) {}, [](SSL_CTX* context) { SSL_CTX_set_max_proto_version(context, TLS1_2_VERSION); },

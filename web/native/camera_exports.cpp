@@ -205,6 +205,11 @@ int set_color_correction(double a, double b, double c, double d, double e, doubl
   return succeed(JsonObject());
 }
 
+COPRESENCE_EXPORT(set_step) int set_step(std::int32_t step) {
+  stream()->set_step(step);
+  return succeed(JsonObject());
+}
+
 // The result has the finished frame's mesh, its texture, and the pose of the camera. "remembered" is
 // the remembered background's. "rememberedVersion" changes whenever that is another one.
 COPRESENCE_EXPORT(make_surface) int make_surface() {
@@ -218,6 +223,9 @@ COPRESENCE_EXPORT(make_surface) int make_surface() {
   }
   JsonObject out;
   out.add("surface", describe(camera.surface(), 0))
+      .add("width", double(camera.surface_frame().depth.width()))
+      .add("height", double(camera.surface_frame().depth.height()))
+      .add_memory("surfaceDepth", camera.surface_frame().depth.pixels())
       .add_memory("depth", camera.frame().depth.pixels())
       .add_memory("states", camera.frame().state.pixels())
       .add("hasColor", camera.frame().color.has_value())

@@ -13,6 +13,33 @@ constexpr int kLargestBlock = 16;  // Pixels a side, as in CpuRendererSettings.
 // A frame without colour shows the last colours for this long, as in decoding::FrameDecoding.
 constexpr std::chrono::milliseconds kLongestRepeat{1000};
 
+// Returns every `step`-th pixel of every `step`-th row.
+template <class Pixel>
+Image<Pixel> thinned(const Image<Pixel>& image, int step) {
+  Image<Pixel> result;
+  result.resize(image.width() / step, image.height() / step);
+  for (int y = 0; y < result.height(); ++y) {
+    for (int x = 0; x < result.width(); ++x) result(x, y) = image(step * x, step * y);
+  }
+  return result;
+}
+
+RgbdFrame thinned(const RgbdFrame& frame, int step) {
+  RgbdFrame result;
+  result.metadata = frame.metadata;
+  result.depth = thinned(frame.depth, step);
+  result.state = thinned(frame.state, step);
+  if (frame.color) result.color = thinned(*frame.color, step);
+  return result;
+}
+
+CameraModel thinned(CameraModel model, int step) {
+  model.width /= step;
+  model.height /= step;
+  for (double* const value : {&model.fx, &model.fy, &model.cx, &model.cy}) *value /= step;
+  return model;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<CameraStream>> CameraStream::open(const StreamDescription& description) {
@@ -102,7 +129,7 @@ renderer::CameraView CameraStream::view(const RgbdFrame& frame, std::uint64_t ve
   renderer::CameraView view;
   view.frame = &frame;
   view.version = version;
-  view.model = setup_.model;
+  view.model = thinned(setup_.model, step_);
   view.unit = setup_.unit;
   view.noise = setup_.noise;
   view.color_correction = color_correction_;
@@ -112,13 +139,22 @@ renderer::CameraView CameraStream::view(const RgbdFrame& frame, std::uint64_t ve
 void CameraStream::make_surface() {
   conditioner_.apply(frame_);
   background_.learn(frame_);
-  surface_.update(view(frame_, ++version_));
+  if (step_ != 1) thinned_ = thinned(frame_, step_);
+  surface_.update(view(surface_frame(), ++version_));
   auto covered = background_.covered();
-  if (covered == remembered_ && color_correction_ == remembered_correction_) return;
+  if (covered == remembered_ && color_correction_ == remembered_correction_ && step_ == remembered_step_)
+    return;
   remembered_ = std::move(covered);
   remembered_correction_ = color_correction_;
+  remembered_step_ = step_;
   ++remembered_version_;
-  if (remembered_) remembered_surface_.update(view(*remembered_, remembered_version_));
+  if (!remembered_) return;
+  if (step_ == 1) {
+    remembered_surface_.update(view(*remembered_, remembered_version_));
+  } else {
+    const RgbdFrame some = thinned(*remembered_, step_);
+    remembered_surface_.update(view(some, remembered_version_));
+  }
 }
 
 }  // namespace copresence::web

@@ -63,11 +63,17 @@ class CameraStream {
   /// Sets the correction to the reference camera's colours, for the surfaces from now on.
   void set_color_correction(const Eigen::Matrix<float, 3, 4>& correction) { color_correction_ = correction; }
 
+  /// Surfaces from now on are made of every `step`-th pixel of every `step`-th row. Larger steps
+  /// suit slow graphics. Requires 1, 2 or 4.
+  void set_step(int step) { step_ = step; }
+
   /// Conditions the finished frame for display, and makes its surface and that of the remembered
   /// background. Call it once at most for a frame.
   void make_surface();
 
   const RgbdFrame& frame() const { return frame_; }
+  /// The frame of which surface() is made: frame(), or some of its pixels.
+  const RgbdFrame& surface_frame() const { return step_ == 1 ? frame_ : thinned_; }
   const renderer::CameraSurface& surface() const { return surface_; }
   /// The remembered background (background_memory.h), or null if nothing is covered.
   const RgbdFrame* remembered() const { return remembered_.get(); }
@@ -97,6 +103,8 @@ class CameraStream {
 
   Eigen::Matrix<float, 3, 4> color_correction_ = Eigen::Matrix<float, 3, 4>::Identity();
   Eigen::Matrix<float, 3, 4> remembered_correction_ = color_correction_;
+  int step_ = 1, remembered_step_ = 1;
+  RgbdFrame thinned_;  // Of frame_, if step_ is not 1.
   std::uint64_t version_ = 0, remembered_version_ = 0;
   renderer::CameraSurface surface_, remembered_surface_;
   std::shared_ptr<const RgbdFrame> remembered_;

@@ -18,6 +18,7 @@ export class Camera {
   onStream: (welcome: ArrayBuffer) => void = () => undefined;
   onColors: (frame: ColorFrame) => void = () => undefined;
   private pending: Surface | null = null;
+  private step = 1;
   private used: ArrayBuffer | null = null; // The buffer of `shown`.
   private stream: Stream | null = null;
   private newestAt = 0; // Microseconds.
@@ -54,6 +55,13 @@ export class Camera {
     this.tell({ kind: 'sendColors' });
   }
 
+  // Asks for surfaces of every step-th pixel.
+  setStep(step: number): void {
+    if (step === this.step) return;
+    this.step = step;
+    this.tell({ kind: 'step', step });
+  }
+
   correct(correction: number[]): void {
     this.tell({ kind: 'correct', correction });
   }
@@ -72,7 +80,12 @@ export class Camera {
     const surface = this.pending;
     if (!surface || !this.stream) return false;
     this.pending = null;
-    this.drawn ??= this.renderer.makeCamera(this.stream);
+    const { width, height } = surface;
+    if (this.drawn && (this.drawn.model.width !== width || this.drawn.model.height !== height)) {
+      this.renderer.dispose(this.drawn);
+      this.drawn = null;
+    }
+    this.drawn ??= this.renderer.makeCamera(this.stream, width, height);
     this.renderer.upload(this.drawn, surface);
     this.shown = surface;
     this.used = surface.buffer;

@@ -34,6 +34,9 @@ interface NativeSurface {
   surface: NativeMesh;
   remembered?: NativeMesh;
   rememberedVersion: number;
+  width: number;
+  height: number;
+  surfaceDepth: Memory;
   depth: Memory;
   states: Memory;
   colors?: Memory;
@@ -57,6 +60,7 @@ class CameraDecoder {
   private spare: ArrayBuffer | null = null;
   private rememberedVersion = 0;
 
+  private step = 1;
   private watchesDepth = false;
   private sendsColors = false; // Whether colour matching waits for the next frame.
 
@@ -71,8 +75,13 @@ class CameraDecoder {
     this.sendsColors = true;
   }
 
+  setStep(step: number): void {
+    if (this.isOpen) this.native.call('set_step', step);
+    this.step = step;
+  }
+
   correct(correction: number[]): void {
-    this.native.call('set_color_correction', ...correction);
+    if (this.isOpen) this.native.call('set_color_correction', ...correction);
   }
 
   watchDepth(): void {
@@ -117,6 +126,7 @@ class CameraDecoder {
       const stream = this.native.callWith<Stream>('open_stream', welcome);
       post({ kind: 'stream', stream, welcome: welcome.slice().buffer });
       this.isOpen = true;
+      this.native.call('set_step', this.step);
     } catch (error) {
       post({ kind: 'unsupported', text: (error as Error).message });
     }
@@ -189,7 +199,7 @@ class CameraDecoder {
     if (this.sendsColors && made.colors) this.postColors(made, made.colors);
     const packer = new Packer(this.native);
     const seen = packer.addMesh(made.surface);
-    const depth = packer.add([made.depth[0], 2 * made.depth[1]]);
+    const depth = packer.add([made.surfaceDepth[0], 2 * made.surfaceDepth[1]]);
     let remembered: Mesh | null | undefined = undefined;
     if (made.rememberedVersion !== this.rememberedVersion) {
       this.rememberedVersion = made.rememberedVersion;
@@ -199,8 +209,10 @@ class CameraDecoder {
     this.spare = null;
     this.pageIsReady = false;
     const { sequence, capturedAt } = frame;
-    const { worldFromCamera, hasColor } = made;
-    const surface = { buffer, sequence, capturedAt, worldFromCamera, hasColor, seen, depth, remembered };
+    const { worldFromCamera, hasColor, width, height } = made;
+    const surface = {
+      buffer, sequence, capturedAt, worldFromCamera, hasColor, width, height, seen, depth, remembered,
+    };
     post({ kind: 'surface', surface }, [buffer]);
   }
 }
@@ -269,6 +281,7 @@ self.onmessage = async (event: MessageEvent<ToCamera>) => {
   }
   switch (message.kind) {
     case 'drawn': camera?.drawn(message.buffer); break;
+    case 'step': camera?.setStep(message.step); break;
     case 'sendColors': camera?.sendColors(); break;
     case 'correct': camera?.correct(message.correction); break;
     case 'watchDepth': camera?.watchDepth(); break;

@@ -1,6 +1,6 @@
 // Keeps the latency of views bounded on slow graphics. A view is begun only after the graphics card
 // has finished the one before; else the browser would queue views. If views take long, they get
-// fewer pixels, and the browser enlarges them.
+// fewer pixels, and the browser enlarges them. Surfaces get fewer triangles, too.
 
 import { Gl } from './renderer/gl';
 
@@ -8,7 +8,7 @@ const kScales = [1, 0.71, 0.5, 0.35]; // Of the canvas's width and height.
 const kSoftware = /swiftshader|llvmpipe|software/i;
 const kSlowMs = 60, kFastMs = 15; // Limits for one view.
 const kViewsBetweenChanges = 5; // Less if views are very slow.
-const kLongestWaitMs = 100;
+const kLongestWaitMs = 300;
 const kLongestMs = 5000; // A lost fence would stop the page for ever.
 
 export class DrawPace {
@@ -25,11 +25,16 @@ export class DrawPace {
   // How long a view may wait for the surfaces of the other cameras, so that slow graphics show all
   // cameras at the same instant. Fast graphics do not wait.
   get patienceMs(): number {
-    return this.lastMs > kSlowMs ? Math.min(this.lastMs / 2, kLongestWaitMs) : 0;
+    return this.lastMs > kSlowMs ? Math.min(this.lastMs, kLongestWaitMs) : 0;
   }
 
   get scale(): number {
     return kScales[this.level]!;
+  }
+
+  // Surfaces should be made of every step-th pixel of the cameras.
+  get step(): number {
+    return this.scale > 0.5 ? 1 : 2;
   }
 
   // True until the last view is finished. Call it once per animation frame.

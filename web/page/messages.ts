@@ -42,6 +42,7 @@ export type ToCamera =
   | { kind: 'open'; module: WebAssembly.Module; port: MessagePort }
   | { kind: 'watchDepth' } // Report a checksum of each decoded depth image.
   | { kind: 'drawn'; buffer: ArrayBuffer }
+  | { kind: 'step'; step: number } // Make surfaces of every step-th pixel.
   | { kind: 'sendColors' } // Send the next surface's frame for colour matching.
   | { kind: 'correct'; correction: number[] }; // Rows of the 3x4 colour correction.
 export type FromCamera =
@@ -95,8 +96,10 @@ export interface Surface {
   capturedAt: number; // On the capture server's clock.
   worldFromCamera: number[];
   hasColor: boolean;
+  width: number; // Of the pixels that the surface is made of: some or all of the picture's.
+  height: number;
   seen: Mesh;
-  depth: Part; // 16-bit depth of each pixel.
+  depth: Part; // 16-bit depth of these pixels.
   // The remembered background: null if there is none, undefined if it is the one before.
   remembered: Mesh | null | undefined;
 }
@@ -108,5 +111,5 @@ export interface Mesh {
   vertices: number;
   numbers: Part; // x of all vertices, then y, w, u and v, as 32-bit floats.
   triangles: Part; // 32-bit indices.
-  texture: Part; // RGBA, one column and one row more than the camera's picture.
+  texture: Part; // RGBA, one column and one row more than the surface.
 }

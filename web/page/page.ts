@@ -206,10 +206,11 @@ class Page {
       if (this.panel.showsNumbers) this.panel.showNumbers(this.numbers());
     }
     if (this.pace.isBusy()) return;
+    for (const camera of this.cameras) camera.setStep(this.pictureWanted.length > 0 ? 1 : this.pace.step);
     for (const camera of this.cameras) camera.askForNext();
     if (this.waitsForOthers()) return;
     this.takeSurfaces(begin);
-    if (this.isDirty) this.draw(begin);
+    if (this.isDirty || this.pictureWanted.length > 0) this.draw(begin);
   }
 
   // Takes the newest surfaces. Views that were drawn before are finished at `begin`.
@@ -246,7 +247,10 @@ class Page {
       worldFromEye: () => this.view.worldFromEye,
       prepare: () => {
         begin = now();
-        for (const camera of this.cameras) camera.askForNext();
+        for (const camera of this.cameras) {
+          camera.setStep(1);
+          camera.askForNext();
+        }
         this.takeSurfaces(begin);
       },
       draw: (eye, output) => {
@@ -263,6 +267,11 @@ class Page {
 
   private drawnCameras(): DrawnCamera[] {
     return this.cameras.flatMap((camera) => (camera.drawn ? [camera.drawn] : []));
+  }
+
+  // Whether the live cameras' surfaces are made of all their pixels.
+  private areSurfacesWhole(): boolean {
+    return this.drawnCameras().every(({ model, stream, opacity }) => opacity < 1 || model.width === stream.width);
   }
 
   private isComplete(): boolean {
@@ -285,12 +294,15 @@ class Page {
   private draw(begin: number): void {
     this.isDirty = false;
     const begunAt = performance.now();
-    this.resizeCanvas(this.pictureWanted.length > 0 ? 1 : this.pace.scale);
+    const takesPicture = this.pictureWanted.length > 0 && this.areSurfacesWhole();
+    this.resizeCanvas(takesPicture ? 1 : this.pace.scale);
+    this.renderer.isThrifty = !takesPicture && this.pace.step > 1;
     this.renderer.draw(this.drawnCameras(), this.eye(), this.panel.unseen, kBackground);
     const isComplete = this.isComplete();
     this.pace.drawn(begunAt);
     this.statistics.drawn(begin, now(), isComplete, this.skewMs());
     if (isComplete) this.resolveReady();
+    if (!takesPicture) return;
     for (const resolve of this.pictureWanted) resolve(this.canvas.toDataURL());
     this.pictureWanted = [];
   }

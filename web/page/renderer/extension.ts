@@ -37,6 +37,10 @@ export class Extension {
   private readonly fillPixels: Program;
   private readonly fades = new Map<number, Program>(); // By number of layers.
   private pictures: Pictures | null = null;
+  private estimatedFor = ''; // The eye of the last estimates.
+  private estimateAge = 0; // In views.
+  // While the eye rests, estimates may be used for so many views. More than one suits slow graphics.
+  mostAge = 1;
 
   constructor(private readonly gl: Gl, private readonly defines: Record<string, string>,
               private readonly rules: Rules, private readonly surfaceFormat: number) {
@@ -52,7 +56,10 @@ export class Extension {
        surfaces: Texture): Texture {
     const pictures = this.room(color.width, color.height);
     const extends_ = unseen !== 'black';
-    if (extends_) {
+    const isSameEye = JSON.stringify(eye) === this.estimatedFor;
+    if (extends_ && !(isSameEye && ++this.estimateAge < this.mostAge)) {
+      this.estimatedFor = JSON.stringify(eye);
+      this.estimateAge = 0;
       this.estimateBlocks(color, surfaces, pictures);
       this.fade(layers, view, pictures);
     }
@@ -100,6 +107,7 @@ export class Extension {
                             old.estimatesTarget, old.opacityTarget])
         gl.deleteFramebuffer(target.id);
     }
+    this.estimatedFor = '';
     const across = Math.ceil(width / this.rules['BLOCK']!), down = Math.ceil(height / this.rules['BLOCK']!);
     const color = makeTexture(gl, gl.RGBA8, width, height);
     const surfaces = makeTexture(gl, this.surfaceFormat, width, height);
@@ -138,9 +146,9 @@ export class Extension {
     }
     this.run(fade, pictures.opacityTarget, { estimates: pictures.estimates, gaps: pictures.gaps }, {
       ...view,
-      intrinsics: layers.flatMap(({ camera: { stream: { fx, fy, cx, cy } } }) => [fx, fy, cx, cy]),
+      intrinsics: layers.flatMap(({ camera: { model: { fx, fy, cx, cy } } }) => [fx, fy, cx, cy]),
       picture: layers.flatMap(({ camera, isRemembered }) =>
-        isRemembered || camera.opacity <= 0 ? [0, 0] : [camera.stream.width, camera.stream.height]),
+        isRemembered || camera.opacity <= 0 ? [0, 0] : [camera.model.width, camera.model.height]),
     });
   }
 
@@ -148,7 +156,7 @@ export class Extension {
   private addColors(layers: Layer[], eye: Eye, view: ViewUniforms, pictures: Pictures): void {
     for (const { camera, mesh, isRemembered } of [...layers].reverse()) {
       if (isRemembered || !camera.hasColor || camera.opacity <= 0) continue;
-      const { fx, fy, cx, cy, distortion, metresPerUnit } = camera.stream;
+      const { fx, fy, cx, cy } = camera.model, { distortion, metresPerUnit } = camera.stream;
       this.run(this.takeColors, pictures.colorTarget,
                { surfaces: pictures.surfaces, depth: camera.depth, camera_texture: mesh.texture }, {
         ray_from_pixel: view['ray_from_pixel']!,

@@ -5,7 +5,7 @@
 // are softened, and pixels that no camera sees are extended. All pictures have their first row at
 // the bottom of the texture, where WebGL begins; the last step turns the view over.
 
-import { clipFromEye, Eye, inverse, kFarM, kNearM, Pose, product, row, times } from '../geometry';
+import { clipFromEye, Eye, inverse, kFarM, kNearM, Pinhole, Pose, product, row, times } from '../geometry';
 import { Stream, Surface } from '../messages';
 import drawFragment from '../../shaders/draw_mesh.frag';
 import drawVertex from '../../shaders/draw_mesh.vert';
@@ -27,6 +27,7 @@ export type Shares = Record<(typeof kOrigins)[number], number>;
 // A camera whose surface is drawn.
 export interface DrawnCamera {
   stream: Stream;
+  model: Pinhole; // Of the pixels that the surface is made of; without distortion.
   mesh: CameraMesh;
   depth: Texture; // 16-bit depth of each pixel.
   remembered: CameraMesh | null;
@@ -106,15 +107,19 @@ export class Renderer {
     gl.cullFace(gl.BACK);
   }
 
-  makeCamera(stream: Stream): DrawnCamera {
-    const depth = makeTexture(this.gl, this.gl.R16UI, stream.width, stream.height);
-    return { stream, mesh: new CameraMesh(this.gl, stream.width, stream.height), depth, remembered: null,
+  // `width` and `height` are those of the surfaces.
+  makeCamera(stream: Stream, width: number, height: number): DrawnCamera {
+    const share = width / stream.width;
+    const model = { width, height, fx: stream.fx * share, fy: stream.fy * share, cx: stream.cx * share,
+                    cy: stream.cy * share };
+    const depth = makeTexture(this.gl, this.gl.R16UI, width, height);
+    return { stream, model, mesh: new CameraMesh(this.gl, width, height), depth, remembered: null,
              hasColor: false, worldFromCamera: stream.worldFromCamera, opacity: 1 };
   }
 
   upload(camera: DrawnCamera, surface: Surface): void {
     const gl = this.gl;
-    const { width, height } = camera.stream;
+    const { width, height } = camera.model;
     camera.mesh.upload(surface.seen, surface.buffer);
     camera.hasColor = surface.hasColor;
     camera.worldFromCamera = surface.worldFromCamera;
@@ -167,6 +172,11 @@ export class Renderer {
     if (!output) return;
     this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, output.framebuffer);
     this.gl.viewport(output.x, output.y, output.width, output.height);
+  }
+
+  // Saves work at the cost of unseen parts that follow a moving scene a few views later.
+  set isThrifty(isThrifty: boolean) {
+    this.extension.mostAge = isThrifty ? 4 : 1;
   }
 
   // The depth of the last view at a pixel, in metres along the eye's axis; 0 where nothing is shown.

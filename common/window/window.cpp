@@ -251,10 +251,7 @@ void Window::present_again() {
     const std::array<float, 4> black = {0, 0, 0, 1};
     glClearNamedFramebufferfv(kScreen, GL_COLOR, 0, black.data());
     if (shown_.texture != 0) blit_picture();
-    if (draw_overlay_) {
-      glBindFramebuffer(GL_FRAMEBUFFER, kScreen);
-      draw_overlay_();
-    }
+    if (draw_overlay_) draw_overlay_(kScreen);
     glfwSwapBuffers(window_);
   }
   keep_pace();

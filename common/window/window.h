@@ -69,9 +69,9 @@ class Window {
   /// overlay, and does nothing otherwise.
   void present_again();
 
-  /// Sets a function that draws over each picture before it is shown. The function draws into the
-  /// bound framebuffer, which has the size of the window's picture.
-  void set_overlay(std::function<void()> draw) { draw_overlay_ = std::move(draw); }
+  /// Sets a function that draws over each picture before it is shown. Its argument is the OpenGL name
+  /// of a framebuffer that has the size of the window's picture.
+  void set_overlay(std::function<void(std::uint32_t framebuffer)> draw) { draw_overlay_ = std::move(draw); }
 
  private:
   struct Callbacks;
@@ -91,7 +91,7 @@ class Window {
     std::uint32_t texture = 0;
     int width = 0, height = 0;
   } shown_;
-  std::function<void()> draw_overlay_;
+  std::function<void(std::uint32_t)> draw_overlay_;
   bool vsync_ = true;
   std::chrono::steady_clock::time_point presented_at_{};
   std::vector<Event> events_;

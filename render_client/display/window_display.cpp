@@ -25,7 +25,9 @@ class WindowDisplay final : public Display {
         stereo_(stereo),
         refresh_(std::chrono::duration_cast<Duration>(
             std::chrono::duration<double>(1 / window_->refresh_rate_hz()))) {
-    window_->set_overlay([this] { overlay_.draw(window_->width(), window_->height()); });
+    window_->set_overlay([this](std::uint32_t framebuffer) {
+      overlay_.draw(framebuffer, window_->width(), window_->height());
+    });
   }
 
   gl::Context* context() override { return &window_->context(); }

@@ -3,6 +3,7 @@
 // Draws text, figures and switches over the window's picture. It takes the window's events, so that a
 // drag that begins on a panel does not move the view. Thread: the thread of the OpenGL context.
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <string>
@@ -59,23 +60,25 @@ class Overlay {
   Overlay(const Overlay&) = delete;
   Overlay& operator=(const Overlay&) = delete;
 
-  void set_content(Content content) { content_ = std::move(content); }
-  void toggle_keys() { lists_keys_ = !lists_keys_; }
-  void toggle_figures() { shows_figures_ = !shows_figures_; }
+  void set_content(Content content);
+  void toggle_keys();
+  void toggle_figures();
 
   /// Returns whether the event belongs to a panel. Such an event must not move the view.
   bool take(const window::Event& event);
 
-  /// Draws into the bound framebuffer, which has this size in pixels. A panel that appears is
-  /// visible from the second picture on, since the first one measures it.
-  void draw(int width, int height);
+  /// Draws into a framebuffer (its OpenGL name) of this size in pixels. Panels are drawn when they
+  /// change, and copied otherwise. So they are opaque: blending takes as long as drawing in software.
+  void draw(std::uint32_t framebuffer, int width, int height);
 
   /// Returns the switches that were clicked since the last call.
   std::vector<int> take_clicks() { return std::exchange(clicks_, {}); }
 
  private:
-  struct Interface;  // Dear ImGui, and the areas of the panels.
+  struct Interface;  // Dear ImGui, and the panels that it has drawn.
+  void draw_panels(int width, int height);
 
+  gl::Context& context_;
   std::unique_ptr<Interface> interface_;
   std::vector<Row> keys_;
   Content content_;

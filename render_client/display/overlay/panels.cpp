@@ -9,8 +9,7 @@ namespace copresence::overlay {
 namespace {
 
 constexpr std::size_t kMostNotices = 8;
-constexpr float kMargin = 12;      // Pixels between a panel and the border of the picture.
-constexpr float kOpacity = 0.75F;  // Of a panel's background.
+constexpr float kMargin = 12;  // Pixels between a panel and the border of the picture.
 constexpr float kColumnPixels = 3, kGraphColumns = 40;
 constexpr float kLeastGraphMs = 20;  // The least height of a graph.
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
@@ -45,14 +44,19 @@ void write_rows(const char* name, const std::vector<Row>& rows) {
 /// Begins a panel whose point `pivot` (0 to 1 along each axis) is at `position`.
 void begin(const char* name, ImVec2 position, ImVec2 pivot) {
   ImGui::SetNextWindowPos(position, ImGuiCond_Always, pivot);
-  ImGui::SetNextWindowBgAlpha(kOpacity);
   ImGui::Begin(name, nullptr, kPanel);
 }
 
-Area end() {
+/// Returns the area of the panel or tooltip that is being drawn.
+Area area() {
   const ImVec2 min = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-  ImGui::End();
   return {min, {min.x + size.x, min.y + size.y}};
+}
+
+Area end() {
+  const Area panel = area();
+  ImGui::End();
+  return panel;
 }
 
 float total(const std::vector<float>& stages) {
@@ -69,7 +73,9 @@ float graph_height_ms(const Figures& figures) {
 }
 
 /// Draws a bar for each interval, with the stages upon each other. The newest bar is at the right.
-void draw_graph(const CameraLine& camera, const Figures& figures, float height_ms) {
+/// Appends the area of a tooltip with the newest numbers if the pointer is on the graph.
+void draw_graph(const CameraLine& camera, const Figures& figures, float height_ms,
+                std::vector<Area>& panels) {
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   const ImVec2 size{kColumnPixels * kGraphColumns, 2 * ImGui::GetTextLineHeight()};
   ImDrawList& canvas = *ImGui::GetWindowDrawList();
@@ -93,10 +99,11 @@ void draw_graph(const CameraLine& camera, const Figures& figures, float height_m
     rows.push_back({figures.stages[i], std::to_string(camera.stages_ms.back()[i]).substr(0, 5) + " ms"});
   ImGui::BeginTooltip();
   write_rows("stages", rows);
+  panels.push_back(area());
   ImGui::EndTooltip();
 }
 
-void draw_cameras(const Figures& figures) {
+void draw_cameras(const Figures& figures, std::vector<Area>& panels) {
   const int columns = static_cast<int>(figures.headings.size()) + 1;
   if (!ImGui::BeginTable("cameras", columns, ImGuiTableFlags_SizingFixedFit)) return;
   const float height_ms = graph_height_ms(figures);
@@ -110,7 +117,7 @@ void draw_cameras(const Figures& figures) {
       write(cell);
     }
     ImGui::TableNextColumn();
-    draw_graph(camera, figures, height_ms);
+    draw_graph(camera, figures, height_ms, panels);
   }
   ImGui::EndTable();
   for (std::size_t i = 0; i < figures.stages.size(); ++i) {
@@ -150,12 +157,14 @@ Area draw_keys(const std::vector<Row>& keys, ImVec2 size) {
   return end();
 }
 
-Area draw_figures(const Content& content, std::vector<int>& clicks) {
+void draw_figures(const Content& content, std::vector<Area>& panels, std::vector<int>& clicks) {
   begin("figures", {kMargin, kMargin}, {0, 0});
-  draw_cameras(content.figures);
+  std::vector<Area> tooltips;
+  draw_cameras(content.figures, tooltips);
   write_rows("view", content.figures.view);
   draw_switches(content.switches, clicks);
-  return end();
+  panels.push_back(end());
+  panels.insert(panels.end(), tooltips.begin(), tooltips.end());
 }
 
 }  // namespace copresence::overlay

@@ -1,6 +1,6 @@
 #pragma once
 
-// The panels of the overlay. Each function draws one panel and returns its area. Call them between
+// The panels of the overlay. Each function draws one panel and returns its area. Call the functions between
 // ImGui::NewFrame() and ImGui::Render(). `size` is that of the picture in pixels. Thread: that of Dear
 // ImGui's context.
 
@@ -26,7 +26,8 @@ Area draw_notices(const Content& content, ImVec2 size);
 /// At the top right.
 Area draw_keys(const std::vector<Row>& keys, ImVec2 size);
 
-/// At the top left: the figures and the switches. Appends the switches that are clicked.
-Area draw_figures(const Content& content, std::vector<int>& clicks);
+/// At the top left: the figures and the switches. Appends its area, that of a tooltip, if there is one,
+/// and the switches that are clicked.
+void draw_figures(const Content& content, std::vector<Area>& panels, std::vector<int>& clicks);
 
 }  // namespace copresence::overlay

@@ -122,11 +122,8 @@ TEST_F(WindowGl, DrawsTheOverlayOverEachPictureAndWithoutOne) {
   std::uint32_t source = 0;
   glCreateFramebuffers(1, &source);
   glNamedFramebufferTexture(source, GL_COLOR_ATTACHMENT0, corner.id(), 0);
-  window().set_overlay([&] {
-    GLint target = 0;
-    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
-    glBlitNamedFramebuffer(source, GLuint(target), 0, 0, 20, 10, 0, 0, 20, 10, GL_COLOR_BUFFER_BIT,
-                           GL_NEAREST);
+  window().set_overlay([&](std::uint32_t target) {
+    glBlitNamedFramebuffer(source, target, 0, 0, 20, 10, 0, 0, 20, 10, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   });
   const auto with_corner = [](Image<Rgba8> image) {
     for (int y = 230; y < 240; ++y) std::fill_n(image.row(y).begin(), 20, Rgba8{0, 200, 0, 255});

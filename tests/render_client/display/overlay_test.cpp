@@ -60,11 +60,8 @@ class OverlayGl : public gl::GlTest {
 
   /// Draws over a picture of one colour. Returns the result, top row first.
   Image<Rgba8> draw() {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-    for (int i = 0; i < 3; ++i) {  // Panels are measured in the first picture.
-      texture_->upload(Image<Rgba8>(kWidth, kHeight, kPicture));
-      overlay_->draw(kWidth, kHeight);
-    }
+    texture_->upload(Image<Rgba8>(kWidth, kHeight, kPicture));
+    overlay_->draw(framebuffer_, kWidth, kHeight);
     Image<Rgba8> bottom_first, image(kWidth, kHeight);
     texture_->read(bottom_first);
     for (int y = 0; y < kHeight; ++y)
@@ -121,6 +118,17 @@ TEST_F(OverlayGl, BreaksNoticesThatAreWiderThanThePicture) {
     EXPECT_EQ(image(kWidth - 1, y), kPicture);
   }
   EXPECT_GT(covered(image, kHeight - 60, kHeight - 1), 10'000);
+}
+
+TEST_F(OverlayGl, IsTheSameInEachPictureWhileNothingChanges) {
+  overlay().set_content(figures(20, 60));
+  overlay().toggle_figures();
+  const Image<Rgba8> first = draw();
+  EXPECT_EQ(draw(), first);
+  overlay().take(pointer(3, 3, false));
+  EXPECT_EQ(draw(), first) << "the pointer is not on the panel";
+  overlay().set_content(figures(60, 20));
+  EXPECT_NE(draw(), first);
 }
 
 TEST_F(OverlayGl, ListsTheKeysOnDemandOnly) {

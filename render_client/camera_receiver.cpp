@@ -6,7 +6,6 @@
 #include <chrono>
 #include <utility>
 
-#include "render_client/stream/frame_source.h"
 #include "render_client/stream/frame_times.h"
 
 namespace copresence::client {
@@ -16,7 +15,8 @@ using std::chrono::steady_clock;
 using Severity = wire::LimitedLog::Severity;
 using Topic = wire::LimitedLog::Topic;
 
-constexpr std::chrono::milliseconds kConnectTimeout{2000};
+/// Capture times go back by more than this only if a replay has jumped.
+constexpr std::chrono::seconds kJump{1};
 
 void write_line(Severity severity, const std::string& line) {
   spdlog::log(severity == Severity::kInfo ? spdlog::level::info : spdlog::level::warn, "{}", line);
@@ -24,27 +24,23 @@ void write_line(Severity severity, const std::string& line) {
 
 }  // namespace
 
-CameraReceiver::CameraReceiver(const std::string& address, const tls::RoomKey* key, std::size_t slot,
-                               const scene::Scene* scene, bool remembers,
+CameraReceiver::CameraReceiver(Camera camera, const scene::Scene* scene, bool remembers,
                                flow::Mailboxes<CameraFrame>& mailboxes,
-                               statistics::CameraStatistics& statistics, stream::CameraStates& states)
-    : address_(address),
-      slot_(slot),
+                               statistics::CameraStatistics& statistics, stream::CameraStates& states,
+                               SessionRecorder* recorder)
+    : camera_(std::move(camera)),
       scene_(scene),
       mailboxes_(mailboxes),
       statistics_(statistics),
+      recorder_(recorder),
       log_(write_line),
-      source_(
-          address, slot, states, log_,
-          [address, key](const std::stop_token& stop) {
-            return stream::connect_live(address, kConnectTimeout, stop, key);
-          },
-          [this](const StreamDescription& description) { return begin(description); }) {
+      source_(camera_.address, camera_.slot, states, log_, camera_.connect,
+              [this](const StreamDescription& description) { return begin(description); }) {
   if (remembers) background_.emplace();
 }
 
 void CameraReceiver::run(const std::stop_token& stop) {
-  while (const auto received = source_.next(stop)) take(*received);
+  while (auto received = source_.next(stop)) take(std::move(*received));
   log_.finish();
 }
 
@@ -60,7 +56,7 @@ Result<std::string> CameraReceiver::begin(const StreamDescription& description) 
   return setup_->remark;
 }
 
-void CameraReceiver::take(const wire::ReceivedFrame& received) {
+void CameraReceiver::take(wire::ReceivedFrame received) {
   const EncodedFrame& encoded = received.frame;
   statistics_.received(received.counters, encoded.depth.size() + encoded.color.size(), received.received_at);
 
@@ -68,7 +64,7 @@ void CameraReceiver::take(const wire::ReceivedFrame& received) {
   auto frame = decoding_->decode(encoded, durations);
   if (!frame) {
     statistics_.not_decoded();
-    spdlog::debug("{}: {}", address_, frame.error().what);
+    spdlog::debug("{}: {}", camera_.address, frame.error().what);
     return source_.undecodable(frame.error().what);
   }
   statistics_.decoded();
@@ -86,20 +82,30 @@ void CameraReceiver::take(const wire::ReceivedFrame& received) {
     log_.say(Topic::kTimes, Severity::kWarning,
              fmt::format("{}: the times of its frames are implausible; arrival times are used as capture "
                          "times",
-                         address_),
+                         camera_.address),
              steady_clock::now());
   }
 
   conditioner_.apply(*frame);
-  if (background_) background_->learn(*frame);
+  // What the camera saw later must not be remembered after a jump back.
+  const bool has_jumped_back = times.captured_at < newest_at_ - kJump;
+  newest_at_ = times.captured_at;
+  if (background_) {
+    if (has_jumped_back) background_->begin(setup_->unit, setup_->noise);
+    background_->learn(*frame);
+  }
   CameraFrame ready{std::move(*frame),
                     times.captured_at,
-                    steady_clock::now(),
+                    camera_.now(),
                     description_,
                     setup_,
                     times.are_believed(),
                     background_ ? background_->covered() : nullptr};
-  if (mailboxes_.put(slot_, std::move(ready))) statistics_.not_displayed();
+  if (mailboxes_.put(camera_.slot, std::move(ready))) statistics_.not_displayed();
+  if (recorder_ &&
+      recorder_->offer(camera_.slot, description_, std::move(received.frame), times.captured_at)) {
+    source_.request_keyframe();
+  }
 }
 
 }  // namespace copresence::client

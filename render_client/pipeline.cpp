@@ -16,16 +16,18 @@
 #include "common/flow/thread_priority.h"
 #include "common/flow/worker_pool.h"
 #include "common/scene/scene.h"
-#include "common/tls/room_key.h"
-#include "common/wire/host_port.h"
 #include "render_client/camera_receiver.h"
 #include "render_client/display/display.h"
 #include "render_client/display/screenshot.h"
 #include "render_client/display/view_colors.h"
+#include "render_client/film/film.h"
+#include "render_client/frame_sources.h"
 #include "render_client/overlay_report.h"
 #include "render_client/pacing/render_pacer.h"
 #include "render_client/renderer/cpu/cpu_renderer.h"
 #include "render_client/renderer/gl/gl_renderer.h"
+#include "render_client/replay.h"
+#include "render_client/session_recorder.h"
 #include "render_client/shown_cameras.h"
 #include "render_client/view_options.h"
 #include "render_client/viewpoint/viewer.h"
@@ -42,53 +44,6 @@ constexpr milliseconds kReportEvery{250};
 constexpr milliseconds kLogSkewEvery{10'000};
 /// Nice value of the thread that matches colours. Rendering has a higher priority.
 constexpr int kColorsNice = 10;
-
-Result<std::vector<std::string>> addresses(const ClientSettings& settings, const scene::Scene* scene) {
-  std::vector<std::string> out = settings.servers;
-  if (out.empty()) {
-    for (const scene::Camera& camera : scene->cameras) {
-      if (!camera.address.empty()) out.push_back(camera.address);
-    }
-  }
-  if (out.empty()) {
-    return fail(ErrorCode::kInvalid,
-                fmt::format("{}: no camera has an \"address\" to connect to", settings.scene));
-  }
-  for (const std::string& address : out) {
-    if (const auto understood = wire::parse_host_port(address); !understood) return fail(understood.error());
-  }
-  if (out.size() > renderer::kMostCameras) {
-    return fail(
-        ErrorCode::kInvalid,
-        fmt::format("{}: {} cameras have an \"address\", and one view shows at most {}; name those to "
-                    "show with --connect",
-                    settings.scene, out.size(), renderer::kMostCameras));
-  }
-  return out;
-}
-
-/// Reads the room's key. Empty if neither the command line nor the scene file names one.
-Result<std::optional<tls::RoomKey>> room_key(const ClientSettings& settings, const scene::Scene* scene) {
-  const std::string path = settings.key.empty() && scene ? scene->key : settings.key;
-  if (path.empty()) return std::optional<tls::RoomKey>();
-  const auto key = tls::read_key(path);
-  if (!key) return fail(key.error());
-  return std::optional(*key);
-}
-
-/// Adds the names of the scene file to addresses.
-std::vector<stream::ListedCamera> listed_cameras(const std::vector<std::string>& addresses,
-                                                 const scene::Scene* scene) {
-  std::vector<stream::ListedCamera> listed;
-  for (const std::string& address : addresses) {
-    listed.push_back({address, {}});
-    if (!scene) continue;
-    const auto known = std::find_if(scene->cameras.begin(), scene->cameras.end(),
-                                    [&](const scene::Camera& camera) { return camera.address == address; });
-    if (known != scene->cameras.end()) listed.back().name = known->name;
-  }
-  return listed;
-}
 
 Result<std::unique_ptr<display::Display>> open_display(const ClientSettings& settings) {
   if (!settings.headless)
@@ -110,46 +65,48 @@ Result<std::unique_ptr<renderer::Renderer>> make_renderer(const std::string& cho
 
 class Pipeline {
  public:
-  Pipeline(const ClientSettings& settings, const scene::Scene* scene, std::vector<std::string> servers,
-           std::optional<tls::RoomKey> key, std::unique_ptr<display::Display> display,
-           std::unique_ptr<renderer::Renderer> renderer, viewpoint::Viewer viewer, std::stop_source stop)
+  Pipeline(const ClientSettings& settings, const scene::Scene* scene, FrameSources sources,
+           std::unique_ptr<display::Display> display, std::unique_ptr<renderer::Renderer> renderer,
+           viewpoint::Viewer viewer, std::stop_source stop)
       : settings_(settings),
         options_{.unseen = settings.unseen},
         scene_(scene),
-        servers_(std::move(servers)),
-        key_(std::move(key)),
+        sources_(std::move(sources)),
         display_(std::move(display)),
         renderer_(std::move(renderer)),
         viewer_(std::move(viewer)),
         stop_(std::move(stop)),
-        mailboxes_(servers_.size()),
-        states_(listed_cameras(servers_, scene),
+        mailboxes_(sources_.names.size()),
+        states_(sources_.listed(scene),
                 [this] {
                   // A window stays open, since it says why.
                   if (settings_.headless) stop_.request_stop();
                 }),
-        statistics_(servers_.size()),
-        colors_(servers_.size()),
-        cameras_(settings_, servers_, states_, statistics_, colors_),
-        pacer_(static_cast<int>(servers_.size()), settings_.fps),
+        statistics_(sources_.names.size()),
+        colors_(sources_.names.size()),
+        cameras_(settings_, sources_.names, states_, statistics_, colors_),
+        pacer_(static_cast<int>(sources_.names.size()), settings_.fps),
         report_(states_, statistics_, cameras_, scene) {
     options_.can_draw_wireframe = renderer_->set_wireframe(false);
+    if (sources_.playback) replay_.emplace(*sources_.playback, states_);
   }
 
   Result<void> run() {
+    if (auto opened = open_outputs(); !opened) return opened;
     std::vector<std::jthread> receivers;
-    for (std::size_t i = 0; i < servers_.size(); ++i) {
+    for (std::size_t i = 0; i < sources_.names.size(); ++i) {
       receivers.emplace_back([this, i] { receive(i); });
     }
     std::jthread matcher;
-    if (settings_.match_colors && servers_.size() > 1) {
+    if (settings_.match_colors && sources_.names.size() > 1 && !is_stepped_replay()) {
       matcher = std::jthread([this](const std::stop_token& stop) {
         pthread_setname_np(pthread_self(), "colors");
         flow::lower_priority(kColorsNice);
         colors_.run(stop);
       });
     }
-    Result<void> rendered = render_views();
+    Result<void> rendered = is_stepped_replay() ? render_replay() : render_views();
+    if (film_ && rendered) rendered = film_->finish();
     Result<void> written = write_results();
     if (settings_.headless) log_summary();
     stop_.request_stop();
@@ -159,14 +116,57 @@ class Pipeline {
   }
 
  private:
+  Result<void> open_outputs() {
+    if (!settings_.record.empty()) {
+      auto writer = session::SessionWriter::create(settings_.record, steady_clock::now());
+      if (!writer) return fail(writer.error());
+      recorder_ = std::make_unique<SessionRecorder>(std::move(*writer), sources_.names.size());
+    }
+    if (settings_.film.empty()) return {};
+    auto film = film::open_film(settings_.film, settings_.width, settings_.height, settings_.fps);
+    if (!film) return fail(film.error());
+    film_ = std::move(*film);
+    return {};
+  }
+
   void receive(std::size_t slot) {
     pthread_setname_np(pthread_self(), fmt::format("camera {}", slot).c_str());
     // In a window, the user may show remembered backgrounds later.
     const bool remembers =
         !settings_.headless || settings_.unseen.show != renderer::UnseenStyle::Show::kBlack;
-    CameraReceiver(servers_[slot], key_ ? &*key_ : nullptr, slot, scene_, remembers, mailboxes_,
-                   statistics_[slot], states_)
+    CameraReceiver({sources_.names[slot], slot, sources_.connect(slot), [this] { return now(); }}, scene_,
+                   remembers, mailboxes_, statistics_[slot], states_, recorder_.get())
         .run(stop_.get_token());
+  }
+
+  /// The present on the clock of the frames' times. In a replay, it is the replay's position.
+  Instant now() const { return sources_.playback ? sources_.playback->now() : steady_clock::now(); }
+
+  /// Whether views are drawn at fixed times of a recording and not in real time.
+  bool is_stepped_replay() const { return settings_.headless && sources_.playback; }
+
+  /// Draws the views of a recording as fast as possible. A view shows all frames up to its time,
+  /// and colours are matched between views. So the same recording always gives the same views.
+  Result<void> render_replay() {
+    while (!finished() && replay_->next_view(settings_.fps, stop_.get_token())) {
+      take_frames();
+      match_colors();
+      const display::NextView view{.display_time = steady_clock::now(),
+                                   .eyes = display::eyes_of(settings_.stereo)};
+      if (auto rendered = draw(view, WhenUnchanged::kDraw); !rendered) return rendered;
+    }
+    return {};
+  }
+
+  /// Matches the colours on this thread. While no match is known, it tries again with the same
+  /// frames until the cameras' overlap proves too small.
+  void match_colors() {
+    if (!settings_.match_colors || sources_.names.size() < 2) return;
+    colors_.compare_if_due(now());
+    for (int i = 0; i < color_matching::LiveColorMatching::kRoundsToGiveUp; ++i) {
+      if (!cameras_.are_complete() || cameras_.colors_are_settled(now())) return;
+      colors_.compare(Duration::zero());
+    }
   }
 
   /// Draws views when they are due. A headless client ends after the last frame of every camera.
@@ -177,10 +177,11 @@ class Pipeline {
           display_->wait_for_next(wanted, [&](Instant until) { prepare_or_wait(wanted.has_value(), until); });
       // This is checked before frames are taken, so that the last frames are still shown.
       const bool have_ended = settings_.headless && states_.all_over();
+      if (replay_ && next) replay_->follow(next->commands, steady_clock::now());
       take_frames();
       log_news();
       if (next) {
-        if (auto rendered = draw(*next); !rendered) return rendered;
+        if (auto rendered = draw(*next, WhenUnchanged::kShowAgain); !rendered) return rendered;
       }
       if (have_ended && !cameras_.have_waiting()) return {};
       wanted = pacer_.next_render_at(steady_clock::now());
@@ -196,42 +197,47 @@ class Pipeline {
   /// Prepares the new frames for rendering if a view will be due. Otherwise waits for frames.
   void prepare_or_wait(bool is_due, Instant until) {
     if (is_due && !std::exchange(is_prepared_, true)) {
-      renderer_->prepare(cameras_.views(steady_clock::now()));
+      renderer_->prepare(cameras_.views(now()));
     } else {
       mailboxes_.wait(stop_.get_token(), cameras_.wake_by(until));
     }
   }
 
   void take_frames() {
-    for (const ShownCameras::Arrival& arrival : cameras_.take(mailboxes_, steady_clock::now())) {
+    for (const ShownCameras::Arrival& arrival : cameras_.take(mailboxes_, now())) {
       pacer_.frame_arrived(static_cast<int>(arrival.camera), arrival.arrived_at);
       viewer_.on_camera_pose(arrival.camera, arrival.world_from_camera, arrival.model);
       is_prepared_ = false;
     }
   }
 
-  /// Draws a view, or shows the last view again if neither cameras nor eyes have changed.
-  Result<void> draw(const display::NextView& next) {
+  enum class WhenUnchanged { kShowAgain, kDraw };
+
+  /// Draws a view. If nothing has changed, it can show the last view again.
+  Result<void> draw(const display::NextView& next, WhenUnchanged when_unchanged) {
     for (const viewpoint::Gesture& gesture : next.gestures) viewer_.apply(gesture);
     const bool has_new_options = obey(next.commands);
     show_report();
     const Instant begin = steady_clock::now();
     pacer_.rendered(begin);
     auto poses = viewer_.at(view_index_, next.display_time, next.eyes);
-    const bool fades = cameras_.next_fading_view().value_or(Instant::max()) <= begin;
-    if (!cameras_.have_changed() && !fades && !has_new_options && poses == poses_) {
+    const Instant now = this->now();
+    const bool fades = cameras_.next_fading_view().value_or(Instant::max()) <= now;
+    const bool has_changed = cameras_.have_changed() || fades || has_new_options || poses != poses_;
+    if (!has_changed && when_unchanged == WhenUnchanged::kShowAgain) {
       display_->show_again();
       if (std::exchange(saves_screenshot_, false)) save_screenshot();
       return {};
     }
     poses_ = std::move(poses);
-    // The pictures of the GL renderer are not copied from the graphics card, if there is one eye.
-    const bool needs_host_pixels = renderer_->name() == "cpu" || poses_.size() > 1;
-    if (auto rendered = render(begin, needs_host_pixels, pictures_); !rendered) return rendered;
+    // The pictures of the GL renderer are not copied from the graphics card, if there is one eye and
+    // no film.
+    const bool needs_host_pixels = renderer_->name() == "cpu" || poses_.size() > 1 || film_;
+    if (auto rendered = render(now, needs_host_pixels, pictures_); !rendered) return rendered;
     display_->show(pictures_);
-    count_view(begin, steady_clock::now());
+    auto counted = count_view(begin, now);
     if (std::exchange(saves_screenshot_, false)) save_screenshot();
-    return {};
+    return counted;
   }
 
   /// Draws the picture of each eye, with the cameras' opacities at `now`.
@@ -265,15 +271,21 @@ class Pipeline {
     return has_new_options;
   }
 
-  void count_view(Instant begin, Instant end) {
+  /// Counts a view that was begun at `begin`, and adds it to the film. `shown_at` is the same
+  /// instant on the clock of the frames' times.
+  Result<void> count_view(Instant begin, Instant shown_at) {
     ++views_drawn_;
-    const bool complete = cameras_.are_complete() && cameras_.colors_are_settled(end);
+    const Instant now = this->now(), end = steady_clock::now();
+    const bool complete = cameras_.are_complete() && cameras_.colors_are_settled(now);
     view_statistics_.rendered(begin, end, complete);
     report_.view_drawn(begin, end, pictures_.front().shares);
     if (complete && pictures_.front().shares) view_statistics_.origins(*pictures_.front().shares);
-    if (const auto skew = cameras_.skew(end)) note_skew(*skew, end);
+    if (const auto skew = cameras_.skew(now)) note_skew(*skew, now);
     if (complete) ++view_index_;
-    cameras_.displayed(begin, end);
+    cameras_.displayed(shown_at, now);
+    if (!complete || !film_) return {};
+    if (view_index_ == 1) film_began_at_ = shown_at;
+    return film_->add(display_->combine(pictures_), shown_at - film_began_at_);
   }
 
   void note_skew(Duration duration, Instant now) {
@@ -292,8 +304,9 @@ class Pipeline {
     const Instant now = steady_clock::now();
     if (settings_.headless || now < report_due_at_) return;
     report_due_at_ = now + kReportEvery;
-    display_->set_title(states_.title(kTitle));
-    overlay::Content content = report_.content(now);
+    const std::string program = replay_ ? fmt::format("{} ({})", kTitle, replay_->text()) : kTitle;
+    display_->set_title(states_.title(program));
+    overlay::Content content = report_.content(this->now());
     content.switches = options_.switches();
     display_->set_overlay(std::move(content));
   }
@@ -311,9 +324,10 @@ class Pipeline {
     if (settings_.stats.empty()) return {};
     if (const auto* tracker = viewer_.head_tracker()) view_statistics_.head_tracker(*tracker);
     std::vector<statistics::CameraReport> reports;
-    for (std::size_t i = 0; i < servers_.size(); ++i) {
+    for (std::size_t i = 0; i < sources_.names.size(); ++i) {
       const std::string name = states_.name(i);
-      reports.push_back({name.empty() ? servers_[i] : name, states_.left_out(i), statistics_[i].snapshot()});
+      reports.push_back(
+          {name.empty() ? sources_.names[i] : name, states_.left_out(i), statistics_[i].snapshot()});
     }
     if (auto written =
             statistics::write_statistics(settings_.stats, reports, view_statistics_,
@@ -327,7 +341,7 @@ class Pipeline {
 
   /// Draws the last view again as host pixels, with unchanged opacities, and writes it.
   Result<void> write_screenshot(const std::string& path) {
-    const Instant now = steady_clock::now();
+    const Instant now = this->now();
     if (poses_.empty()) poses_ = viewer_.at(0, now, std::vector<viewpoint::Eye>(1));
     std::vector<renderer::MergedView> pictures;
     if (auto drawn = render(cameras_.last_view_at().value_or(now), true, pictures); !drawn) return drawn;
@@ -348,7 +362,7 @@ class Pipeline {
                                          fmt::localtime(std::chrono::system_clock::to_time_t(now)), ms);
     const auto written = write_screenshot(path);
     report_.say(written ? "wrote " + std::filesystem::absolute(path).string() : written.error().what,
-                steady_clock::now());
+                this->now());
   }
 
   void log_summary() const {
@@ -363,11 +377,13 @@ class Pipeline {
   const ClientSettings& settings_;
   ViewOptions options_;
   const scene::Scene* scene_;
-  std::vector<std::string> servers_;
-  std::optional<tls::RoomKey> key_;  // Empty if the servers have none.
+  FrameSources sources_;
   std::unique_ptr<display::Display> display_;
   std::unique_ptr<renderer::Renderer> renderer_;  // It may use the display's context.
   viewpoint::Viewer viewer_;
+  std::unique_ptr<SessionRecorder> recorder_;  // Null without --record.
+  std::unique_ptr<film::Film> film_;           // Null without --film.
+  Instant film_began_at_{};
   std::stop_source stop_;
   flow::Mailboxes<CameraFrame> mailboxes_;
   stream::CameraStates states_;
@@ -385,6 +401,7 @@ class Pipeline {
   Instant log_skew_at_{};
   OverlayReport report_;
   Instant report_due_at_{};
+  std::optional<Replay> replay_;  // Empty unless a recording is replayed.
 };
 
 }  // namespace
@@ -397,10 +414,8 @@ Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop)
     scene = std::move(*loaded);
   }
   const scene::Scene* known = scene ? &*scene : nullptr;
-  auto servers = addresses(settings, known);
-  if (!servers) return fail(servers.error());
-  auto key = room_key(settings, known);
-  if (!key) return fail(key.error());
+  auto sources = open_sources(settings, known);
+  if (!sources) return fail(sources.error());
   auto viewer =
       viewpoint::Viewer::open(settings.view, {settings.width, settings.height, settings.fov_degrees},
                               scene ? scene->up : scene::Scene{}.up);
@@ -411,8 +426,8 @@ Result<void> run_pipeline(const ClientSettings& settings, std::stop_source stop)
   auto renderer = make_renderer(settings.renderer, (*display)->context(), workers);
   if (!renderer) return fail(renderer.error());
   (*renderer)->set_unseen(settings.unseen);
-  return Pipeline(settings, known, std::move(*servers), std::move(*key), std::move(*display),
-                  std::move(*renderer), std::move(*viewer), std::move(stop))
+  return Pipeline(settings, known, std::move(*sources), std::move(*display), std::move(*renderer),
+                  std::move(*viewer), std::move(stop))
       .run();
 }
 

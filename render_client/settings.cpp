@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <functional>
 
 #include "common/command_line/parse_errors.h"
 #include "common/command_line/values.h"
@@ -16,10 +17,13 @@
 namespace copresence::client {
 namespace {
 
-bool is_png_name(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return name.ends_with(".png");
+/// Returns a function that checks the end of a file's name.
+std::function<bool(const std::string&)> has_extension(std::string extension) {
+  return [extension = std::move(extension)](std::string name) {
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+    return name.ends_with(extension);
+  };
 }
 
 renderer::UnseenStyle::Show unseen_choice(const std::string& choice) {
@@ -70,6 +74,15 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
          "key file of the room, for servers with the same key: encrypts the streams [the scene file's "
          "key]")
       ->check(file_name());
+  auto* replay =
+      app.add_option("--replay", settings.replay, "show this session recording (.mkv) instead of servers")
+          ->check(existing_file())
+          ->excludes(connect);
+  app.add_option("--record", settings.record,
+                 "record the session to this file (.mkv): what the servers send, without loss; if it exists, "
+                 "name-2.mkv and so on")
+      ->check(must_be("a Matroska file's name; it must end in .mkv", has_extension(".mkv")))
+      ->excludes(replay);
   app.add_flag("--headless", settings.headless, "no window");
   app.add_option("--renderer", settings.renderer, "auto (gl on a GPU, else cpu), gl or cpu")
       ->capture_default_str()
@@ -133,21 +146,27 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
                  "colours; "
                  "headless, the program also ends when every camera has ended")
       ->check(whole_number<std::uint64_t>(1, 1'000'000'000));
+  app.add_option("--film", settings.film,
+                 "headless: write the counted views as a film, to a file (.mkv) or as numbered pictures to a "
+                 "folder")
+      ->check(some("a file's or folder's name"));
   app.add_option("--screenshot", settings.screenshot, "write the last view to this PNG file")
       ->check(writable_file())
-      ->check(must_be("a PNG file's name; it must end in .png", is_png_name));
+      ->check(must_be("a PNG file's name; it must end in .png", has_extension(".png")));
   app.add_option("--stats", settings.stats, "write statistics to this JSON file at the end")
       ->check(writable_file());
 
   try {
     app.parse(argc, argv);
-    if (connect->empty() && settings.scene.empty()) {
-      throw CLI::RequiredError("--connect HOST:PORT or --scene FILE");
+    if (connect->empty() && settings.scene.empty() && settings.replay.empty()) {
+      throw CLI::RequiredError("--connect HOST:PORT, --scene FILE or --replay FILE.mkv");
     }
     if (settings.servers.size() > renderer::kMostCameras) {
       throw CLI::ValidationError("--connect", fmt::format("{} cameras are given; one view shows at most {}",
                                                           settings.servers.size(), renderer::kMostCameras));
     }
+    if (!settings.film.empty() && !settings.headless)
+      throw CLI::ValidationError("--film", "needs --headless");
     if (settings.headless && view && view->kind == Kind::kMouse) {
       throw CLI::ValidationError("--view mouse",
                                  "needs a window; with --headless choose path:FILE or opentrack");

@@ -18,6 +18,8 @@ struct ClientSettings {
   std::vector<std::string> servers;  ///< Addresses, HOST:PORT.
   std::string scene;                 ///< Path of the scene file, or empty.
   std::string key;                   ///< Path of the room's key file, or empty.
+  std::string replay;                ///< Path of the session recording to replay, or empty.
+  std::string record;                ///< Path of the session recording to write, or empty.
   bool headless = false;
   std::string renderer = "auto";   ///< auto, gl or cpu.
   int width = 1280, height = 720;  ///< Size of the view; even numbers of pixels.
@@ -31,6 +33,7 @@ struct ClientSettings {
   std::optional<std::uint64_t> frames;
   double stale_s = 3;      ///< A camera disappears after this many seconds without a new frame.
   bool sync = false;       ///< Whether a view shows frames of nearly the same instant.
+  std::string film;        ///< Path of the film of the views, or empty.
   std::string screenshot;  ///< Path of the PNG file for the last view, or empty.
   std::string stats;       ///< Path of the JSON file for statistics, or empty.
 };

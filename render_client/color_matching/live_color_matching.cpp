@@ -63,6 +63,12 @@ void LiveColorMatching::run(std::stop_token stop) {
   }
 }
 
+void LiveColorMatching::compare_if_due(Instant now) {
+  if (compared_at_ && now < *compared_at_ + until_next_round()) return;
+  compare(now - compared_at_.value_or(now));
+  compared_at_ = now;
+}
+
 Duration LiveColorMatching::until_next_round() const {
   std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < newest_.size(); ++i) {

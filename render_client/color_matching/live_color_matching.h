@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -42,11 +43,17 @@ class LiveColorMatching {
   /// identity as long as no correction is known.
   ColorCorrection correction(std::size_t camera) const;
 
+  /// Compares the newest frames until a stop is requested.
   void run(std::stop_token stop);
+
+  /// Compares the newest frames now if a comparison is due at `now`. Call it for every view of a
+  /// replay instead of run(), so that the corrections depend on the recording only.
+  void compare_if_due(Instant now);
+  /// Compares the newest frames now. `elapsed` is the time since the last comparison.
+  void compare(Duration elapsed);
 
  private:
   using Frames = std::vector<std::shared_ptr<const client::CameraFrame>>;
-  void compare(Duration elapsed);
   Duration until_next_round() const;
 
   mutable std::mutex mutex_;
@@ -54,6 +61,8 @@ class LiveColorMatching {
   Frames newest_;            // By camera. Null if the camera takes no part.
   std::vector<int> rounds_;  // Number of comparisons by camera.
   SteadyCorrections steady_;
+
+  std::optional<Instant> compared_at_;  // Used by compare_if_due() only.
 };
 
 }  // namespace copresence::color_matching

@@ -34,6 +34,14 @@ constexpr std::array kControls{
             Command::kSaveScreenshot,
             {Key{'P'}}},
     Control{"H", "lists the keys in the window, and hides the list", Command::kListKeys, {Key{'H'}}},
+    Control{"Space", "pauses a replay, or goes on", Command::kReplayPause, {Key::kSpace}},
+    Control{".", "pauses a replay, and goes on to its next frame", Command::kReplayStep, {Key{'.'}}},
+    Control{"[", "halves the speed of a replay", Command::kReplaySlower, {Key{'['}}},
+    Control{"]", "doubles the speed of a replay", Command::kReplayFaster, {Key{']'}}},
+    Control{"Left", "goes back by 5 seconds in a replay", Command::kReplayBack, {Key::kLeft}},
+    Control{"Right", "goes forward by 5 seconds in a replay", Command::kReplayForward, {Key::kRight}},
+    Control{
+        "Backspace", "goes back to the beginning of a replay", Command::kReplayRestart, {Key::kBackspace}},
     Control{"F11", "switches full screen on and off", Command::kFullScreen, {Key::kF11}},
     Control{"Escape", "ends the client", Command::kEnd, {Key::kEscape}},
 };

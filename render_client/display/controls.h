@@ -25,6 +25,13 @@ enum class Command {
   kNextStereo,
   kSaveScreenshot,
   kListKeys,
+  kReplayPause,
+  kReplayStep,
+  kReplaySlower,
+  kReplayFaster,
+  kReplayBack,
+  kReplayForward,
+  kReplayRestart,
   kFullScreen,
   kEnd,
 };

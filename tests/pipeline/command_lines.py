@@ -14,6 +14,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PROGRAMS = [["capture_server"], ["render_client"], ["web_gateway"], ["depth_bench"], ["view_bench"],
             ["simulate_kinect"], ["record", "cut"], ["record", "repair"], ["record", "from-images"],
+            ["record", "export"],
             ["calibrate", "intrinsics"], ["calibrate", "markers"], ["calibrate", "refine"], ["calibrate", "check"]]
 NUMBERS = ["foo", "", "nan", "1;2", "-1e99", "1e99", "9" * 40, "0x", "--5"]
 WORDS = [""]
@@ -21,7 +22,7 @@ WORDS = [""]
 FORMS = {"--size", "--truth-size", "--range", "--renderer", "--view", "--stereo", "--unseen", "--background",
          "--color-matching", "--codec", "--effort", "--board-size", "--dictionary", "--chessboard",
          "--projector-slot", "--exposure", "--white-balance", "--hole-filling", "--temporal-filter", "--compute",
-         "--pace", "--unit", "--solver", "--board"}
+         "--pace", "--unit", "--solver", "--board", "--format"}
 WRONG_FORMS = ["foo", "", "-1", "1x", "nan:nan", "infxinf"]
 # Without a value it has a meaning of its own.
 MAY_BE_EMPTY = {"--truth"}

@@ -12,6 +12,7 @@
 #include "capture_server/recording/oni_check.h"
 #include "capture_server/recording/oni_writer.h"
 #include "common/frame/camera_model.h"
+#include "tools/record/export_folder.h"
 #include "tools/record/image_file.h"
 #include "tools/record/image_folder.h"
 
@@ -30,6 +31,10 @@ struct Size {
   int width = 0, height = 0;
   friend bool operator==(const Size&, const Size&) = default;
 };
+
+bool has_size(const CameraModel& model, const Size& size) {
+  return model.width == size.width && model.height == size.height;
+}
 
 Size size_of(const cv::Mat& image) {
   return {image.cols, image.rows};
@@ -59,9 +64,13 @@ CameraModel scaled(const CameraModel& model, const Size& size) {
 
 class ImageImport {
  public:
-  ImageImport(const FromImagesSettings& settings, ImageFolder images)
-      : settings_(settings), images_(std::move(images)) {
+  ImageImport(const FromImagesSettings& settings, ImageFolder images, std::optional<ExportedCamera> exported)
+      : settings_(settings),
+        images_(std::move(images)),
+        exported_(std::move(exported)),
+        unit_(settings.unit.value_or(exported_ ? exported_->camera.unit : DepthUnit::kMillimetre)) {
     report_.remarks = images_.remarks;
+    if (exported_) report_.remarks.emplace_back("the camera's data are those of camera.json");
     // Lists may contain negative times. The first time becomes the zero of the recording.
     zero_ = std::min(images_.depth.front().time, microseconds(0));
     if (!images_.color.empty()) zero_ = std::min(images_.color.front().time, zero_);
@@ -74,8 +83,7 @@ class ImageImport {
     auto content = describe(times);
     if (!content) return fail(content.error());
     auto writer = recording::OniWriter::create(
-        settings_.out, *content,
-        settings_.overwrite ? file::Existing::kReplace : file::Existing::kKeep);
+        settings_.out, *content, settings_.overwrite ? file::Existing::kReplace : file::Existing::kKeep);
     if (!writer) return fail(writer.error());
     auto done = write(*writer, progress);
     if (done) done = recording::check_written(settings_.out);
@@ -128,9 +136,10 @@ class ImageImport {
     if (*depth_is_odd) remark_on_odd_size("depth", depth_size_);
 
     recording::OniContent content;
-    content.camera.name = settings_.name;
+    content.camera.name = camera_name();
     content.camera.model = camera_of(depth_size_);
-    content.camera.unit = settings_.unit;
+    content.camera.unit = unit_;
+    if (exported_) content.camera.world_from_camera = exported_->camera.world_from_camera;
     content.camera.registered = is_registered();
     content.max_depth = 65535;
     content.color.reset();
@@ -141,7 +150,7 @@ class ImageImport {
     if (!images_.color.empty()) {
       if (auto colored = describe_color(content); !colored) return fail(colored.error());
     }
-    if (!settings_.intrinsics) {
+    if (!settings_.intrinsics && !uses_exported_intrinsics()) {
       report_.remarks.emplace_back(
           fmt::format("no --fx given: square pixels and the nominal field of view of a Kinect are assumed, "
                       "fx = fy = {:.1f}",
@@ -160,18 +169,38 @@ class ImageImport {
     if (*color_is_odd) remark_on_odd_size("colour", color_size_);
     content.color = recording::ColorCoding::kJpeg;
     content.camera.registered = is_registered() && color_size_ == depth_size_;
-    if (!content.camera.registered)
+    if (content.camera.registered) return {};
+    if (exported_ && exported_->camera.color && has_size(exported_->camera.color->model, color_size_)) {
+      content.camera.color = exported_->camera.color;
+    } else {
       content.camera.color = recording::ColorCameraMetadata{camera_of(color_size_), {}};
+    }
     return {};
   }
 
+  std::string camera_name() const {
+    if (!settings_.name.empty()) return settings_.name;
+    if (exported_ && !exported_->camera.name.empty()) return exported_->camera.name;
+    const auto folder = std::filesystem::absolute(settings_.folder).lexically_normal();
+    // A path that ends with a slash has an empty last part.
+    const std::string name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+    return name.empty() ? "images" : name;
+  }
+
+  bool uses_exported_intrinsics() const {
+    return exported_ && has_size(exported_->camera.model, depth_size_);
+  }
+
   bool is_registered() const {
-    return settings_.registered && coding_ != DepthCoding::kKinectDisparity &&
-           coding_ != DepthCoding::kSwappedDisparity;
+    return settings_.registered && (!exported_ || exported_->camera.registered) &&
+           coding_ != DepthCoding::kKinectDisparity && coding_ != DepthCoding::kSwappedDisparity;
   }
 
   CameraModel camera_of(const Size& size) const {
-    if (!settings_.intrinsics) return nominal_kinect(size.width, size.height);
+    if (!settings_.intrinsics) {
+      return uses_exported_intrinsics() && size == depth_size_ ? exported_->camera.model
+                                                               : nominal_kinect(size.width, size.height);
+    }
     const Intrinsics& given = *settings_.intrinsics;
     const CameraModel depth{depth_size_.width, depth_size_.height, given.fx,        given.fy,
                             given.cx,          given.cy,           given.distortion};
@@ -204,9 +233,10 @@ class ImageImport {
       case DepthCoding::kWhole:
         break;
     }
+    const double usual = images_.has_tum_depth ? kTumPerMetre : kUsualPerMetre;
     report_.depth_per_metre =
-        settings_.depth_per_metre.value_or(images_.has_tum_depth ? kTumPerMetre : kUsualPerMetre);
-    if (settings_.depth_per_metre || median == 0) return;
+        settings_.depth_per_metre.value_or(exported_ ? exported_->depth_per_metre : usual);
+    if (settings_.depth_per_metre || exported_ || median == 0) return;
     const auto is_plausible = [&](double per_metre) {
       return median / per_metre >= kNearestRoom && median / per_metre <= kFarthestRoom;
     };
@@ -250,8 +280,8 @@ class ImageImport {
                                                    timed.path.string()));
     }
     ++report_.depth_frames;
-    return writer.write_depth(time_of(timed), convert_depth(*image, coding_, report_.depth_per_metre,
-                                                            settings_.unit, report_.too_far));
+    return writer.write_depth(
+        time_of(timed), convert_depth(*image, coding_, report_.depth_per_metre, unit_, report_.too_far));
   }
 
   Result<void> write_color(recording::OniWriter& writer, const TimedImage& timed) {
@@ -268,6 +298,8 @@ class ImageImport {
 
   const FromImagesSettings& settings_;
   const ImageFolder images_;
+  const std::optional<ExportedCamera> exported_;
+  const DepthUnit unit_;
   microseconds zero_{};
   DepthCoding coding_ = DepthCoding::kWhole;
   Size depth_size_, color_size_;
@@ -283,7 +315,9 @@ Result<FromImagesReport> make_from_images(const FromImagesSettings& settings,
                                               .depth = settings.depth,
                                               .color = settings.color});
   if (!images) return fail(images.error());
-  return ImageImport(settings, std::move(*images)).run(progress);
+  auto exported = read_exported_camera(settings.folder);
+  if (!exported) return fail(exported.error());
+  return ImageImport(settings, std::move(*images), std::move(*exported)).run(progress);
 }
 
 }  // namespace copresence::record

@@ -1,4 +1,4 @@
-// The program record: describes, repairs, cuts and creates recordings.
+// The program record: describes, repairs, cuts, creates and exports recordings.
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include "capture_server/recording/oni_repair.h"
 #include "tools/progress/progress.h"
 #include "tools/record/from_images.h"
+#include "tools/record/image_export.h"
 #include "tools/record/recording_info.h"
 #include "tools/record/settings.h"
 
@@ -98,6 +99,16 @@ Result<std::string> run(const FromImagesSettings& settings) {
         done->too_far);
   }
   return text;
+}
+
+Result<std::string> run(const ExportSettings& settings) {
+  Bar bar(settings.out);
+  const auto done = export_images(settings, bar.report());
+  if (!done) return fail(done.error());
+  std::string text;
+  for (const std::string& remark : done->remarks) text += remark + '\n';
+  for (const std::string& folder : done->folders) text += folder + '\n';
+  return text + fmt::format("{} images of depth, {} of colour\n", done->depth_images, done->color_images);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <filesystem>
 
 #include "common/command_line/parse_errors.h"
 #include "common/command_line/values.h"
@@ -17,7 +16,7 @@ constexpr const char* kOverwrite =
 
 tl::expected<Settings, int> read_command_line(int argc, const char* const* argv) {
   using namespace command_line;
-  CLI::App app{"Describes, repairs, cuts and creates recordings of depth cameras (.oni).", "record"};
+  CLI::App app{"Describes, repairs, cuts, creates and exports recordings of depth cameras (.oni).", "record"};
   app.set_version_flag("--version", std::string("record ") + COPRESENCE_VERSION);
   app.require_subcommand(1);
 
@@ -68,7 +67,9 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       ->required()
       ->check(some("a folder's name"));
   images_command->add_option("--out", images.out, "the recording to write")->required()->check(file_name());
-  images_command->add_option("--name", images.name, "name of the camera [name of the folder]")
+  images_command
+      ->add_option("--name", images.name,
+                   "name of the camera [that of camera.json, or the name of the folder]")
       ->check(some("a name"));
   images_command->add_flag("--overwrite", images.overwrite, kOverwrite);
   images_command
@@ -91,14 +92,17 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   images_command->add_option("--color", images.color, "the same for colour")->check(some("a folder's name"));
   images_command
       ->add_option("--depth-scale", images.depth_per_metre,
-                   "pixel value of 1 m in the depth images [5000 with lists as in TUM's data sets, 1 for "
-                   "floating-point images, otherwise 1000]")
+                   "pixel value of 1 m in the depth images [that of camera.json, 5000 with lists as in TUM's "
+                   "data sets, 1 for floating-point images, otherwise 1000]")
       ->check(number_above_zero(65535));
-  images_command->add_option("--unit", images.unit, "depth unit of the recording: mm or 0.1mm [mm]")
+  images_command
+      ->add_option("--unit", images.unit,
+                   "depth unit of the recording: mm or 0.1mm [that of camera.json, or mm]")
       ->transform(one_of<DepthUnit>({{"mm", DepthUnit::kMillimetre}, {"0.1mm", DepthUnit::k100Micrometres}}));
   const char* together =
-      "intrinsics in pixels; give --fx, --fy, --cx and --cy together [square pixels, field of view of a "
-      "Kinect]";
+      "intrinsics in pixels; give --fx, --fy, --cx and --cy together [those of camera.json, or square pixels "
+      "and "
+      "the field of view of a Kinect]";
   std::vector<CLI::Option*> lens{
       images_command->add_option("--fx", intrinsics.fx, together)->check(number_above_zero(1e6)),
       images_command->add_option("--fy", intrinsics.fy, together)->check(number_above_zero(1e6)),
@@ -124,6 +128,22 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
       ->check(whole_number(1, 100))
       ->capture_default_str();
 
+  ExportSettings exported;
+  auto* export_command = app.add_subcommand(
+      "export",
+      "writes a recording as a folder of images: 16-bit PNG for depth, the recording's JPEG or PNG for "
+      "colour, "
+      "times, poses and intrinsics; from-images reads it back. A session recording (.mkv) becomes a folder "
+      "for each camera");
+  export_command->add_option("FILE", exported.recording, "the recording, .oni or .mkv")
+      ->required()
+      ->check(file_name());
+  export_command->add_option("--out", exported.out, "the folder to make; it must be new or empty")
+      ->required()
+      ->check(some("a folder's name"));
+  export_command->add_option("--format", exported.format, "layout of the folder: tum or 7scenes [tum]")
+      ->transform(one_of<ExportFormat>({{"tum", ExportFormat::kTum}, {"7scenes", ExportFormat::k7Scenes}}));
+
   try {
     app.parse(argc, argv);
     if (*cut_command && cut.to_s && *cut.to_s <= cut.from_s)
@@ -138,13 +158,10 @@ tl::expected<Settings, int> read_command_line(int argc, const char* const* argv)
   if (*info_command) return info;
   if (*repair_command) return repair;
   if (*cut_command) return cut;
+  if (*export_command) return exported;
   if (lens[0]->count() > 0) {
     std::copy(distortion.begin(), distortion.end(), intrinsics.distortion.begin());
     images.intrinsics = intrinsics;
-  }
-  if (images.name.empty()) {
-    images.name = std::filesystem::absolute(images.folder).lexically_normal().filename().string();
-    if (images.name.empty()) images.name = "images";
   }
   return images;
 }

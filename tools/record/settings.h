@@ -39,19 +39,27 @@ struct Intrinsics {
 
 struct FromImagesSettings {
   std::string folder, out;
-  std::string name;                       ///< Name of the camera; by default the name of the folder.
-  double frames_per_second = 30;          ///< Used if the images have no times.
-  std::optional<TimeUnit> times;          ///< Unit of numbers in lists and names; recognised if not given.
-  std::string depth, color;               ///< Folder or group of images to use; recognised if empty.
+  std::string name;               ///< Name of the camera; that of camera.json or of the folder if empty.
+  double frames_per_second = 30;  ///< Used if the images have no times.
+  std::optional<TimeUnit> times;  ///< Unit of numbers in lists and names; recognised if not given.
+  std::string depth, color;       ///< Folder or group of images to use; recognised if empty.
   std::optional<double> depth_per_metre;  ///< Pixel value of one metre; recognised if not given.
-  DepthUnit unit = DepthUnit::kMillimetre;
-  std::optional<Intrinsics> intrinsics;  ///< A Kinect's intrinsics if not given.
-  bool registered = true;                ///< True if colour has the viewpoint of the depth camera.
+  std::optional<DepthUnit> unit;          ///< Millimetres if neither given nor in camera.json.
+  std::optional<Intrinsics> intrinsics;   ///< Those of camera.json, or a Kinect's, if not given.
+  bool registered = true;                 ///< True if colour has the viewpoint of the depth camera.
   int jpeg_quality = 95;
   bool overwrite = false;
 };
 
-using Settings = std::variant<InfoSettings, RepairSettings, CutSettings, FromImagesSettings>;
+enum class ExportFormat { kTum, k7Scenes };
+
+struct ExportSettings {
+  std::string recording;  ///< An .oni recording or a session recording (.mkv).
+  std::string out;        ///< The folder to make.
+  ExportFormat format = ExportFormat::kTum;
+};
+
+using Settings = std::variant<InfoSettings, RepairSettings, CutSettings, FromImagesSettings, ExportSettings>;
 
 /// Returns the settings of one command, or an exit code: 0 after --help and --version, 2 after an
 /// invalid command line. Errors are reported on standard error.

@@ -25,8 +25,10 @@ tl::expected<GatewaySettings, int> read_command_line(int argc, const char* const
                  "address of a capture_server, HOST:PORT; give it once for each camera, at most {} times",
                  kMostCameras))
           ->check(some("HOST:PORT"));
-  app.add_option("--scene", settings.scene,
-                 "scene file with the cameras' addresses, unless --connect gives them")
+  app.add_option(
+         "--scene", settings.scene,
+         "scene file with the cameras' addresses (unless --connect gives them), intrinsics, and the poses "
+         "that their servers do not know")
       ->check(file_name());
   app.add_option("--key", settings.key,
                  "file with the key of the room's capture servers, unless the scene file names it")

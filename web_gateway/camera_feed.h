@@ -32,8 +32,8 @@ class CameraFeed {
 
   /// Asks the server for a keyframe. Does nothing without a connection.
   void request_keyframe();
-  /// Call this after each FrameCame event has been processed. If too many are waiting, the feed drops
-  /// frames until the next keyframe, so that memory stays bounded. Any thread may call it.
+  /// Call this after each FrameCame event has been processed. If too many are waiting, the feed
+  /// drops frames until the next keyframe, so that memory stays bounded. Any thread may call it.
   void frame_taken() { --waiting_; }
 
  private:

@@ -1,4 +1,5 @@
-// web_gateway shows the scene that capture_servers stream in browsers. settings.cpp has its command line.
+// web_gateway shows the scene that capture_servers stream in browsers. settings.cpp has its command
+// line.
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>

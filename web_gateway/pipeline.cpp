@@ -36,7 +36,8 @@ struct RoomSettings {
   std::optional<tls::RoomKey> key;  // Empty if the servers have none.
 };
 
-/// Takes the cameras and the key from the command line, and what is missing there from the scene file.
+/// Takes the cameras and the key from the command line, and what is missing there from the scene
+/// file.
 Result<RoomSettings> read_room(const GatewaySettings& settings) {
   RoomSettings room;
   if (!settings.scene.empty()) {
@@ -78,7 +79,8 @@ void complete(StreamDescription& stream, const scene::Scene& scene) {
   }
 }
 
-/// Listens where other machines can connect only if the viewers need a token, or if everybody may watch.
+/// Listens where other machines can connect only if the viewers need a token, or if everybody may
+/// watch.
 Result<wire::ListeningSocket> listen(const GatewaySettings& settings) {
   auto socket = wire::listen(settings.listen, wire::Reach::kOtherMachines);
   if (socket && !socket->is_loopback() && settings.token.empty() && !settings.open) {

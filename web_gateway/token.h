@@ -13,8 +13,8 @@
 
 namespace copresence::gateway {
 
-/// Reads a token file. Fails with kNotFound without one, with kUnavailable if it cannot be read, and
-/// with kInvalid if other users can read it or if it is no token file.
+/// Reads a token file. Fails with kNotFound without one, with kUnavailable if it cannot be read,
+/// and with kInvalid if other users can read it or if it is no token file.
 Result<std::string> read_token(const std::filesystem::path& path);
 
 /// Writes a new random token to `path`, readable by the owner only. Fails with kInvalid if the file

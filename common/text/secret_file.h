@@ -19,14 +19,14 @@ inline constexpr std::size_t kSecretDigits = 64;
 /// read_text_file() does, and with kInvalid if other users may read or change the file.
 Result<std::string> read_secret_file(const std::filesystem::path& path, std::string_view as);
 
-/// Writes `text` to a new file that only its owner can read. Never overwrites: fails with kInvalid if
-/// the file exists. Fails with kUnavailable if it cannot be written. `what` names the content in
+/// Writes `text` to a new file that only its owner can read. Never overwrites: fails with kInvalid
+/// if the file exists. Fails with kUnavailable if it cannot be written. `what` names the content in
 /// error messages, for example "key".
 Result<void> write_secret_file(const std::filesystem::path& path, std::string_view text,
                                std::string_view what);
 
-/// Returns a new random secret, kSecretDigits lower-case hexadecimal digits. Fails with kUnavailable
-/// if the system gives no random bytes.
+/// Returns a new random secret, kSecretDigits lower-case hexadecimal digits. Fails with
+/// kUnavailable if the system gives no random bytes.
 Result<std::string> make_secret();
 
 /// Overwrites a secret in memory.

@@ -1,8 +1,8 @@
 #pragma once
 
-// The room that a gateway serves: its cameras and its viewers. A Room passes every camera's messages
-// to all viewers, each at the viewer's own pace (viewer_stream.h). It has no sockets: a viewer's
-// messages go to its Outlet. Thread: one thread.
+// The room that a gateway serves: its cameras and its viewers. A Room passes every camera's
+// messages to all viewers, each at the viewer's own pace (viewer_stream.h). It has no sockets: a
+// viewer's messages go to its Outlet. Thread: one thread.
 
 #include <cstddef>
 #include <cstdint>
@@ -89,7 +89,8 @@ class Viewer {
   /// message violates the protocol.
   bool take(std::span<const std::uint8_t> message, Instant now);
 
-  /// When the oldest frame was sent that the viewer has not acknowledged. Empty without such a frame.
+  /// When the oldest frame was sent that the viewer has not acknowledged. Empty without such a
+  /// frame.
   std::optional<Instant> waits_since() const;
 
  private:

@@ -26,8 +26,8 @@ class ViewerStream {
 
   explicit ViewerStream(Duration frame_period) : frame_period_(frame_period), window_(frame_period) {}
 
-  /// The camera has a new connection, so its frames begin again. The viewer gets none of them before
-  /// it has acknowledged the frames in flight, since their numbers may come again.
+  /// The camera has a new connection, so its frames begin again. The viewer gets none of them
+  /// before it has acknowledged the frames in flight, since their numbers may come again.
   void restart(Duration frame_period);
 
   /// The camera's next frame, which is in `group` already if the group keeps it.

@@ -18,8 +18,8 @@ struct Access {
   std::string token;     ///< Empty if no token is needed.
   bool is_open = false;  ///< True to serve every host name without a token.
 
-  /// Returns the reason why a request with these headers is refused, or an empty text. A header that
-  /// is missing is empty.
+  /// Returns the reason why a request with these headers is refused, or an empty text. A header
+  /// that is missing is empty.
   std::string_view reason_to_refuse(std::string_view host, std::string_view origin) const;
   /// Compares in a time that does not depend on the texts' contents.
   bool admits(std::string_view given_token) const;

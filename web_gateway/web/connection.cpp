@@ -31,7 +31,7 @@ using wire::Ending;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kRequestTime{5};  // For a whole request, and for a TLS handshake.
-constexpr std::chrono::seconds kJoinTime{5};     // From the WebSocket's opening to its first message.
+constexpr std::chrono::seconds kJoinTime{5};     // From opening a WebSocket to its first message.
 constexpr std::chrono::seconds kGoodbyeTime{1};
 // A browser answers the WebSocket's pings even if the page does nothing. They are sent every 15 s.
 constexpr std::chrono::seconds kSilence{30};

@@ -1,7 +1,7 @@
 #pragma once
 
-// One connection of a browser to the web server: first HTTP requests, then perhaps the WebSocket of a
-// viewer. Private to this module. Thread: the web thread.
+// One connection of a browser to the web server: first HTTP requests, then perhaps the WebSocket of
+// a viewer. Private to this module. Thread: the web thread.
 
 #include <boost/asio.hpp>
 #include <boost/asio/ssl.hpp>

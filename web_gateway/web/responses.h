@@ -1,7 +1,7 @@
 #pragma once
 
-// Makes the answers to HTTP requests: the page's files, and one sentence for everything else. Private
-// to this module. Thread: pure functions.
+// Makes the answers to HTTP requests: the page's files, and one sentence for everything else.
+// Private to this module. Thread: pure functions.
 
 #include <boost/beast/http.hpp>
 #include <cstdint>

@@ -25,7 +25,8 @@ using wire::Ending;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSweep{250};
-constexpr std::chrono::milliseconds kAcceptAgain{100};  // After accepting failed: no free descriptors.
+// Pause after accepting failed, since no descriptor is free.
+constexpr std::chrono::milliseconds kAcceptAgain{100};
 
 Result<std::unique_ptr<asio::ssl::context>> open_tls(const Certificate& certificate) {
   auto context = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_server);
@@ -139,7 +140,7 @@ class WebServer::Loop {
       if (connection.is_viewer()) {
         server_.log.left(connection.address(), connection.ending(), now - connection.began_at(),
                          server_.viewers, now);
-      } else if (connection.ending() != Ending::kHungUp) {  // A browser that has read the page hangs up.
+      } else if (connection.ending() != Ending::kHungUp) {  // Browsers that have read the page hang up.
         server_.log.ended_early(connection.network(), connection.ending(), now);
       }
     }

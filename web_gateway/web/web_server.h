@@ -2,8 +2,8 @@
 
 // The gateway's web server: serves the page over HTTP or HTTPS, and the room over one WebSocket for
 // each viewer. At most 128 connections that are no viewers are open at a time; a new one replaces
-// the oldest (common/wire/flow_control/admission.h). Thread: one thread calls run(), and the room is
-// used on that thread only; any thread may call post().
+// the oldest (common/wire/flow_control/admission.h). Thread: one thread calls run(), and the room
+// is used on that thread only; any thread may call post().
 
 #include <cstddef>
 #include <functional>
@@ -34,8 +34,8 @@ class WebServer {
   /// Receives at most about two lines a second for the gateway's log.
   using LogLine = std::function<void(const std::string& sentence, bool is_warning)>;
 
-  /// `room` must outlive the server. Fails with kInvalid if the certificate cannot be used, and with
-  /// kUnavailable without free file descriptors.
+  /// `room` must outlive the server. Fails with kInvalid if the certificate cannot be used, and
+  /// with kUnavailable without free file descriptors.
   static Result<std::unique_ptr<WebServer>> open(const wire::ListeningSocket& socket, ServerOptions options,
                                                  forwarding::Room& room, LogLine log_line);
   ~WebServer();

@@ -117,7 +117,8 @@ tl::expected<ClientSettings, int> read_command_line(int argc, const char* const*
                       [](const std::string& text) { return parse_color(text).has_value(); }));
   app.add_option_function<std::string>(
          "--stereo", [&](const std::string& name) { settings.stereo.mode = *display::parse_stereo(name); },
-         "pictures for two eyes, in a window and in --screenshot: none, side (left and right half), "
+         "pictures for two eyes, in a window, in --screenshot and in --film: none, side (left and right "
+         "half), "
          "top (upper and lower half), anaglyph (red-cyan glasses) or rows (every other row) [none]")
       ->check(one_of({"none", "side", "top", "anaglyph", "rows"}));
   app.add_option("--eye-distance", settings.stereo.eye_distance_m,

@@ -26,7 +26,7 @@ def depth_is_exact(build, codec, *options):
     with Room(build / "bin", CAMERAS[:1], ("--codec", codec, *options)) as room, Browser(320, 240) as browser:
         browser.open(room.url())
         browser.run("copresence.watchDepth()")
-        native = subprocess.run([build / "tests/depth_checksums", f"127.0.0.1:{room.ports[0]}", "60"],
+        native = subprocess.run([build / "tests/depth_checksums", f"127.0.0.1:{room.ports[0]}", "40"],
                                 capture_output=True, text=True, timeout=200, check=True).stdout
         expected = {int(sequence): int(crc) for sequence, crc in map(str.split, native.splitlines())}
         time.sleep(2)

@@ -182,8 +182,7 @@ TEST_F(Session, AFullDiskEndsTheRecordingAndNotTheView) {
   // ulimit counts in units of 1024 bytes; the file's head has 128 of them.
   Process client({"/bin/bash", "-c",
                   "ulimit -f 300; trap '' XFSZ; exec " + program("render_client").string() + " --connect " +
-                      room_.address(0) + " --headless --size 160x120 --frames 30 --record " +
-                      file("a.mkv")});
+                      room_.address(0) + " --headless --size 160x120 --frames 30 --record " + file("a.mkv")});
   ASSERT_EQ(client.wait(seconds(60)), 0) << client.output();
   EXPECT_THAT(client.output(), HasSubstr("the recording ends here, the view goes on"));
   EXPECT_THAT(client.output(), HasSubstr("30 of them showed every camera"));

@@ -53,6 +53,7 @@ Result<std::string> CameraReceiver::begin(const StreamDescription& description) 
   setup_ = std::make_shared<const CameraSetup>(resolve_setup(description, scene_));
   conditioner_.begin(*setup_, scene_ ? scene_->clip : std::nullopt);
   if (background_) background_->begin(setup_->unit, setup_->noise);
+  motion_.begin(setup_->unit, setup_->noise);
   return setup_->remark;
 }
 
@@ -94,13 +95,15 @@ void CameraReceiver::take(wire::ReceivedFrame received) {
     if (has_jumped_back) background_->begin(setup_->unit, setup_->noise);
     background_->learn(*frame);
   }
+  const moving_surfaces::MovingBlocks& moving_blocks = motion_.detect(frame->depth);
   CameraFrame ready{std::move(*frame),
                     times.captured_at,
                     camera_.now(),
                     description_,
                     setup_,
                     times.are_believed(),
-                    background_ ? background_->covered() : nullptr};
+                    background_ ? background_->covered() : nullptr,
+                    moving_blocks};
   if (mailboxes_.put(camera_.slot, std::move(ready))) statistics_.not_displayed();
   if (recorder_ &&
       recorder_->offer(camera_.slot, description_, std::move(received.frame), times.captured_at)) {

@@ -20,6 +20,7 @@
 #include "render_client/camera_setup/camera_setup.h"
 #include "render_client/decoding/frame_conditioning.h"
 #include "render_client/decoding/frame_decoding.h"
+#include "render_client/moving_surfaces/motion_detector.h"
 #include "render_client/session_recorder.h"
 #include "render_client/statistics/statistics.h"
 #include "render_client/stream/camera_states.h"
@@ -65,6 +66,7 @@ class CameraReceiver {
   decoding::FrameConditioner conditioner_;
   std::optional<background_memory::BackgroundMemory> background_;  // Empty if no view shows it.
   Instant newest_at_{};                                            // Capture time of the last frame.
+  moving_surfaces::MotionDetector motion_;
 };
 
 }  // namespace copresence::client

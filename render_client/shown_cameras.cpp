@@ -13,6 +13,9 @@ namespace {
 constexpr std::chrono::milliseconds kLongestColorWait{10'000};
 /// A camera whose newest frame is older than this is ignored when the skew is computed.
 constexpr std::chrono::milliseconds kStopped{500};
+/// A camera's frame shows the moving surfaces of another camera only if it is at most this many of
+/// its own frame periods older.
+constexpr double kMostPeriodsApart = 2.5;
 
 Duration seconds(double value) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(value));
@@ -47,6 +50,7 @@ ShownCameras::ShownCameras(const ClientSettings& settings, const std::vector<std
       frames_(addresses.size(), settings.sync,
               [this](std::size_t camera) { statistics_[camera].not_displayed(); }),
       stale_(addresses.size(), seconds(settings.stale_s)),
+      moving_surfaces_(addresses.size()),
       cameras_(addresses.size()) {}
 
 std::vector<ShownCameras::Arrival> ShownCameras::take(flow::Mailboxes<CameraFrame>& mailboxes, Instant now) {
@@ -58,7 +62,7 @@ std::vector<ShownCameras::Arrival> ShownCameras::take(flow::Mailboxes<CameraFram
       if (frame) statistics_[i].not_displayed();
       remove(i);
     } else if (frame) {
-      show(i, std::move(*frame));
+      show(i, std::move(*frame), now);
       const CameraFrame& newest = *cameras_[i].newest;
       arrivals.push_back({i, newest.arrived_at, newest.pose(), newest.setup->model});
     }
@@ -67,7 +71,22 @@ std::vector<ShownCameras::Arrival> ShownCameras::take(flow::Mailboxes<CameraFram
   return arrivals;
 }
 
-void ShownCameras::show(std::size_t index, CameraFrame frame) {
+void ShownCameras::leave_out_moving_surfaces(std::size_t index, CameraFrame& frame, Instant now) {
+  if (!frame.setup->has_pose || frame.moving_blocks.empty()) return;
+  std::vector<std::optional<moving_surfaces::CameraMotion>> cameras(cameras_.size());
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    const CameraFrame* const shown = i == index ? &frame : cameras_[i].newest.get();
+    if (!shown || !shown->setup->has_pose) continue;
+    const bool is_recent = frame.captured_at - shown->captured_at <=
+                           seconds(kMostPeriodsApart / shown->stream->frames_per_second);
+    if (i != index && (!is_recent || stale_.opacity(i, now) < 1)) continue;
+    cameras[i] = {camera_view(*shown, 0, color_matching::ColorCorrection::Identity()), &shown->moving_blocks};
+  }
+  moving_surfaces_.leave_out(frame.frame, index, cameras);
+}
+
+void ShownCameras::show(std::size_t index, CameraFrame frame, Instant now) {
+  leave_out_moving_surfaces(index, frame, now);
   Camera& camera = cameras_[index];
   if (camera.is_fresh) statistics_[index].not_displayed();
   camera.newest = std::make_shared<const CameraFrame>(std::move(frame));

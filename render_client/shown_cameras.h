@@ -13,6 +13,7 @@
 #include "common/flow/mailboxes.h"
 #include "render_client/camera_setup/camera_setup.h"
 #include "render_client/color_matching/live_color_matching.h"
+#include "render_client/moving_surfaces/moving_surfaces.h"
 #include "render_client/pacing/frame_sync.h"
 #include "render_client/pacing/stale_cameras.h"
 #include "render_client/renderer/renderer.h"
@@ -91,7 +92,9 @@ class ShownCameras {
     bool is_fresh = false;                 // Whether no view has shown `newest` yet.
     bool said_no_pose = false;
   };
-  void show(std::size_t camera, CameraFrame frame);
+  void show(std::size_t camera, CameraFrame frame, Instant now);
+  /// Leaves out the moving surfaces of a new frame that another camera shows better.
+  void leave_out_moving_surfaces(std::size_t camera, CameraFrame& frame, Instant now);
   void remove(std::size_t camera);
   void note_stale_cameras(Instant now);
   /// Returns the cameras whose colours are matched live, or none if there are fewer than two.
@@ -104,6 +107,7 @@ class ShownCameras {
   color_matching::LiveColorMatching& colors_;
   pacing::FrameSync frames_;
   pacing::StaleCameras stale_;
+  moving_surfaces::MovingSurfaces moving_surfaces_;
   std::vector<Camera> cameras_;
   std::uint64_t versions_ = 0;  // The greatest CameraView::version so far.
   bool corrects_colors_ = true;

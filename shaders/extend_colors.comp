@@ -8,7 +8,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(binding = 0) uniform sampler2D depth;            // Metres along the eye's axis.
 layout(binding = 1) uniform usampler2D origin;
 layout(binding = 2) uniform sampler2D inverse;          // 1/m along the camera's axis, 0 without depth.
-layout(binding = 3) uniform sampler2D camera_texture;   // The camera's corrected colours.
+layout(binding = 3) uniform sampler2D camera_texture;   // Corrected colours; alpha is 0 for left-out pixels.
 layout(binding = 0, rgba8) writeonly uniform image2D color;
 
 uniform vec4 ray_from_pixel;   // The ray (x, y) at z = 1 in the eye's frame is xy * pixel + zw.
@@ -28,12 +28,14 @@ vec2 distorted(vec2 ray) {
   return ray * radial + 2.0 * ray.x * ray.y * tangential + tangential.yx * (r2 + 2.0 * ray * ray);
 }
 
+// Whether a pixel shows something nearer than `nearest_visible`, or something that is left out.
 bool is_hidden(ivec2 at, float nearest_visible) {
-  return texelFetch(inverse, clamp(at, ivec2(0), textureSize(inverse, 0) - 1), 0).r > nearest_visible;
+  const ivec2 inside = clamp(at, ivec2(0), textureSize(inverse, 0) - 1);
+  return texelFetch(inverse, inside, 0).r > nearest_visible || texelFetch(camera_texture, inside, 0).a == 0.0;
 }
 
-// Moves `at` away from nearer pixels. The pixels beside them may have some of their colour. Returns
-// false if all pixels around are nearer.
+// Moves `at` away from hidden pixels. The pixels beside them may have some of their colour. Returns
+// false if all pixels around are hidden.
 bool move_from_edges(inout vec2 at, float nearest_visible) {
   const ivec2 nearest = ivec2(at + 0.5), across = ivec2(MIXED_COLORS, 0), along = across.yx;
   const bvec4 hidden = bvec4(is_hidden(nearest - across, nearest_visible), is_hidden(nearest + across, nearest_visible),
@@ -61,7 +63,7 @@ void main() {
   float shares = 0.0;
   for (int i = 0; i < 4; ++i) {
     const ivec2 corner = ivec2(i & 1, i >> 1), from = min(first + corner, last);
-    if (texelFetch(inverse, from, 0).r > nearest_visible) continue;
+    if (is_hidden(from, nearest_visible)) continue;
     const vec2 part = mix(1.0 - share, share, vec2(corner));
     sum += part.x * part.y * texelFetch(camera_texture, from, 0).rgb;
     shares += part.x * part.y;

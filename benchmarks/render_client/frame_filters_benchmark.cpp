@@ -4,12 +4,14 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <optional>
 #include <random>
 #include <vector>
 
 #include "render_client/background_memory/background_memory.h"
 #include "render_client/decoding/depth_smoothing.h"
 #include "render_client/decoding/silhouette_colors.h"
+#include "render_client/moving_surfaces/moving_surfaces.h"
 
 namespace copresence::decoding {
 namespace {
@@ -74,6 +76,37 @@ void background_memory(benchmark::State& state) {
   run(state, frames, [&](RgbdFrame& frame) { memory.learn(frame); });
 }
 BENCHMARK(background_memory)->ArgName("motion_px")->Arg(0)->Arg(20)->Unit(benchmark::kMillisecond);
+
+// A box moves before the wall.
+void motion_detector(benchmark::State& state) {
+  std::vector<RgbdFrame> frames = noisy_frames();
+  for (int i = 0; i < kFrames; ++i) {
+    for (int y = 100; y < 400; ++y) std::fill_n(&frames[i].depth(150 + 20 * i, y), 150, std::uint16_t{1000});
+  }
+  moving_surfaces::MotionDetector detector;
+  detector.begin(DepthUnit::kMillimetre, kKinectV1Noise);
+  run(state, frames,
+      [&](RgbdFrame& frame) { benchmark::DoNotOptimize(detector.detect(frame.depth).data()); });
+}
+BENCHMARK(motion_detector)->Unit(benchmark::kMillisecond);
+
+// Two cameras with the same picture. A sixth of it moves, and one camera leaves that out.
+void moving_surfaces(benchmark::State& state) {
+  const std::vector<RgbdFrame> frames = noisy_frames();
+  moving_surfaces::MovingBlocks moving(kWidth / 8, kHeight / 8);
+  for (int j = 12; j < 50; ++j) std::fill_n(&moving(20, j), 20, std::uint8_t{1});
+  moving_surfaces::CameraMotion motion;
+  motion.moving = &moving;
+  motion.view.model = {kWidth, kHeight, 585, 585, 320, 240, {}};
+  std::vector<std::optional<moving_surfaces::CameraMotion>> motions(2, motion);
+  motions[0]->view.frame = &frames[0];
+  moving_surfaces::MovingSurfaces surfaces(2);
+  run(state, frames, [&](RgbdFrame& frame) {
+    motions[1]->view.frame = &frame;
+    surfaces.leave_out(frame, 1, motions);
+  });
+}
+BENCHMARK(moving_surfaces)->Unit(benchmark::kMillisecond);
 
 /// Posts of 40 pixels in a brighter colour stand in front of the wall.
 void silhouette_colors(benchmark::State& state) {

@@ -54,6 +54,10 @@ struct CameraFrame {
   /// no such surface. Successive frames share it while it does not change.
   std::shared_ptr<const RgbdFrame> remembered;
 
+  /// The blocks of the depth image in which a surface moves, as a MotionDetector finds them
+  /// (render_client/moving_surfaces).
+  Image<std::uint8_t> moving_blocks;
+
   const Rigid3& pose() const { return setup->pose(frame.metadata); }
 };
 

@@ -24,11 +24,12 @@
 // Colour    A camera's picture may show an extended surface although it has no depth there. The
 //           surface then gets the colour from the first such camera in the list that has colour. A
 //           pixel of the camera sees the surface if its w exceeds that of the surface by at most
-//           kOwnSurface. Here, w is along the camera's axis, and 0 for a pixel without depth. At
-//           depth edges, the colours of both sides mix. So the four pixels at the distance
-//           kMixedColors in the same row and column are examined first. The position moves by
-//           kMixedColors away from those that do not see the surface. If none of the four sees it,
-//           the camera is left out. The colour is the bilinear mean of the pixels that see the
+//           kOwnSurface. Here, w is along the camera's axis, and 0 for a pixel without depth. A
+//           pixel that is left out (merge_rules.h) sees no extended surface. At depth edges, the
+//           colours of both sides mix. So the four pixels at the distance kMixedColors in the same
+//           row and column are examined first. The position moves by kMixedColors away from those
+//           that do not see the surface. If none of the four sees it, the camera is not used. The
+//           colour is the bilinear mean of the pixels that see the
 //           surface. Their weights must sum to at least kLeastVisibleShare.
 // Pixel     An empty pixel is interpolated between the four nearest blocks. Only blocks on the
 //           farthest of their surfaces are used.

@@ -29,6 +29,9 @@
 // Remembered   A remembered background is shown only where no camera's newest frame shows anything
 //              at any distance. So it never covers what is seen. Remembered backgrounds are merged
 //              with each other like live cameras.
+// Left out     A pixel without depth whose state is not kHole shows a surface that is not drawn,
+//              because another camera shows it (render_client/moving_surfaces). Extended surfaces
+//              take no colour from such a pixel (extension_rules.h).
 // Silhouettes  A silhouette edge lies between two neighbours in a row or a column. The inverse
 //              depths of their nearest fragments, along the eye's axis, differ by more than
 //              kSilhouetteSteps. Each colour moves 1 / kSilhouetteDivisor of the way to the other

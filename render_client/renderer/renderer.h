@@ -35,7 +35,8 @@ inline constexpr std::size_t kMostViews = 2 * kMostCameras;
 
 /// One camera as input of a renderer.
 struct CameraView {
-  /// The newest frame. It must outlive the call. The frame's own pose is not used.
+  /// The newest frame. It must outlive the call. The frame's own pose is not used. Pixels without
+  /// depth whose state is not kHole are left out (merge_rules.h).
   const RgbdFrame* frame = nullptr;
   /// Mesh and texture of a camera are reused while `version` is unchanged. It must be unique over
   /// the frames of all cameras.

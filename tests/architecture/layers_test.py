@@ -60,6 +60,7 @@ MODULES = {
     "render_client/pacing": EDGE_TYPES | {"common/flow", "render_client/camera_setup"},
     "render_client/viewpoint": EDGE_TYPES,
     "render_client/renderer": EDGE_TYPES | {"common/gl", "render_client/viewpoint"},
+    "render_client/moving_surfaces": EDGE_TYPES | {"render_client/renderer"},
     "render_client/display/overlay": EDGE_TYPES | {"common/gl", "common/window"},
     "render_client/display": EDGE_TYPES | {"common/gl", "common/window", "render_client/display/overlay",
                                            "render_client/renderer", "render_client/viewpoint"},

@@ -18,17 +18,19 @@ constexpr const char* kDescription =
     "Compares rendered views of simulated rooms with the ground truth, over all pixels that some camera "
     "could have shown.\n"
     "Pixels that show nothing count as black. A pixel is seen, remembered (rem.), extended (ext.) or empty. "
-    "PSNR is "
-    "in dB, also for pixels near depth edges (edges). Recall is the share of remembered pixels among those "
-    "that a "
-    "camera saw only earlier. Flicker and seam step are in 1/255.";
+    "PSNR is in dB, also for pixels near depth edges (edges) and in moving regions (moving). In the scene "
+    "waving, the cameras take their pictures half a frame period apart. The columns alone and both then "
+    "compare the best single camera with both cameras, over the moving pixels that this camera sees. Recall "
+    "is the share of remembered pixels among those that a camera saw only earlier. Flicker and seam step are "
+    "in 1/255.";
 
 // JSON has no value for "not a number".
 nlohmann::json finite(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
-nlohmann::json to_json(const std::string& scene, const ViewScore& score) {
+nlohmann::json to_json(const std::string& scene, const SceneResult& result) {
+  const ViewScore& score = result.score;
   return {{"scene", scene},
           {"views", score.views},
           {"shares",
@@ -41,11 +43,14 @@ nlohmann::json to_json(const std::string& scene, const ViewScore& score) {
           {"psnr_remembered", finite(score.psnr_remembered)},
           {"psnr_extended", finite(score.psnr_extended)},
           {"psnr_silhouette", score.psnr_silhouette},
+          {"psnr_moving", finite(score.psnr_moving)},
+          {"psnr_alone", finite(result.psnr_alone)},
+          {"psnr_together", finite(result.psnr_together)},
           {"recalled", score.recalled_percent / 100},
           {"flicker", score.flicker},
           {"flicker_remembered", score.flicker_remembered},
           {"flicker_extended", score.flicker_extended},
-          {"seam_step", score.seam_step},
+          {"seam_step", finite(score.seam_step)},
           {"sharpness", score.sharpness}};
 }
 
@@ -58,9 +63,9 @@ int run(int argc, char** argv) {
   std::string json, unseen = "extend";
   using namespace command_line;
   app.set_version_flag("--version", std::string("view_bench ") + kVersion);
-  app.add_option("SCENE", scenes, "scenes to run: empty, standing, walking, four, own [all]")
+  app.add_option("SCENE", scenes, "scenes to run: empty, standing, walking, four, own, waving [all]")
       ->check(one_of(all));
-  app.add_option("--frames", settings.frames, "views to compare, at 30 per second")
+  app.add_option("--frames", settings.frames, "views to compare, at 30 per second, or 60 in waving")
       ->capture_default_str()
       ->check(whole_number(2, 3600));
   app.add_option("--unseen", unseen, "extend or black: as in render_client")
@@ -75,23 +80,26 @@ int run(int argc, char** argv) {
     return report_parse_error(app, error);
   }
   if (unseen == "black") settings.unseen.show = renderer::UnseenStyle::Show::kBlack;
-  std::printf("%-9s %6s %6s %6s %6s %6s %6s %6s %6s %6s %8s %7s %5s %9s\n", "scene", "seen %", "rem. %",
-              "ext. %", "empty%", "PSNR", "seen", "rem.", "ext.", "edges", "recall %", "flicker", "seam",
-              "sharpness");
+  std::printf("%-9s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s %8s %7s %5s %9s\n", "scene", "seen %",
+              "rem. %", "ext. %", "empty%", "PSNR", "seen", "rem.", "ext.", "edges", "moving", "alone",
+              "both", "recall %", "flicker", "seam", "sharpness");
   nlohmann::json rows = nlohmann::json::array();
   for (const std::string& scene : scenes) {
-    const auto score = run_scene(scene, settings);
-    if (!score) {
-      std::fprintf(stderr, "view_bench: %s\n", score.error().what.c_str());
+    const auto result = run_scene(scene, settings);
+    if (!result) {
+      std::fprintf(stderr, "view_bench: %s\n", result.error().what.c_str());
       return 1;
     }
-    std::printf("%-9s %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %8.2f %7.2f %5.2f %9.2f\n",
-                scene.c_str(), score->seen_percent, score->remembered_percent, score->extended_percent,
-                score->empty_percent, score->psnr, score->psnr_seen, score->psnr_remembered,
-                score->psnr_extended, score->psnr_silhouette, score->recalled_percent, score->flicker,
-                score->seam_step, score->sharpness);
+    const ViewScore& score = result->score;
+    std::printf(
+        "%-9s %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %8.2f %7.2f %5.2f "
+        "%9.2f\n",
+        scene.c_str(), score.seen_percent, score.remembered_percent, score.extended_percent,
+        score.empty_percent, score.psnr, score.psnr_seen, score.psnr_remembered, score.psnr_extended,
+        score.psnr_silhouette, score.psnr_moving, result->psnr_alone, result->psnr_together,
+        score.recalled_percent, score.flicker, score.seam_step, score.sharpness);
     std::fflush(stdout);
-    rows.push_back(to_json(scene, *score));
+    rows.push_back(to_json(scene, *result));
   }
   if (json.empty()) return 0;
   std::ofstream file(json);

@@ -12,7 +12,8 @@ namespace {
 constexpr float kEdgeSteps = 8.0F;      // Smallest step of an edge, in disparity steps of a Kinect.
 constexpr float kSameSteps = 4.0F;      // Largest error of a measurement, in disparity steps.
 constexpr float kFlatSteps = 1.0F;      // Largest curvature of a flat surface, in disparity steps.
-constexpr double kFlatLuma = 6;         // Largest change of the true brightness across a flat seam.
+constexpr double kFlatLuma = 6;         // Largest range of the true brightness around a flat seam.
+constexpr int kMisalignedPixels = 2;    // Largest misalignment of a camera's colours.
 constexpr float kStep = 1.0F / 351.3F;  // A Kinect v1's disparity step, 1/m.
 
 double luma(const Rgb8& p) {
@@ -50,6 +51,22 @@ Image<std::uint8_t> dilate(const Image<std::uint8_t>& image, int radius) {
   return result;
 }
 
+// The range of brightness around a pixel. The area exceeds that of a seam by kMisalignedPixels, since
+// a colour edge that a camera shows at another place is no seam.
+double luma_range(const ColorImage& color, int x, int y) {
+  constexpr int kAcross = kSeamPixels + kMisalignedPixels;
+  double least = 255, most = 0;
+  for (int v = std::max(y - kMisalignedPixels, 0); v <= std::min(y + kMisalignedPixels, color.height() - 1);
+       ++v) {
+    for (int u = std::max(x - kAcross, 0); u <= std::min(x + kAcross, color.width() - 1); ++u) {
+      const double value = luma(color(u, v));
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+  return most - least;
+}
+
 // How a camera relates to a point of the world.
 enum class Sight { kOutside, kInside, kEverSeen };
 Sight sight(const ViewVolume& camera, const Eigen::Vector3d& world_point) {
@@ -82,7 +99,8 @@ TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::Vi
                      Image<std::uint8_t>(width, height),
                      Image<std::uint8_t>(width, height),
                      {},
-                     Image<std::uint8_t>(width, height)};
+                     Image<std::uint8_t>(width, height),
+                     {}};
   Image<std::uint8_t> edges(width, height);
   const auto w = [&](int x, int y) { return inverse(truth.depth_m(x, y)); };
   for (int y = 0; y < height; ++y) {
@@ -101,14 +119,23 @@ TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::Vi
       if (y > 0 && std::abs(w(x, y) - w(x, y - 1)) > kEdgeSteps * kStep) edges(x, y) = edges(x, y - 1) = 1;
       if (x >= kSeamPixels && x < width - kSeamPixels) {
         const float curvature = w(x - kSeamPixels, y) - 2 * w(x, y) + w(x + kSeamPixels, y);
-        const double change = luma(truth.color(x + kSeamPixels, y)) - luma(truth.color(x - kSeamPixels, y));
         result.is_flat(x, y) =
-            z > 0 && std::abs(curvature) < kFlatSteps * kStep && std::abs(change) < kFlatLuma;
+            z > 0 && std::abs(curvature) < kFlatSteps * kStep && luma_range(truth.color, x, y) < kFlatLuma;
       }
     }
   }
   result.at_silhouette = dilate(edges, kSilhouettePixels);
   return result;
+}
+
+Image<std::uint8_t> moving_region(const Image<float>& depth_m, const Image<float>& earlier_m) {
+  assert(same_shape(depth_m, earlier_m));
+  Image<std::uint8_t> changed(depth_m.width(), depth_m.height());
+  for (std::size_t i = 0; i < changed.pixels().size(); ++i) {
+    changed.data()[i] =
+        std::abs(inverse(depth_m.data()[i]) - inverse(earlier_m.data()[i])) > kSameSteps * kStep;
+  }
+  return dilate(changed, kMovingPixels);
 }
 
 double ViewError::Squares::psnr() const {
@@ -143,6 +170,7 @@ void ViewError::add(const TrueEyeView& truth, const renderer::MergedView& view, 
       if (origin != renderer::Origin::kSeen && truth.ever_seen(x, y))
         recalled_.add(origin == renderer::Origin::kRemembered);
       if (truth.at_silhouette(x, y)) add_to(silhouette_);
+      if (!truth.is_moving.empty() && truth.is_moving(x, y)) add_to(moving_);
     }
   }
   add_seams(truth, view);
@@ -158,10 +186,14 @@ void ViewError::add_seams(const TrueEyeView& truth, const renderer::MergedView& 
   for (int y = 0; y < view.height; ++y) {
     for (int x = kSeamPixels; x + kSeamPixels < view.width; ++x) {
       const int left = view.camera(x, y), right = view.camera(x + 1, y);
-      if (left == right || left == renderer::kNoCamera || right == renderer::kNoCamera) continue;
-      if (!truth.is_flat(x, y) || !truth.reachable(x, y)) continue;
+      if (left == right || !truth.is_flat(x, y) || !truth.reachable(x, y)) continue;
       const int from = x - kSeamPixels, to = x + kSeamPixels;
       if (view.camera(from, y) != left || view.camera(to, y) != right) continue;
+      const auto shows_surface = [&](int at) {
+        const float error = inverse(view.depth_m(at, y)) - inverse(truth.depth_m(at, y));
+        return view.origin(at, y) == renderer::Origin::kSeen && std::abs(error) < kSameSteps * kStep;
+      };
+      if (!shows_surface(from) || !shows_surface(x) || !shows_surface(x + 1) || !shows_surface(to)) continue;
       const double step = luma(view.color(to, y)) - luma(view.color(from, y));
       const double true_step = luma(truth.color(to, y)) - luma(truth.color(from, y));
       seams_.add(std::abs(step - true_step));
@@ -220,10 +252,11 @@ ViewScore ViewError::score() const {
   score.psnr_remembered = remembered_.psnr();
   score.psnr_extended = extended_.psnr();
   score.psnr_silhouette = silhouette_.psnr();
+  score.psnr_moving = moving_.psnr();
   score.flicker = flicker_.value();
   score.flicker_remembered = flicker_remembered_.value();
   score.flicker_extended = flicker_extended_.value();
-  score.seam_step = seams_.value();
+  score.seam_step = seams_.samples > 0 ? seams_.value() : std::numeric_limits<double>::quiet_NaN();
   score.sharpness = share(laplacian_, true_laplacian_);
   return score;
 }

@@ -34,13 +34,20 @@ struct TrueEyeView {
   Image<std::uint8_t> ever_seen;      ///< Is 1 if a camera has ever measured the surface.
   Image<std::uint8_t> at_silhouette;  ///< Is 1 within kSilhouettePixels of a depth edge.
   Image<std::uint8_t> is_flat;        ///< Is 1 where depth and colour are smooth within kSeamPixels.
+  /// Is 1 where something moves, see moving_region(). It may be empty if nothing moves.
+  Image<std::uint8_t> is_moving;
 };
 
 inline constexpr int kSilhouettePixels = 12;
 inline constexpr int kSeamPixels = 3;
+inline constexpr int kMovingPixels = 6;
 
 TrueEyeView describe_truth(const simulation::TrueView& truth, const renderer::ViewPose& eye,
                            std::span<const ViewVolume> cameras);
+
+/// Returns 1 within kMovingPixels of each pixel that shows another surface than `earlier_m`, the true
+/// depth of an earlier instant. Requires equal sizes.
+Image<std::uint8_t> moving_region(const Image<float>& depth_m, const Image<float>& earlier_m);
 
 /// One scene's result: PSNR in dB, shares in percent of reachable pixels, differences in 1/255.
 struct ViewScore {
@@ -54,11 +61,13 @@ struct ViewScore {
   /// PSNR over pixels that show an extended surface; NaN if there are none.
   double psnr_extended = 0;
   double psnr_silhouette = 0;  ///< PSNR over pixels near depth edges.
+  double psnr_moving = 0;      ///< PSNR over pixels of moving regions; NaN if nothing moves.
   /// Mean change of shown pixels between consecutive views, where the ground truth does not change.
   double flicker = 0;
   /// Mean change as above, over pixels that both views show as remembered or extended surfaces.
   double flicker_remembered = 0, flicker_extended = 0;
-  /// Mean step across borders between cameras on flat surfaces, less that of the ground truth.
+  /// Mean step across borders between cameras on flat surfaces, less that of the ground truth. Only
+  /// seen pixels with the true depth count. NaN if there are no such borders.
   double seam_step = 0;
   double sharpness = 0;  ///< Variance of the Laplacian, as a share of the ground truth's.
   int views = 0;
@@ -91,7 +100,7 @@ class ViewError {
     double value() const;
   };
 
-  Squares all_, seen_, remembered_, extended_, silhouette_;
+  Squares all_, seen_, remembered_, extended_, silhouette_, moving_;
   Mean flicker_, flicker_remembered_, flicker_extended_, seams_, recalled_;
   double laplacian_ = 0, true_laplacian_ = 0;
   int views_ = 0;

@@ -100,6 +100,12 @@ Ints unpack(const Rgb8* from) {
   return join(four(load_bytes(bytes)), four(load_bytes(bytes + 12)));
 }
 
+// Converts eight depths. Reads 16 bytes.
+Ints unpack(const std::uint16_t* from) {
+  using Shorts = std::uint16_t __attribute__((vector_size(16)));
+  return __builtin_convertvector(reinterpret_cast<Shorts>(load_bytes(from)), Ints);
+}
+
 // Converts eight states. Reads 16 bytes. The compiler's own conversion would not use vectors.
 Ints unpack(const DepthState* from) {
   static_assert(sizeof(DepthState) == 1);
@@ -149,10 +155,11 @@ std::vector<float> fades_across(int width) {
   return fades;
 }
 
-Ints weight(const Floats& incidences, const Ints& states) {
+Ints weight(const Floats& incidences, const Ints& states, const Ints& depths) {
   const Ints is_filled = states == static_cast<std::int32_t>(DepthState::kFilled);
   const Ints alpha = truncated(incidences * (is_filled ? all(255 * kFilledWeight) : all(255.0F)) + 0.5F);
-  return larger(alpha, all(1)) << 24;
+  const Ints is_left_out = (depths == 0) & (states != static_cast<std::int32_t>(DepthState::kHole));
+  return (larger(alpha, all(1)) & ~is_left_out) << 24;
 }
 
 // One row of a frame and of its texture. The last group of kLanes pixels may reach into the next
@@ -165,6 +172,7 @@ class Row {
   void begin(int y) {
     y_ = y;
     is_copy_ = (frame_.depth.height() - y) * width_ < width_ + kRoom;
+    depths = is_copy_ ? copy_of_row(frame_.depth, depths_) : frame_.depth.row(y).data();
     states = is_copy_ ? copy_of_row(frame_.state, states_) : frame_.state.row(y).data();
     if (frame_.color) colors = is_copy_ ? copy_of_row(*frame_.color, colors_) : frame_.color->row(y).data();
     texels = is_copy_ ? copy_of_row(texture_, texels_) : texture_.row(y).data();
@@ -176,6 +184,7 @@ class Row {
     to[width_] = to[width_ - 1];
   }
 
+  const std::uint16_t* depths = nullptr;
   const DepthState* states = nullptr;
   const Rgb8* colors = nullptr;  // Null if the frame has no colour.
   std::uint32_t* texels = nullptr;
@@ -195,6 +204,7 @@ class Row {
   CameraTexture& texture_;
   int width_, y_ = 0;
   bool is_copy_ = false;
+  std::vector<std::uint16_t> depths_;
   std::vector<DepthState> states_;
   std::vector<Rgb8> colors_;
   std::vector<std::uint32_t> texels_;
@@ -239,8 +249,8 @@ void make_texture(const RgbdFrame& frame, const Image<float>& incidences,
     for (int x = 0; x < width; x += kLanes) {
       const Floats incidences_here = load<Floats>(incidence + x);
       const Ints color = row.colors ? matched(unpack(row.colors + x)) : shade(incidences_here);
-      store(row.texels + x,
-            color | weight(incidences_here * smaller(load<Floats>(&fades[x]), fade), unpack(row.states + x)));
+      store(row.texels + x, color | weight(incidences_here * smaller(load<Floats>(&fades[x]), fade),
+                                           unpack(row.states + x), unpack(row.depths + x)));
     }
     row.end();
   }

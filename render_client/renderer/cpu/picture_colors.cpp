@@ -17,27 +17,33 @@ Ints clamped(const Ints& value, int most) {
   return smaller(larger(value, Ints{}), all(most));
 }
 
+constexpr float kLeftOut = 1e9F;  // The inverse depth of a pixel that is left out: it hides everything.
+
 // The inverse depths of a camera at eight positions.
 class InverseSampler {
  public:
-  explicit InverseSampler(const InverseDepth& inverse)
-      : w_(inverse.w.data()),
-        stride_(inverse.w.width()),
-        last_x_(inverse.width - 1),
-        last_y_(inverse.height - 1) {}
+  explicit InverseSampler(const CameraPictures& pictures)
+      : w_(pictures.inverse->w.data()),
+        texels_(pictures.texture->data()),
+        stride_(pictures.inverse->w.width()),
+        texture_stride_(pictures.texture->width()),
+        last_x_(pictures.inverse->width - 1),
+        last_y_(pictures.inverse->height - 1) {}
 
   // Requires positions in the image or at most one pixel to the right of it or below.
   Floats at(const Ints& x, const Ints& y) const {
-    const Ints index = y * stride_ + x;
+    const Ints index = y * stride_ + x, texel = y * texture_stride_ + x;
     Floats result{};
-    for (int lane = 0; lane < kLanes; ++lane) result[lane] = w_[index[lane]];
+    for (int lane = 0; lane < kLanes; ++lane)
+      result[lane] = texels_[texel[lane]] >> 24 == 0 ? kLeftOut : w_[index[lane]];
     return result;
   }
   Floats nearest(const Ints& x, const Ints& y) const { return at(clamped(x, last_x_), clamped(y, last_y_)); }
 
  private:
   const float* w_;
-  int stride_, last_x_, last_y_;
+  const std::uint32_t* texels_;
+  int stride_, texture_stride_, last_x_, last_y_;
 };
 
 // Moves positions away from pixels with an inverse depth above `nearest_visible`. The pixels beside
@@ -175,7 +181,7 @@ PictureColors::Colors PictureColors::find(int x, int y, const Floats& w, const I
     if (bits(sees) == 0) continue;
     u = sees ? u : Floats{};
     v = sees ? v : Floats{};
-    const InverseSampler inverse(*camera.pictures.inverse);
+    const InverseSampler inverse(camera.pictures);
     const Floats nearest_visible = w * per_z + kOwnSurface;
     sees &= move_from_edges(inverse, nearest_visible, camera.last, u, v);
     if (bits(sees) == 0) continue;

@@ -94,7 +94,7 @@ void GlCamera::update(const CameraView& camera, Shaders& shaders) {
     shaders.mesh.run(inverse_, planes_, limits, largest_block_, command_, indices_);
     context_->barrier(Reader::kFetch | Reader::kCommand | Reader::kIndices);
   }
-  shaders.texture.run(incidences_, state_, frame.color ? &color_ : nullptr, camera.color_correction,
+  shaders.texture.run(incidences_, depth_, state_, frame.color ? &color_ : nullptr, camera.color_correction,
                       texture_);
   context_->barrier(Reader::kFetch);
   model_ = camera.model;

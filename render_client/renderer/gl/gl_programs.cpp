@@ -95,12 +95,13 @@ Result<MakeCameraTexture> MakeCameraTexture::make(gl::Context& context) {
   return MakeCameraTexture(std::move(*program));
 }
 
-void MakeCameraTexture::run(const gl::Texture& incidences, const gl::Texture& state, const gl::Texture* color,
-                            const Eigen::Matrix<float, 3, 4>& color_correction,
+void MakeCameraTexture::run(const gl::Texture& incidences, const gl::Texture& depth, const gl::Texture& state,
+                            const gl::Texture* color, const Eigen::Matrix<float, 3, 4>& color_correction,
                             const gl::Texture& camera_texture) {
   incidences.bind(0);
   state.bind(1);
   if (color) color->bind(2);
+  depth.bind(3);
   camera_texture.bind_image(0, Access::kWrite);
   program_.set("has_color", color ? 1 : 0);
   program_.set("color_correction", color_correction);

@@ -57,8 +57,9 @@ class MeasureIncidence {
 class MakeCameraTexture {
  public:
   static Result<MakeCameraTexture> make(gl::Context& context);
-  void run(const gl::Texture& incidences, const gl::Texture& state, const gl::Texture* color,
-           const Eigen::Matrix<float, 3, 4>& color_correction, const gl::Texture& camera_texture);
+  void run(const gl::Texture& incidences, const gl::Texture& depth, const gl::Texture& state,
+           const gl::Texture* color, const Eigen::Matrix<float, 3, 4>& color_correction,
+           const gl::Texture& camera_texture);
 
  private:
   explicit MakeCameraTexture(gl::Program program) : program_(std::move(program)) {}

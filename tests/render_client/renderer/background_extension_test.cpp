@@ -67,6 +67,28 @@ TEST_F(PostBeforeAWall, ItsShadowShowsTheWallAndNothingOfThePost) {
   EXPECT_LE(wrong, extended / 50);
 }
 
+TEST_F(PostBeforeAWall, AnExtendedWallShowsNothingOfAPostThatIsLeftOut) {
+  int left_out = 0;
+  for (std::uint16_t& depth : camera_.frame.depth.pixels()) {
+    if (depth > 20000) continue;
+    depth = 0;  // The state stays.
+    ++left_out;
+  }
+  ASSERT_GT(left_out, 10000);
+  const MergedView view =
+      render_unseen({&camera_}, orbiting_eye(kWidth, kHeight, 0, 2), {.show = UnseenStyle::Show::kExtend});
+  int extended = 0, wrong = 0;
+  for (int y = kHeight / 4; y < 3 * kHeight / 4; ++y) {
+    for (int x = kWidth / 3; x < 2 * kWidth / 3; ++x) {
+      if (view.origin(x, y) != Origin::kExtended) continue;
+      ++extended;
+      wrong += !near_color(view.color(x, y), kWall, 12);
+    }
+  }
+  EXPECT_GT(extended, 1000);
+  EXPECT_EQ(wrong, 0);
+}
+
 TEST_F(PostBeforeAWall, NoSeenPixelChanges) {
   const MergedView extended = view({.show = UnseenStyle::Show::kExtend}), plain = view({});
   for (int y = 0; y < kHeight; ++y) {

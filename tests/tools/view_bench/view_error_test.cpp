@@ -23,6 +23,7 @@ class ViewErrorTest : public ::testing::Test {
     view_.width = kWidth;
     view_.height = kHeight;
     view_.color = Image<Rgba8>(kWidth, kHeight, {100, 100, 100, 255});
+    view_.depth_m = Image<float>(kWidth, kHeight, 2.0F);
     view_.camera = Image<std::uint8_t>(kWidth, kHeight, 0);
     view_.origin = Image<renderer::Origin>(kWidth, kHeight, renderer::Origin::kSeen);
   }
@@ -78,6 +79,63 @@ TEST_F(ViewErrorTest, MeasuresStepsBetweenCamerasOnFlatSurfaces) {
   ViewError error;
   error.add(truth(), view_, false);
   EXPECT_NEAR(error.score().seam_step, 8, 0.01);
+}
+
+TEST_F(ViewErrorTest, CountsNoStepsBesideRememberedPixels) {
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kWidth / 2; x < kWidth; ++x) {
+      view_.camera(x, y) = 1;
+      view_.color(x, y) = {108, 108, 108, 255};
+      view_.origin(x, y) = renderer::Origin::kRemembered;
+    }
+  }
+  ViewError error;
+  error.add(truth(), view_, false);
+  EXPECT_TRUE(std::isnan(error.score().seam_step));
+}
+
+TEST_F(ViewErrorTest, CountsNoStepsWhereTheViewShowsAnotherSurface) {
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kWidth / 2; x < kWidth; ++x) {
+      view_.camera(x, y) = 1;
+      view_.color(x, y) = {108, 108, 108, 255};
+      view_.depth_m(x, y) = 1.8F;
+    }
+  }
+  ViewError error;
+  error.add(truth(), view_, false);
+  EXPECT_TRUE(std::isnan(error.score().seam_step));
+}
+
+// The true surface has a thin bright line near the border between the cameras.
+TEST_F(ViewErrorTest, CountsNoStepsAtColorEdges) {
+  for (int y = 0; y < kHeight; ++y) {
+    true_.color(kWidth / 2 + 1, y) = {200, 200, 200};
+    for (int x = kWidth / 2; x < kWidth; ++x) view_.camera(x, y) = 1;
+    view_.color(kWidth / 2 + kSeamPixels - 1, y) = {200, 200, 200, 255};
+  }
+  ViewError error;
+  error.add(truth(), view_, false);
+  EXPECT_TRUE(std::isnan(error.score().seam_step));
+}
+
+TEST_F(ViewErrorTest, MeasuresTheErrorWhereSomethingMoves) {
+  constexpr int kFrom = 20, kTo = 30;
+  Image<float> earlier = true_.depth_m;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kFrom; x < kTo; ++x) earlier(x, y) = 1.0F;
+  }
+  TrueEyeView truth = this->truth();
+  truth.is_moving = moving_region(true_.depth_m, earlier);
+  EXPECT_FALSE(truth.is_moving(kFrom - kMovingPixels - 1, 5));
+  EXPECT_TRUE(truth.is_moving(kFrom - kMovingPixels, 5));
+  EXPECT_TRUE(truth.is_moving(kTo - 1 + kMovingPixels, 5));
+  EXPECT_FALSE(truth.is_moving(kTo + kMovingPixels, 5));
+  for (int x = kFrom - kMovingPixels; x < kTo + kMovingPixels; ++x)
+    set(x, {110, 110, 110, 255}, renderer::Origin::kSeen);
+  ViewError error;
+  error.add(truth, view_, false);
+  EXPECT_NEAR(error.score().psnr_moving, 20 * std::log10(255.0 / 10), 1e-9);
 }
 
 TEST_F(ViewErrorTest, MeasuresFlickerWhereTheTruthIsStill) {

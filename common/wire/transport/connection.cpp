@@ -84,12 +84,11 @@ void Connection::judge_opening(Done done) {
 }
 
 void Connection::shake_hands(Done done) {
-  std::array<std::uint8_t, 1> first;
-  if (is_client_ && bytes_read() == 0 && socket_.peek(first) == 1 && !answers_in_tls(first[0])) {
+  const Step step = step_of(tls_->handshake(), 0);
+  if (peer_is_plain_) {
     tls_.reset();
     return finish(std::move(done), TransportError::kPeerIsPlain);
   }
-  const Step step = step_of(tls_->handshake(), 0);
   if (!step.wait) return finish(std::move(done), step.error);
   wait(*step.wait, std::move(done), [this](Done then) { shake_hands(std::move(then)); });
 }
@@ -188,6 +187,13 @@ Connection::Step Connection::step_of(tls::Outcome outcome, std::size_t bytes) {
 }
 
 std::ptrdiff_t Connection::receive(std::span<std::uint8_t> to) {
+  // The answer of a server without a key stays unread, for the caller.
+  std::array<std::uint8_t, 1> first;
+  if (is_client_ && bytes_read() == 0 && socket_.peek(first) == 1 && !answers_in_tls(first[0])) {
+    peer_is_plain_ = true;
+    carrier_error_ = EPROTO;
+    return -1;
+  }
   std::array<iovec, 1> part = {{{to.data(), to.size()}}};
   const ssize_t got = socket_.receive(part);
   if (got < 0) carrier_error_ = errno;

@@ -102,6 +102,7 @@ class Connection : private tls::Carrier {
   const tls::Context* encryption_;
   bool is_client_ = false;
   std::optional<tls::Session> tls_;  // Empty without encryption, and before the handshake.
+  bool peer_is_plain_ = false;       // Whether the server's first byte was not one of TLS.
   int carrier_error_ = 0;            // The errno of the last failure of receive() or send().
   // What write_on() has not written yet.
   std::vector<asio::const_buffer> unwritten_;

@@ -80,9 +80,10 @@ TEST(Encryption, TellsTheReasonOfTheEnd) {
 }
 
 TEST(Encryption, SaysWhenAFrameArrivedHoweverLateItIsRead) {
-  // As FrameClient.SaysWhenAFrameArrivedHoweverLateItIsRead.
+  // As FrameClient.SaysWhenAFrameArrivedHoweverLateItIsRead. A pong that comes while the client
+  // decrypts may be merged with a record of the frame. So it takes more attempts.
   Duration noticed_before_reading{};
-  for (int attempt = 0; attempt < 5 && noticed_before_reading < 20ms; ++attempt) {
+  for (int attempt = 0; attempt < 20 && noticed_before_reading < 20ms; ++attempt) {
     Served served(&kKey);
     auto client = served.client(&kKey);
     ASSERT_TRUE(client);
@@ -153,8 +154,9 @@ TEST(Encryption, StrangersGetNothingAndDoNotDisturbAViewer) {
   replayed.say(hello);
   ASSERT_NE(served.capture_when_wanted(), 0u);
   EXPECT_TRUE(client->receive({}));
-  EXPECT_TRUE(served.client(&kKey));
-  EXPECT_EQ(served.server().counters().clients, 2u);
+  const auto second = served.client(&kKey);
+  ASSERT_TRUE(second);
+  EXPECT_TRUE(eventually([&] { return served.server().counters().clients == 2; }));
 }
 
 TEST(Encryption, AClientHelloThatArrivesByteByByteIsAccepted) {

@@ -9,10 +9,10 @@
 #include <stop_token>
 #include <string>
 
+#include "common/wire/limited_log.h"
 #include "render_client/stream/availability.h"
 #include "render_client/stream/camera_states.h"
 #include "render_client/stream/frame_source.h"
-#include "common/wire/limited_log.h"
 
 namespace copresence::stream {
 

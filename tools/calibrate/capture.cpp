@@ -11,8 +11,8 @@
 #include "common/tls/room_key.h"
 #include "common/wire/frame_client.h"
 #include "common/wire/host_port.h"
-#include "render_client/decoding/frame_decoding.h"
 #include "common/wire/limited_log.h"
+#include "render_client/decoding/frame_decoding.h"
 
 namespace copresence::calibrate {
 namespace {

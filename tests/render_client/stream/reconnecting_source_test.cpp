@@ -60,7 +60,8 @@ class ReconnectingSourceTest : public ::testing::Test {
   std::deque<Error> ends_;  // how each connection ends after its one frame
   std::vector<std::string> begun_, lines_;
   CameraStates states_{{{"host:1", ""}}};
-  wire::LimitedLog log_{[this](wire::LimitedLog::Severity, const std::string& line) { lines_.push_back(line); }};
+  wire::LimitedLog log_{
+      [this](wire::LimitedLog::Severity, const std::string& line) { lines_.push_back(line); }};
 };
 
 TEST_F(ReconnectingSourceTest, ConnectsAgainUntilItIsRefused) {

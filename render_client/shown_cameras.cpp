@@ -77,9 +77,13 @@ void ShownCameras::leave_out_moving_surfaces(std::size_t index, CameraFrame& fra
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     const CameraFrame* const shown = i == index ? &frame : cameras_[i].newest.get();
     if (!shown || !shown->setup->has_pose) continue;
-    const bool is_recent = frame.captured_at - shown->captured_at <=
-                           seconds(kMostPeriodsApart / shown->stream->frames_per_second);
-    if (i != index && (!is_recent || stale_.opacity(i, now) < 1)) continue;
+    if (i != index) {
+      const double period_s = 1 / shown->stream->frames_per_second;
+      const bool is_recent = frame.captured_at - shown->captured_at <= seconds(kMostPeriodsApart * period_s);
+      if (!is_recent || moving_surfaces::capture_together(frame.captured_at, shown->captured_at, period_s))
+        continue;
+      if (stale_.opacity(i, now) < 1) continue;
+    }
     cameras[i] = {camera_view(*shown, 0, color_matching::ColorCorrection::Identity()), &shown->moving_blocks};
   }
   moving_surfaces_.leave_out(frame.frame, index, cameras);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -101,6 +102,12 @@ class Depths {
 };
 
 }  // namespace
+
+bool capture_together(Instant one, Instant other, double period_s) {
+  constexpr double kSameInstantS = 0.005;  // A hand at 2 m/s moves by 1 cm.
+  const double apart_s = std::chrono::duration<double>(one - other).count();
+  return std::abs(std::remainder(apart_s, period_s)) < kSameInstantS;
+}
 
 MovingSurfaces::MovingSurfaces(std::size_t cameras)
     : cameras_(cameras), prefers_lower_(cameras * cameras, true), rays_(cameras) {}

@@ -35,6 +35,11 @@
 
 namespace copresence::moving_surfaces {
 
+/// Returns whether two cameras capture at nearly the same instants, every `period_s` seconds. The
+/// arguments are the instants of any two of their frames. Such cameras show moving surfaces at the
+/// same place. Their frames are merged like those of still surfaces, which has less noise.
+bool capture_together(Instant one, Instant other, double period_s);
+
 /// The newest frame of a camera.
 struct CameraMotion {
   renderer::CameraView view;  ///< The frame may lack pixels that were left out.

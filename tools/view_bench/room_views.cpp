@@ -239,7 +239,8 @@ class Room {
       if (auto captured = cameras_[i].capture(phase_, static_cast<std::uint64_t>(frame), versions_);
           !captured)
         return captured;
-      if (instant < choice_.turns) continue;
+      // Cameras with one turn capture together, and the client merges their moving surfaces.
+      if (choice_.turns == 1 || instant < choice_.turns) continue;
       std::vector<std::optional<moving_surfaces::CameraMotion>> motions;
       for (const Camera& camera : cameras_) motions.emplace_back(camera.motion());
       moving_.leave_out(cameras_[i].shown(), i, motions);

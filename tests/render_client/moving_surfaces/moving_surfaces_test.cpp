@@ -103,6 +103,17 @@ class TwoCameras : public ::testing::Test {
 };
 
 // A few pixels beside the arm of the better camera stay, since depth edges are inaccurate.
+TEST(CaptureTogether, WhateverFramesAreCompared) {
+  using std::chrono::milliseconds;
+  const Instant start{};
+  const double period_s = 0.0333;
+  EXPECT_TRUE(capture_together(start, start + milliseconds(3), period_s));
+  EXPECT_TRUE(capture_together(start + milliseconds(3), start, period_s));
+  EXPECT_TRUE(capture_together(start, start + milliseconds(32), period_s)) << "the next frame is 1 ms away";
+  EXPECT_FALSE(capture_together(start, start + milliseconds(17), period_s)) << "half a period";
+  EXPECT_FALSE(capture_together(start, start + milliseconds(7), period_s));
+}
+
 TEST_F(TwoCameras, ShowAMovingArmOnce) {
   const int alone = shown_arm({&cameras_[0]});
   ASSERT_GT(alone, 1000);

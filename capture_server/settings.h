@@ -33,7 +33,7 @@ struct ServerSettings : EncodingSettings {
   std::string record;  ///< Path of the .oni file to record to, or empty.
   std::string config;  ///< Path of the settings file, or empty.
   bool list = false;
-  std::string make_key;  ///< Path of the key file to make, or empty. Nothing else is done then.
+  std::string make_key;  ///< If not empty, the program only makes a key file at this path.
 
   /// The text of every setting, given or default, by its flag's name without the dashes. The text
   /// is empty if the setting is not set. The map is used for messages about changed settings.

@@ -4,8 +4,8 @@
 //
 // The file begins with a head of fixed size: information, tracks and attachments, then padding. The
 // head can grow into the padding, so that tracks may be added while blocks are written. Each block
-// is appended to the file at once. A cluster has an unknown size until the next one begins. Indexes
-// are written by finish(); without them, players search a little longer.
+// is appended to the file at once. A cluster has an unknown size until the next one begins. finish()
+// writes indexes. Without them, a player takes a little longer to find a position.
 //
 // Thread: one thread at a time.
 

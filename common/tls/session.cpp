@@ -210,7 +210,7 @@ Outcome Session::State::outcome_of_handshake(int result) const {
   switch (ERR_GET_REASON(ERR_peek_error())) {
     case SSL_R_BINDER_DOES_NOT_VERIFY:     // At the server.
     case SSL_R_CERTIFICATE_VERIFY_FAILED:  // At the client: the server shows a certificate instead of the key.
-    // At the client: alerts by which servers reject a key. OpenSSL's sends the first one.
+    // At the client: the server's alert that rejects the key. A server with OpenSSL sends the first.
     case SSL_AD_REASON_OFFSET + SSL_AD_ILLEGAL_PARAMETER:
     case SSL_AD_REASON_OFFSET + SSL_AD_DECRYPT_ERROR:
     case SSL_AD_REASON_OFFSET + SSL_AD_UNKNOWN_PSK_IDENTITY:

@@ -1,9 +1,9 @@
 #pragma once
 
 // Keeps the state of each camera's connection: connected, waiting for its server, left out of the
-// view, or at the end of its recording. The window, its title and the log report the state. A headless
-// client ends when every camera has ended. Any client ends when every camera is refused. Thread:
-// any. Receivers write, and the render thread reads.
+// view, or at the end of its recording. The window, its title and the log report the state. A
+// headless client ends when every camera has ended or is refused. A window stays open then.
+// Thread: any. Receivers write, and the render thread reads.
 
 #include <cstddef>
 #include <functional>
@@ -90,7 +90,7 @@ class CameraStates {
   std::optional<Error> all_refused_;
 };
 
-/// Returns an ordinal number: a word up to tenth, then 11th, 12th, 21st and so on.
+/// Returns the ordinal of a positive number: "first" to "tenth", then "11th", "12th" and so on.
 std::string ordinal(int number);
 
 }  // namespace copresence::stream

@@ -4,8 +4,8 @@
 // (common/wire/flow_control/client_window.h): a viewer gets every frame while its window has room.
 // If the window is full, the viewer gets nothing until no frame is in flight, and then a keyframe.
 //
-// A viewer who joins first gets the frames since the last keyframe, as fast as its window allows,
-// and then the new frames. If a newer keyframe comes meanwhile, the viewer continues with that one.
+// A new viewer gets the frames since the last keyframe, as fast as its window allows. Then it gets
+// the new frames. If a newer keyframe comes meanwhile, the viewer continues with that one.
 // A viewer who fell behind continues with the kept group if its keyframe is newer than what the
 // viewer has. Thread: one thread.
 

@@ -204,7 +204,10 @@ void merge(benchmark::State& state) {
         }
       }
       const auto begin = std::chrono::steady_clock::now();
-      merge_tile(sources, tiles, {.wanted = {.color = true}, .background = {}}, view, unwanted, borders);
+      const MergeSettings settings{.wanted = {.color = true},
+                                   .background = {},
+                                   .silhouette_step = kSilhouetteSteps * inverse_step(sources[0].noise)};
+      merge_tile(sources, tiles, settings, view, unwanted, borders);
       merging += std::chrono::steady_clock::now() - begin;
     }
     state.SetIterationTime(merging.count());

@@ -20,7 +20,8 @@ void measure_incidence(const InverseDepth& inverse, const PlanarBlocks& blocks, 
                        Image<float>& incidences);
 
 /// Each texel has red in the lowest byte, then green, blue and alpha. Alpha is 255 times the
-/// weight, and at least 1. It is 0 only for pixels that are left out (merge_rules.h). The texture has one more column and row than the frame. They repeat the
+/// weight, and at least 1. It is 0 only for pixels that are left out (merge_rules.h).
+/// The texture has one more column and row than the frame. They repeat the
 /// last column and row, so that a bilinear sample at the border needs no clamping.
 using CameraTexture = Image<std::uint32_t>;
 
